@@ -1,0 +1,1 @@
+"""What the parts of the house hand to each other: records, documents checked against ``schemas/``, provenance."""

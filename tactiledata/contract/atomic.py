@@ -1,0 +1,40 @@
+"""Files that are either wholly there or not at all, whatever moment the process is killed at."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from pathlib import Path
+
+from tactiledata.contract.provenance import json_bytes
+
+
+def write_atomic(path: Path, content: bytes) -> None:
+    """A file with this content: written beside its place, synced, renamed into place, the folder synced."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.parent / f".{path.name[:60]}.{secrets.token_hex(4)}.part"
+    try:
+        with beside.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
+    sync_folder(path.parent)
+
+
+def write_json_atomic(path: Path, value: object) -> None:
+    """A JSON file that people can read: canonical order, two spaces, a line break at the end."""
+    json_bytes(value)  # refuses what canonical JSON refuses, NaN included
+    write_atomic(path, (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False) + "\n").encode())
+
+
+def sync_folder(folder: Path) -> None:
+    """The folder's entries are on disk."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,102 @@
+"""What a recording says of itself (``schemas/log.json``), with its transforms as named poses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from tactiledata.contract.schema import check_document
+from tactiledata.errors import UnknownName
+from tactiledata.transforms import Transform
+
+LOG_FORMAT = "tactiledata-log/1"
+
+
+@dataclass(frozen=True)
+class LogDescription:
+    """The content of a log.yaml, checked.
+
+    Parameters
+    ----------
+    document : dict
+        As in ``schemas/log.json``; empty where a recording says nothing of itself.
+    where : str
+        The file or record that it came from, for messages.
+    """
+
+    document: Mapping[str, Any] = field(default_factory=dict)
+    where: str = ""
+
+    @classmethod
+    def checked(cls, document: Mapping[str, Any], where: str) -> LogDescription:
+        """A description that fits the schema and whose transforms are rigid.
+
+        Raises
+        ------
+        SchemaError
+            With the path inside the document.
+        """
+        check_document(document, "log", where)
+        description = cls(document, where)
+        for name in ("gel", "ft"):
+            description.transform(f"tcp_from_{name}")
+        for name in description.indenters:
+            description.base_from_indenter(name)
+        return description
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether the recording says nothing of itself."""
+        return not self.document
+
+    @property
+    def sensors(self) -> Mapping[str, Any]:
+        """Sensors by serial."""
+        return self.document.get("sensors", {})
+
+    @property
+    def indenters(self) -> Mapping[str, Any]:
+        """Indenters by name."""
+        return self.document.get("indenters", {})
+
+    @property
+    def robot(self) -> Mapping[str, Any]:
+        """Robot model, ``tcp_from_gel``, ``tcp_from_ft``, tool."""
+        return self.document.get("robot", {})
+
+    @property
+    def wrench(self) -> Mapping[str, Any]:
+        """What the wrench stream means: sign, gravity, tare events."""
+        return self.document.get("wrench", {})
+
+    def clock_offset(self, stream: str) -> int:
+        """Nanoseconds to add to a stream's stamps to reach the host clock; 0 where not stated."""
+        return int(self.document.get("clocks", {}).get(stream, {}).get("offset_ns", 0))
+
+    def transform(self, name: str) -> Transform | None:
+        """``tcp_from_gel`` or ``tcp_from_ft``; ``None`` where not stated."""
+        value = self.robot.get(name)
+        to, _, source = name.partition("_from_")
+        return None if value is None else Transform.from_document(to, source, value)
+
+    def base_from_indenter(self, indenter: str) -> Transform | None:
+        """Where an indenter stands; ``None`` where not stated."""
+        if indenter not in self.indenters:
+            raise UnknownName("indenter", indenter, self.indenters)
+        value = self.indenters[indenter].get("base_from_indenter")
+        return None if value is None else Transform.from_document("base", indenter, value)
+
+    def merged(self, addition: Mapping[str, Any], where: str) -> LogDescription:
+        """This description with another laid over it, key by key; what is added wins."""
+        return LogDescription.checked(_merge({"format": LOG_FORMAT, **self.document}, addition), where)
+
+
+def _merge(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    both = dict(below)
+    for key, value in above.items():
+        if isinstance(value, Mapping) and isinstance(both.get(key), Mapping):
+            both[key] = _merge(both[key], value)
+        else:
+            both[key] = value
+    return both

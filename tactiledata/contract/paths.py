@@ -1,0 +1,30 @@
+"""Paths that documents name, kept inside the folder that they belong to."""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePosixPath
+
+from tactiledata.errors import UnsafeContent
+
+
+def path_inside(folder: Path, name: str, where: str) -> Path:
+    """The path ``folder/name``, where a document named ``name``.
+
+    Raises
+    ------
+    UnsafeContent
+        The name is absolute, or leads out of the folder by ``..`` or by a link.
+    """
+    pure = PurePosixPath(name.replace("\\", "/"))
+    escapes = pure.is_absolute() or ".." in pure.parts or "\0" in name or (pure.parts and ":" in pure.parts[0])
+    if not escapes:
+        path = folder / pure
+        escapes = not path.resolve().is_relative_to(folder.resolve())
+    if escapes:
+        raise UnsafeContent(
+            f"{where} names the path {name!r}, which leaves the folder {folder}",
+            "a relative path inside the folder",
+            "Copy the file into the folder and name it from there.",
+            path=name,
+        )
+    return path

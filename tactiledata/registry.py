@@ -1,0 +1,57 @@
+"""Lazy tables of names: ``name -> "package.module:Object"``, looked up only when a name is used."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping
+from importlib.metadata import entry_points
+from typing import Any
+
+from tactiledata.errors import UnknownName
+
+
+class Registry(Mapping[str, Any]):
+    """A family's members by name; looking one up imports its module, listing the names imports nothing.
+
+    Parameters
+    ----------
+    kind : str
+        What a member is called in messages, for example ``"format"``.
+    table : dict
+        ``name -> "package.module:Object"``, in the order in which members are tried and listed.
+    group : str, optional
+        Entry-point group by which other installed packages add members. A member of ours wins over theirs.
+
+    Examples
+    --------
+    >>> roots = Registry("function", {"sqrt": "math:sqrt"})
+    >>> roots["sqrt"](9.0)
+    3.0
+    """
+
+    def __init__(self, kind: str, table: Mapping[str, str], group: str | None = None) -> None:
+        self.kind = kind
+        self._table = dict(table)
+        self._group = group
+
+    def _targets(self) -> dict[str, str]:
+        if self._group is None:
+            return self._table
+        outside = {point.name: point.value for point in entry_points(group=self._group)}
+        return {**self._table, **{name: value for name, value in outside.items() if name not in self._table}}
+
+    def __getitem__(self, name: str) -> Any:
+        targets = self._targets()
+        if name not in targets:
+            raise UnknownName(self.kind, name, targets)
+        module, _, attribute = targets[name].partition(":")
+        return getattr(importlib.import_module(module), attribute)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._targets())
+
+    def __len__(self) -> int:
+        return len(self._targets())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._targets()

@@ -1,0 +1,59 @@
+"""Fields and their units: the one table behind validation, docs and plot labels. Inside the toolkit, SI is the law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tactiledata.errors import UnknownName
+
+
+@dataclass(frozen=True)
+class Field:
+    """What a column of numbers means: its unit as stored, and a label for people."""
+
+    unit: str
+    label: str
+
+
+FIELDS: dict[str, Field] = {
+    "t_ns": Field("ns", "time on the host clock"),
+    "fx": Field("N", "force along x"),
+    "fy": Field("N", "force along y"),
+    "fz": Field("N", "force along z"),
+    "tx": Field("N m", "torque about x"),
+    "ty": Field("N m", "torque about y"),
+    "tz": Field("N m", "torque about z"),
+    "x": Field("m", "position x"),
+    "y": Field("m", "position y"),
+    "z": Field("m", "position z"),
+    "qx": Field("1", "quaternion x"),
+    "qy": Field("1", "quaternion y"),
+    "qz": Field("1", "quaternion z"),
+    "qw": Field("1", "quaternion w"),
+    **{f"q{joint}": Field("rad", f"joint {joint}") for joint in range(6)},
+    "contact_force": Field("N", "norm of the contact force"),
+    "gap_ns": Field("ns", "time to the farther of the two samples that an aligned value lies between"),
+}
+
+SIGNAL_COLUMNS: dict[str, tuple[str, ...]] = {
+    "wrench": ("fx", "fy", "fz", "tx", "ty", "tz"),
+    "tcp": ("x", "y", "z", "qx", "qy", "qz", "qw"),
+    "joints": ("q0", "q1", "q2", "q3", "q4", "q5"),
+    "contact_wrench": ("fx", "fy", "fz", "tx", "ty", "tz"),
+}
+"""Columns of the signals that the toolkit knows by name, in order."""
+
+TO_METRES: dict[str, float] = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "in": 0.0254}
+"""Factors for lengths in documents that say their unit."""
+
+
+def metres(value: float, unit: str) -> float:
+    """A length in metres, from a value and the unit that a document states."""
+    if unit not in TO_METRES:
+        raise UnknownName("length unit", unit, TO_METRES)
+    return value * TO_METRES[unit]
+
+
+def signal_units(columns: tuple[str, ...]) -> tuple[str, ...]:
+    """Units of columns, ``"?"`` where the table does not know the column."""
+    return tuple(FIELDS[column].unit if column in FIELDS else "?" for column in columns)
