@@ -1,0 +1,47 @@
+"""What every scheduler offers: results of independent tasks, in the order of the tasks, with bounded memory."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from tactiledata.errors import TactileDataError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[T, R]):
+    """What became of one task: a result, or the error that ended it."""
+
+    task: T
+    result: R | None
+    error: TactileDataError | None
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether there is a result."""
+        return self.error is None
+
+
+class Scheduler(ABC):
+    """Runs one function over many tasks.
+
+    The function and the tasks must pickle. An error of the toolkit's own tree ends its task only; any other error is a
+    fault of ours and ends the run.
+    """
+
+    @abstractmethod
+    def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
+        """One `Outcome` per task, in the order of ``tasks``; a few tasks ahead of the reader at most."""
+
+
+def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:
+    """The outcome of one task, run here; what a worker executes."""
+    try:
+        return Outcome(task, function(task), None)
+    except TactileDataError as error:
+        return Outcome(task, None, error)

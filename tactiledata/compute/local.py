@@ -1,0 +1,62 @@
+"""Tasks in this process (one worker) or on local processes."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt
+from tactiledata.errors import TactileDataError, UsageError
+
+
+class LocalScheduler(Scheduler):
+    """Local processes; with one worker, no process is started.
+
+    Parameters
+    ----------
+    workers : int
+        How many tasks run at a time, at least 1.
+    """
+
+    def __init__(self, workers: int = 1) -> None:
+        if workers < 1:
+            raise UsageError(f"{workers} workers", "at least 1", "Leave --workers out to run in one process.")
+        self.workers = workers
+
+    def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
+        """See `Scheduler.outcomes`."""
+        if self.workers == 1 or len(tasks) < 2:
+            for task in tasks:
+                yield attempt(function, task)
+            return
+        # spawn: a forked child would inherit locks of libraries that run threads (tensorstore, OpenCV)
+        context = multiprocessing.get_context("spawn")
+        waiting: deque[tuple[T, Future[Outcome[Any, Any]]]] = deque()
+        with ProcessPoolExecutor(self.workers, mp_context=context) as pool:
+            ahead = iter(tasks)
+            try:
+                for task in ahead:
+                    waiting.append((task, pool.submit(attempt, function, task)))
+                    if len(waiting) >= 2 * self.workers:
+                        yield _collect(*waiting.popleft())
+                while waiting:
+                    yield _collect(*waiting.popleft())
+            finally:
+                for _, future in waiting:
+                    future.cancel()
+
+
+def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
+    try:
+        return future.result()
+    except BrokenProcessPool as error:
+        raise TactileDataError(
+            f"a worker process died while it, or another worker, was at {task!r}"[:500],
+            "",
+            "Most often the machine ran out of memory: use fewer --workers. Run the same command again to go on; "
+            "what is finished is kept.",
+        ) from error

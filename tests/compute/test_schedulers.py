@@ -1,0 +1,63 @@
+"""Every scheduler gives the same outcomes in the order of the tasks."""
+
+import os
+
+import pytest
+
+from tactiledata.compute import SCHEDULERS
+from tactiledata.errors import BrokenLog, TactileDataError, UsageError
+
+
+def halve(number):
+    if number % 2:
+        raise BrokenLog(f"{number} is odd", "an even number", "Add one.", number=number)
+    return number // 2
+
+
+def die(number):
+    if number == 3:
+        os._exit(1)
+    return number
+
+
+def check(outcomes):
+    assert [outcome.task for outcome in outcomes] == list(range(10))
+    assert [outcome.result for outcome in outcomes if outcome.is_ok] == [0, 1, 2, 3, 4]
+    odd = [outcome.error for outcome in outcomes if not outcome.is_ok]
+    assert [error.facts["number"] for error in odd] == [1, 3, 5, 7, 9]
+    assert str(odd[0]) == "1 is odd; expected an even number. Add one."
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_local_outcomes_keep_order_and_errors(workers):
+    """Results and errors come in task order, whether in this process or on others."""
+    check(list(SCHEDULERS["local"](workers).outcomes(halve, range(10))))
+
+
+def test_dask_outcomes_equal_local_ones():
+    """A real Dask cluster gives what local processes give."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        check(list(SCHEDULERS["dask"](cluster.scheduler_address).outcomes(halve, range(10))))
+
+
+def test_a_worker_that_dies_is_named():
+    """A worker killed by the system ends the run with advice, not a traceback of the pool."""
+    with pytest.raises(TactileDataError, match="memory"):
+        list(SCHEDULERS["local"](2).outcomes(die, range(8)))
+
+
+def test_zero_workers_is_refused():
+    """Zero workers is a usage error."""
+    with pytest.raises(UsageError, match="at least 1"):
+        SCHEDULERS["local"](0)
+
+
+def test_absent_dask_scheduler_is_a_usage_error(monkeypatch):
+    """An address where nobody listens gives advice."""
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("tactiledata.compute.dask.CONNECT_TIMEOUT", 0.5)
+    with pytest.raises(UsageError, match="no Dask scheduler answers"):
+        list(SCHEDULERS["dask"]("tcp://127.0.0.1:9").outcomes(halve, range(2)))
