@@ -1,0 +1,49 @@
+"""Values of a signal at the moments of the frames, with the distance between the samples that each lies between."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tactiledata.contract.records import AlignedSignal, StoredSignal, Times
+from tactiledata.transforms import interpolate_poses
+
+POSE_COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
+LINEAR = "linear interpolation between the neighbouring samples"
+SLERP = "linear in position, slerp in rotation, between the neighbouring samples"
+
+
+def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
+    """A signal's values at the frames' times.
+
+    Samples that are not finite are left out; of samples with one time the first is taken. Nothing is extrapolated: a
+    frame before the first or after the last sample has NaN and a gap of -1.
+
+    Parameters
+    ----------
+    signal : StoredSignal
+        ``t_ns`` non-decreasing.
+    frame_t_ns : (n_frames,) int64
+    """
+    is_pose = signal.columns == POSE_COLUMNS
+    usable = np.isfinite(signal.values).all(axis=1)
+    times, first = np.unique(signal.t_ns[usable], return_index=True)
+    samples = signal.values[usable][first]
+    values = np.full((len(frame_t_ns), len(signal.columns)), np.nan)
+    gap = np.full(len(frame_t_ns), -1, dtype=np.int64)
+    if len(times):
+        after = np.clip(np.searchsorted(times, frame_t_ns, side="left"), 0, len(times) - 1)
+        exact = times[after] == frame_t_ns
+        between = (frame_t_ns > times[0]) & (frame_t_ns < times[-1]) & ~exact
+        gap[exact] = 0
+        gap[between] = times[after[between]] - times[after[between] - 1]
+        inside = exact | between
+        # int64 nanoseconds since the epoch do not fit float64; distances from the first sample do
+        knots = (times - times[0]).astype(np.float64)
+        wanted = (frame_t_ns[inside] - times[0]).astype(np.float64)
+        if is_pose and inside.any():
+            values[inside] = interpolate_poses(knots, samples, wanted)
+        elif inside.any():
+            values[inside] = np.stack(
+                [np.interp(wanted, knots, samples[:, column]) for column in range(samples.shape[1])], axis=1
+            )
+    return AlignedSignal(values, gap, signal.columns, signal.units, signal.frame, SLERP if is_pose else LINEAR)

@@ -1,0 +1,137 @@
+"""Which of three time stamps a stream lives by, and putting the stream on the host clock.
+
+Every message carries up to three stamps: when the recorder wrote it (log), when the sender sent it (publish), and what
+it says itself (header). The header is closest to the measurement, but may be unset, jump, or run on another clock.
+All three are kept in the store; this module says which one was taken, and why.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactiledata.contract.records import Finding, Stamps, Times
+
+NEAR = 1_000_000_000
+"""ns. A header clock whose median distance to the log time is below this is taken to be the host clock itself."""
+
+STEADY = 200_000_000
+"""ns. Spread (5th to 95th percentile) of log minus header above which a header clock is not steady."""
+
+
+@dataclass(frozen=True)
+class ClockChoice:
+    """Times on the host clock and how they came about.
+
+    Parameters
+    ----------
+    t_ns : (n,) int64
+        In the order of the samples as recorded; may be out of order.
+    clock : str
+        ``"header"``, ``"header+shift"``, ``"publish"`` or ``"log"``.
+    shift_ns : int
+        What was added to the stamps of that clock.
+    findings : tuple of Finding
+    """
+
+    t_ns: Times
+    clock: str
+    shift_ns: int
+    findings: tuple[Finding, ...]
+
+
+def choose_clock(stream: str, stamps: Stamps, preference: str = "auto", stated_offset_ns: int = 0) -> ClockChoice:
+    """Times of a stream on the host clock.
+
+    Parameters
+    ----------
+    stream : str
+        For messages.
+    stamps : Stamps
+    preference : "auto", "header", "publish" or "log"
+        ``auto``: the header where it is set, in order and steady against the log time, else the log time. A header
+        clock that is steady but far from the log time is another machine's: it is shifted by the median distance.
+    stated_offset_ns : int
+        Offset that the recording states (host = stream + offset). It wins over an estimate.
+    """
+    if len(stamps) == 0:
+        return ClockChoice(stamps.log, "log", 0, ())
+    if preference == "log":
+        return ClockChoice(stamps.log + stated_offset_ns, "log", stated_offset_ns, ())
+    if preference == "publish":
+        publish = stamps.publish if stamps.publish is not None else stamps.log
+        return ClockChoice(publish + stated_offset_ns, "publish", stated_offset_ns, ())
+    header = stamps.header
+    reason = _why_not_header(stamps)
+    if preference == "header" and header is not None and bool((header > 0).all()):
+        return ClockChoice(header + stated_offset_ns, "header", stated_offset_ns, ())
+    if header is None or reason:
+        findings = (Finding("clock-log-time", "info", f"{stream}: log time taken, {reason}", stream),) if reason else ()
+        return ClockChoice(stamps.log + stated_offset_ns, "log", stated_offset_ns, findings)
+    if stated_offset_ns:
+        return ClockChoice(header + stated_offset_ns, "header", stated_offset_ns, ())
+    # the middle one, not np.median: its float64 would round epoch nanoseconds
+    distance = int(np.partition(stamps.log - header, len(header) // 2)[len(header) // 2])
+    if abs(distance) < NEAR:
+        return ClockChoice(header, "header", 0, ())
+    shifted = Finding(
+        "clock-shifted",
+        "info",
+        f"{stream}: its header clock is {distance / 1e9:.3f} s from the host's; shifted by the median distance, "
+        "which holds the transport delay too",
+        stream,
+        count=len(stamps),
+    )
+    return ClockChoice(header + distance, "header+shift", distance, (shifted,))
+
+
+def _why_not_header(stamps: Stamps) -> str:
+    """Why the header stamps cannot be taken; empty where they can, or where there are none by design."""
+    header = stamps.header
+    if header is None:
+        return ""
+    unset = int((header <= 0).sum())
+    if unset:
+        return f"{unset} of {len(header)} header stamps are not set"
+    backwards = int((np.diff(header) < 0).sum())
+    if backwards:
+        return f"header stamps run backwards at {backwards} of {len(header)} samples"
+    if len(header) > 1 and len(np.unique(header)) < 0.5 * len(header):
+        return "more than half of the header stamps repeat the one before"
+    lag = stamps.log - header
+    low, high = np.percentile(lag - lag[0], [5, 95])
+    if high - low > STEADY:
+        return f"the header clock wanders {(high - low) / 1e6:.0f} ms against the log time"
+    return ""
+
+
+def time_order(stream: str, t_ns: Times) -> tuple[Times | None, tuple[Finding, ...]]:
+    """Row order that sorts the times (``None``: already sorted), and what is to be said about it."""
+    steps = np.diff(t_ns)
+    findings: list[Finding] = []
+    repeated = int((steps == 0).sum())
+    if repeated:
+        findings.append(
+            Finding(
+                "duplicate-stamps",
+                "warning",
+                f"{stream}: {repeated} of {len(t_ns)} samples have the time of the sample before; all are kept",
+                stream,
+                count=repeated,
+            )
+        )
+    backwards = int((steps < 0).sum())
+    if not backwards:
+        return None, tuple(findings)
+    findings.append(
+        Finding(
+            "time-order",
+            "warning",
+            f"{stream}: {backwards} of {len(t_ns)} samples are earlier than the one before, by up to "
+            f"{-int(steps.min()) / 1e6:.1f} ms; sorted",
+            stream,
+            count=backwards,
+        )
+    )
+    return np.argsort(t_ns, kind="stable"), tuple(findings)
