@@ -410,6 +410,8 @@ class Take:
     signals : dict of StoredSignal
     aligned : dict of AlignedSignal
         Rows are those of ``frames``.
+    frame_values : dict of FrameValues
+        Rows are those of ``frames``.
     references : dict of Reference, by sensor
     sensors : dict, sensor -> facts
         Model, serial, licence, gel: what the sensors registry of the store keeps.
@@ -425,6 +427,7 @@ class Take:
     findings: pa.Table
     signals: Mapping[str, StoredSignal] = field(default_factory=dict)
     aligned: Mapping[str, AlignedSignal] = field(default_factory=dict)
+    frame_values: Mapping[str, FrameValues] = field(default_factory=dict)
     references: Mapping[str, Reference] = field(default_factory=dict)
     sensors: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
