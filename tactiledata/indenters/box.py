@@ -1,0 +1,42 @@
+"""A box."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from tactiledata.indenters.base import ParametricIndenter
+from tactiledata.indenters.base.planar import polygon_distance, swept_distance
+from tactiledata.indenters.base.surface import prism_mesh
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Box(ParametricIndenter):
+    """A box that stands on a face; ``width`` along x, ``breadth`` along y. A cube where all three are equal."""
+
+    shape = "box"
+    title = "box or cube on a face"
+
+    width: float = 0.008
+    breadth: float = 0.008
+    length: float = 0.008
+
+    @property
+    def _corners(self) -> Array:
+        return np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [self.width / 2, self.breadth / 2]
+
+    def signed_distance(self, points: Array) -> Array:
+        section = polygon_distance(points[:, :2], self._corners)
+        return swept_distance(section, points[:, 2] - self.length / 2, self.length / 2)
+
+    def mesh(self) -> trimesh.Trimesh:
+        return prism_mesh(self._corners, self.length)
+
+    def height(self, x: Array, y: Array) -> Array:
+        flat = np.column_stack([np.ravel(x), np.ravel(y)])
+        return np.where(polygon_distance(flat, self._corners) <= 0, 0.0, np.inf).reshape(np.shape(x))

@@ -1,0 +1,49 @@
+"""A cone with a rounded tip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from tactiledata.indenters.base import ParametricIndenter
+from tactiledata.indenters.base.planar import (
+    polygon_distance,
+    radius_of,
+    rounded_wedge,
+    rounded_wedge_height,
+    rounded_wedge_outline,
+)
+from tactiledata.indenters.base.surface import revolved_mesh
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Cone(ParametricIndenter):
+    """A cone, tip down; tip and upper rim are rounded with ``tip_radius``, as every print's are."""
+
+    shape = "cone"
+    title = "cone with a rounded tip"
+
+    half_angle: float = 0.7
+    tip_radius: float = 0.0005
+    length: float = 0.008
+
+    def _laws(self) -> tuple[tuple[bool, str], ...]:
+        return (
+            (self.half_angle < np.pi / 2, "half_angle < pi / 2"),
+            (2 * self.tip_radius < self.length, "2 * tip_radius < length"),
+        )
+
+    def signed_distance(self, points: Array) -> Array:
+        core, _ = rounded_wedge(self.half_angle, self.tip_radius, self.length)
+        return polygon_distance(np.column_stack([radius_of(points), points[:, 2]]), core) - self.tip_radius
+
+    def mesh(self) -> trimesh.Trimesh:
+        return revolved_mesh(rounded_wedge_outline(self.half_angle, self.tip_radius, self.length, arc_points=17))
+
+    def height(self, x: Array, y: Array) -> Array:
+        return rounded_wedge_height(np.hypot(x, y), self.half_angle, self.tip_radius, self.length)

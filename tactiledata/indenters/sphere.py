@@ -1,0 +1,35 @@
+"""A ball."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from tactiledata.indenters.base import ParametricIndenter
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sphere(ParametricIndenter):
+    """A ball that touches in one point: the yardstick, as Hertz solved it."""
+
+    shape = "sphere"
+    title = "ball"
+
+    radius: float = 0.004
+
+    def signed_distance(self, points: Array) -> Array:
+        return np.linalg.norm(points - [0.0, 0.0, self.radius], axis=1) - self.radius
+
+    def mesh(self) -> trimesh.Trimesh:
+        ball = trimesh.creation.icosphere(subdivisions=4, radius=self.radius)
+        ball.apply_translation([0.0, 0.0, self.radius])
+        return ball
+
+    def height(self, x: Array, y: Array) -> Array:
+        squared = self.radius**2 - x**2 - y**2
+        return np.where(squared >= 0, self.radius - np.sqrt(np.maximum(squared, 0.0)), np.inf)
