@@ -1,0 +1,174 @@
+"""Who goes where: a draw by keyed hash that depends on nothing but the trajectory's root and the seed.
+
+So the order of a store, the day on which data arrived and what else is there move nobody.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.errors import UnknownName, UsageError
+from tactiledata.splits.groups import UNIT_KINDS, Groups, group_trajectories
+from tactiledata.splits.options import EXCLUDED, SHARES, SplitOptions
+
+MIN_UNITS = 4
+"""Fewer units of a kind than this, and ``auto`` holds none of them out: training needs several to generalise from."""
+HELD_SHARE = 0.2
+"""Share of the units of a kind that ``auto`` holds out; at least one."""
+
+Held = Mapping[str, Sequence[str]]
+
+SPLIT_SCHEMA = pa.schema(
+    [
+        ("uid", pa.string()),
+        ("trajectory", pa.string()),
+        ("sensor", pa.string()),
+        ("indenter", pa.string()),
+        ("root", pa.string()),  # uid of the recorded trajectory that it goes back to
+        ("group", pa.string()),  # uid by which it was drawn
+        ("partition", pa.string()),  # train, val, test, test_unseen, or excluded
+        ("unseen_sensor", pa.bool_()),
+        ("unseen_indenter", pa.bool_()),
+        ("frames", pa.int64()),  # frames that the split takes from it
+    ]
+)
+"""Columns of splits/<name>.parquet, one row a trajectory."""
+
+
+def draw(uid: str, seed: int, purpose: Literal["part", "hold-out"] = "part") -> float:
+    """A number in [0, 1) that depends on the uid, the seed and the purpose alone.
+
+    Examples
+    --------
+    >>> draw("00f1", seed=0) == draw("00f1", seed=0) != draw("00f1", seed=1)
+    True
+    """
+    key = hashlib.blake2b(str(seed).encode(), digest_size=32).digest()
+    word = hashlib.blake2b(uid.encode(), digest_size=8, key=key, person=purpose.encode()).digest()
+    return (int.from_bytes(word, "big") >> 11) / 2**53
+
+
+def part_of(draws: NDArray[np.float64], fractions: Sequence[float]) -> NDArray[np.int64]:
+    """Index (n,) into ``SHARES`` of draws (n,) in [0, 1); a share of 0 gets nobody."""
+    taken = [index for index, share in enumerate(fractions) if share > 0]
+    edges = np.cumsum([fractions[index] for index in taken])[:-1]
+    return np.asarray(taken)[np.searchsorted(edges, draws, side="right")]
+
+
+def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict[str, tuple[str, ...]], list[str]]:
+    """Units that are held out, by kind, and in words why.
+
+    Raises
+    ------
+    UnknownName
+        A unit was named that the store does not hold.
+    """
+    if options.hold_out == "none":
+        return {}, []
+    if not isinstance(options.hold_out, str):
+        for kind, names in options.hold_out.items():
+            known = {name for name in trajectories[kind].to_pylist() if name}
+            for name in names:
+                if name not in known:
+                    raise UnknownName(kind, name, known, "Only units of this store can be held out.")
+        return {kind: tuple(sorted(names)) for kind, names in options.hold_out.items()}, []
+    held: dict[str, tuple[str, ...]] = {}
+    notes: list[str] = []
+    for kind in options.strata:
+        units = _recorded_units(trajectories, kind)
+        if len(units) < MIN_UNITS:
+            notes.append(
+                f"no {kind} is held out: the store has {len(units)} of them ({', '.join(units) or 'none named'}), "
+                f"and {MIN_UNITS} are needed; --hold-out {kind}=… holds some out all the same"
+            )
+            continue
+        ranked = sorted(units, key=lambda unit: draw(f"{kind}\0{unit}", options.seed, "hold-out"))
+        held[kind] = tuple(sorted(ranked[: max(1, round(HELD_SHARE * len(units)))]))
+    return held, notes
+
+
+def _recorded_units(trajectories: pa.Table, kind: str) -> list[str]:
+    columns = zip(trajectories[kind].to_pylist(), trajectories["parent"].to_pylist(), strict=True)
+    pairs = [(name, parent) for name, parent in columns if name]
+    return sorted({name for name, parent in pairs if not parent} or {name for name, _ in pairs})
+
+
+def assign(
+    trajectories: pa.Table, options: SplitOptions, held_out: Held, frames: NDArray[np.int64] | None = None
+) -> pa.Table:
+    """The partition of every trajectory.
+
+    Parameters
+    ----------
+    trajectories : pa.Table
+        ``TRAJECTORY_SCHEMA``, n rows in any order.
+    options : SplitOptions
+    held_out : dict, unit kind -> names
+    frames : (n,) int64, optional
+        Frames that the split takes from each trajectory; 0 where not given.
+
+    Returns
+    -------
+    pa.Table
+        ``SPLIT_SCHEMA``, rows in the order given.
+
+    Raises
+    ------
+    StoreError
+        A uid twice, or parents in a circle.
+    UsageError
+        Every trajectory carries a held-out unit.
+    """
+    groups = group_trajectories(trajectories)
+    key = {uid: draw(uid, options.seed) for uid in set(groups.group)}
+    shares = part_of(np.array([key[uid] for uid in groups.group], float), options.fractions)
+    own, of_group = _carried(trajectories, groups, held_out)
+    any_own = np.logical_or.reduce(list(own.values()))
+    any_group = np.logical_or.reduce(list(of_group.values()))
+    partition = np.asarray(SHARES, object)[shares]
+    partition[any_own] = EXCLUDED
+    partition[any_group] = "test_unseen"
+    if len(partition) and not np.isin(partition, SHARES).any():
+        raise UsageError(
+            f"all {len(partition)} trajectories carry a held-out unit ({describe_held(held_out)})",
+            "trajectories that are left to train on",
+            "Hold fewer units out.",
+        )
+    count = np.zeros(trajectories.num_rows, np.int64) if frames is None else frames
+    columns = {
+        **{name: trajectories[name] for name in ("uid", "trajectory", *UNIT_KINDS)},
+        "root": groups.root,
+        "group": groups.group,
+        "partition": partition.tolist(),
+        **{f"unseen_{kind}": own[kind] | of_group[kind] for kind in UNIT_KINDS},
+        "frames": count,
+    }
+    return pa.table({name: columns[name] for name in SPLIT_SCHEMA.names}, schema=SPLIT_SCHEMA)
+
+
+def _carried(
+    trajectories: pa.Table, groups: Groups, held_out: Held
+) -> tuple[dict[str, NDArray[np.bool_]], dict[str, NDArray[np.bool_]]]:
+    """By unit kind, (n,) each: carries a held-out unit itself; a recorded member of its group does."""
+    own, of_group = {}, {}
+    for kind in UNIT_KINDS:
+        names = set(held_out.get(kind, ()))
+        own[kind] = np.array([name in names for name in trajectories[kind].to_pylist()], bool)
+        held_groups = {
+            group
+            for group, is_held, recorded in zip(groups.group, own[kind], groups.recorded, strict=True)
+            if is_held and recorded
+        }
+        of_group[kind] = np.array([group in held_groups for group in groups.group], bool)
+    return own, of_group
+
+
+def describe_held(held_out: Held) -> str:
+    """Held-out units in words."""
+    return "; ".join(f"{kind} {', '.join(names)}" for kind, names in held_out.items() if names) or "nobody"

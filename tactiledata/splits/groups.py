@@ -1,0 +1,158 @@
+"""Which trajectories belong together: families of derived ones, and touches that a recording names twice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from tactiledata.errors import StoreError
+
+UNIT_KINDS = ("sensor", "indenter")
+"""Columns of the trajectories table whose values are units: what can be held out and what strata are made of."""
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Who must stand together.
+
+    Parameters
+    ----------
+    root : (n,) list of str
+        Uid of the recorded trajectory that each one goes back to; its own uid for recorded ones.
+    group : (n,) list of str
+        Uid by which each one is drawn: the root's, or that of the first of several touches that overlap.
+    recorded : (n,) bool
+        Whether it is a recorded trajectory, not a derived one.
+    """
+
+    root: list[str]
+    group: list[str]
+    recorded: NDArray[np.bool_]
+
+
+def family_roots(uids: Sequence[str], parents: Sequence[str]) -> list[str]:
+    """The uid at the end of each trajectory's chain of parents.
+
+    A parent that the table does not hold ends the chain, so a derived trajectory in a store of its own is drawn as its
+    parent is in the other store.
+
+    Parameters
+    ----------
+    uids : (n,) str
+    parents : (n,) str
+        Empty for recorded trajectories.
+
+    Raises
+    ------
+    StoreError
+        A chain of parents that closes on itself.
+
+    Examples
+    --------
+    >>> family_roots(["a", "b", "c"], ["", "a", "b"])
+    ['a', 'a', 'a']
+    """
+    parent_of = {uid: parent for uid, parent in zip(uids, parents, strict=True) if parent}
+    if not parent_of:
+        return list(uids)
+    known: dict[str, str] = {}
+    for uid in uids:
+        chain: list[str] = []
+        at = uid
+        while at in parent_of and at not in known:
+            chain.append(at)
+            at = parent_of[at]
+            if len(chain) > len(parent_of):
+                raise StoreError(
+                    f"trajectory {uid!r} is derived from itself (parents {' <- '.join(chain[:5])} …)",
+                    "parents that lead to a recorded trajectory",
+                    "The store's trajectories table is damaged: run `tactiledata check`.",
+                    uid=uid,
+                )
+        end = known.get(at, at)
+        known.update(dict.fromkeys(chain, end))
+    return [known.get(uid, uid) for uid in uids]
+
+
+def overlapping_touches(
+    place: NDArray[np.int64], start: NDArray[np.int64], end: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """A number for each interval, equal for intervals of one place that overlap, directly or through others.
+
+    Parameters
+    ----------
+    place : (n,) int
+        Which recording and sensor.
+    start, end : (n,) int64 ns
+        Half-open intervals; an empty one overlaps nothing.
+
+    Returns
+    -------
+    (n,) int64
+        Row of the first interval (earliest start) that it is connected with; its own row where it stands alone.
+    """
+    if not len(place):
+        return np.empty(0, np.int64)
+    order = np.lexsort((np.arange(len(place)), end, start, place))
+    # ranks instead of nanoseconds leave room to put one place behind the other in a single running maximum
+    ranks = np.unique(np.concatenate([start, end]), return_inverse=True)[1].reshape(2, -1)
+    first, last = ranks[0][order], ranks[1][order]
+    base = np.unique(place[order], return_inverse=True)[1] * (2 * len(place) + 1)
+    reach = np.maximum.accumulate(base + np.where(last > first, last, 0))
+    is_new = np.ones(len(order), bool)
+    is_new[1:] = (base + first)[1:] >= reach[:-1]
+    is_new |= last <= first
+    leader = np.empty(len(order), np.int64)
+    # an empty interval is its own leader and must not lead those that follow it
+    heads = np.where(is_new & (last > first), np.arange(len(order)), -1)
+    running = np.maximum.accumulate(heads)
+    leader[order] = order[np.where(last > first, running, np.arange(len(order)))]
+    return leader
+
+
+def place_of(trajectories: pa.Table) -> NDArray[np.int64]:
+    """A number (n,) for each pair of recording and sensor."""
+    source = trajectories["source"].to_numpy().astype(np.int64)
+    sensor = codes(trajectories["sensor"])
+    return source * (int(sensor.max(initial=0)) + 1) + sensor
+
+
+def codes(column: pa.ChunkedArray) -> NDArray[np.int64]:
+    """A number (n,) for each distinct text of a column."""
+    encoded = pc.dictionary_encode(column.combine_chunks().cast(pa.string()))
+    return np.asarray(encoded.indices.to_numpy(zero_copy_only=False), np.int64)
+
+
+def group_trajectories(trajectories: pa.Table) -> Groups:
+    """Who must stand together, of a table with ``TRAJECTORY_SCHEMA``.
+
+    Raises
+    ------
+    StoreError
+        A uid that stands twice, or parents in a circle.
+    """
+    uids, parents = trajectories["uid"].to_pylist(), trajectories["parent"].to_pylist()
+    if len(set(uids)) != len(uids):
+        seen: set[str] = set()
+        twice = next(uid for uid in uids if uid in seen or seen.add(uid))  # type: ignore[func-returns-value]
+        raise StoreError(
+            f"the uid {twice!r} stands twice in the trajectories table",
+            "one row for each trajectory",
+            "The store is damaged: run `tactiledata check`.",
+            uid=twice,
+        )
+    roots = family_roots(uids, parents)
+    recorded = np.array([not parent for parent in parents], bool)
+    rows = np.flatnonzero(recorded)
+    leaders = overlapping_touches(
+        place_of(trajectories)[rows],
+        trajectories["start_ns"].to_numpy()[rows],
+        trajectories["end_ns"].to_numpy()[rows],
+    )
+    leader_of = {uids[row]: uids[rows[leader]] for row, leader in zip(rows, leaders, strict=True)}
+    return Groups(roots, [leader_of.get(root, root) for root in roots], recorded)

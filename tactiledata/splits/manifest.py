@@ -1,0 +1,272 @@
+"""Splits on disk: a table of trajectories and the document that vouches for it, tied to its store."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import fsspec
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.provenance import provenance
+from tactiledata.contract.schema import check_document
+from tactiledata.errors import LeakError, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
+from tactiledata.splits.assign import SPLIT_SCHEMA
+from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions, check_name
+from tactiledata.splits.report import SplitReport
+from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
+
+if TYPE_CHECKING:
+    from tactiledata.store.reader import Store
+
+SPLIT_FORMAT = "tactiledata-split/1"
+
+
+@dataclass(frozen=True)
+class Split:
+    """A split that was read and checked.
+
+    Parameters
+    ----------
+    name : str
+    table : pa.Table
+        ``SPLIT_SCHEMA``
+    document : dict
+        As in ``schemas/split.json``.
+    """
+
+    name: str
+    table: pa.Table
+    document: Mapping[str, Any]
+
+    @property
+    def options(self) -> SplitOptions:
+        """The options that it was made with."""
+        return SplitOptions.checked(**self.document["options"])
+
+    @property
+    def held_out(self) -> dict[str, tuple[str, ...]]:
+        """Units that are held out, by kind."""
+        return {kind: tuple(names) for kind, names in self.document["held_out"].items()}
+
+    @property
+    def force(self) -> tuple[float, float] | None:
+        """Lowest and highest contact force, N, of the frames that it takes."""
+        return self.options.force
+
+
+def split_document(report: SplitReport, table: pa.Table, sha256: str, store: Mapping[str, Any]) -> dict[str, Any]:
+    """The document beside a split's table.
+
+    Parameters
+    ----------
+    report : SplitReport
+    table : pa.Table
+        ``SPLIT_SCHEMA``
+    sha256 : str
+        Of the table's file.
+    store : dict
+        ``digest``, ``trajectories``, ``frames``.
+    """
+    return {
+        "format": SPLIT_FORMAT,
+        "name": report.name,
+        "options": report.options.document(),
+        "held_out": {kind: list(names) for kind, names in report.held_out.items()},
+        "store": dict(store),
+        "table": {"file": f"{report.name}.parquet", "sha256": sha256, "rows": table.num_rows},
+        "counts": {part: count.document() for part, count in report.counts.items()},
+        "notes": list(report.notes),
+        "provenance": provenance("split", {"store": str(store["digest"])}, report.options.document()),
+    }
+
+
+def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping[str, Any]) -> None:
+    """A split on disk: the table at ``path``, then the document beside it; killed in between, it reads as torn."""
+    buffer = pa.BufferOutputStream()
+    pq.write_table(table, buffer, compression="zstd")
+    content = buffer.getvalue().to_pybytes()
+    document = split_document(report, table, hashlib.sha256(content).hexdigest(), store)
+    where = str(path.with_suffix(".json"))
+    check_document(document, "split", where)
+    try:
+        write_atomic(path, content)
+        write_json_atomic(path.with_suffix(".json"), document)
+    except PermissionError as error:
+        raise UsageError(
+            f"the split cannot be written to {path.parent}: {error.strerror}",
+            "a folder that can be written to",
+            "Copy the store to a place of yours, or ask its owner.",
+            path=str(path),
+        ) from error
+    except OSError as error:
+        raise StoreError(
+            f"the split could not be written to {path.parent}: {error.strerror}",
+            "a disk with free space",
+            "Free some space and run the command again; the store itself is unharmed.",
+            path=str(path),
+        ) from error
+
+
+def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
+    """The document of a split, checked; ``None`` where the store has no split of that name.
+
+    Raises
+    ------
+    SchemaError
+        It is not JSON, or does not fit ``schemas/split.json``.
+    """
+    table_path = str(store.split_path(check_name(name)))
+    where = table_path.removesuffix(".parquet") + ".json"
+    content = _read_bytes(where)
+    if content is None:
+        return None
+    try:
+        document = json.loads(content)
+    except ValueError as error:
+        raise SchemaError(
+            f"{where} is not JSON ({error})", "the document of a split", _again(name), path="$", file=where
+        ) from error
+    check_document(document, "split", where)
+    return document
+
+
+def _read_bytes(where: str) -> bytes | None:
+    try:
+        with fsspec.open(where, "rb") as stream:
+            return stream.read()
+    except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+        return None
+
+
+def _again(name: str) -> str:
+    return f"Run `tactiledata split --name {name}` again (see `tactiledata split --help`)."
+
+
+def read_split(store: Store, name: str) -> Split:
+    """A split whose files fit each other, whatever the store holds by now.
+
+    Raises
+    ------
+    MissingSplit, UnknownName
+        The store has no split (of that name).
+    SchemaError, StoreError
+        Its files are damaged, torn or were changed.
+    """
+    document = read_split_document(store, name)
+    if document is None:
+        names = list(store.split_names())
+        if not names:
+            raise MissingSplit(
+                f"the store {store.location} has no split",
+                f"a split {name!r}",
+                f"Run `tactiledata split --name {name}` first.",
+                name=name,
+            )
+        raise UnknownName("split", name, names, f"Run `tactiledata split --name {name}` to make it.")
+    where = str(store.split_path(name))
+    content = _read_bytes(where)
+    if content is None:
+        raise StoreError(
+            f"the split's table {where} is missing", "a table beside the document", _again(name), path=where
+        )
+    digest = hashlib.sha256(content).hexdigest()
+    if digest != document["table"]["sha256"]:
+        raise StoreError(
+            f"{where} was changed or torn: its SHA-256 is {digest[:12]}…",
+            f"{document['table']['sha256'][:12]}…, as its document says",
+            _again(name),
+            path=where,
+        )
+    try:
+        table = pq.read_table(pa.BufferReader(content))
+        table = table.select(SPLIT_SCHEMA.names).cast(SPLIT_SCHEMA)
+    except (pa.ArrowException, KeyError, ValueError) as error:
+        raise StoreError(
+            f"{where} is not a table of a split: {error}", "the columns of a split", _again(name)
+        ) from error
+    known = pa.array([*PARTITIONS, EXCLUDED])
+    if not pc.all(pc.is_in(table["partition"], value_set=known), min_count=0).as_py():
+        raise StoreError(f"{where} holds an unknown partition", ", ".join([*PARTITIONS, EXCLUDED]), _again(name))
+    return Split(name, table, document)
+
+
+def load_split(store: Store, name: str) -> Split:
+    """A split that is whole and knows every trajectory of the store.
+
+    Raises
+    ------
+    MissingSplit, UnknownName
+        The store has no split (of that name).
+    SchemaError, StoreError
+        Its files are damaged, torn or were changed.
+    LeakError
+        The store holds other trajectories than the split. What a split does not know is never in train.
+    """
+    split = read_split(store, name)
+    if problem := coverage_problem(split, store.trajectories(["uid"])["uid"]):
+        raise LeakError(
+            f"split {name!r} of {store.location} is out of date: {problem}",
+            "a split that knows every trajectory",
+            f"{_again(name)} Nobody who has a part is moved by that.",
+            name=name,
+        )
+    return split
+
+
+def coverage_problem(split: Split, uids: pa.ChunkedArray) -> str:
+    """In words, how the trajectories of a split and of a store differ; empty where they are the same."""
+    inside = split.table["uid"]
+    new = len(uids) - pc.sum(pc.is_in(uids, value_set=inside.combine_chunks()), min_count=0).as_py()
+    gone = len(inside) - pc.sum(pc.is_in(inside, value_set=uids.combine_chunks()), min_count=0).as_py()
+    parts = [f"{new} trajectories are new"] if new else []
+    parts += [f"{gone} of its trajectories are gone"] if gone else []
+    if not parts and len(inside) != len(uids):
+        parts = [f"it has {len(inside)} rows for {len(uids)} trajectories"]
+    return " and ".join(parts)
+
+
+def partition_rows(split: Split, uids: pa.ChunkedArray) -> NDArray[np.object_]:
+    """The partition (n,) of each trajectory of a store, by its uid; ``None`` for those that the split does not know."""
+    rows = pc.index_in(uids, value_set=split.table["uid"].combine_chunks())
+    return np.asarray(split.table["partition"].combine_chunks().take(rows.combine_chunks()).to_pylist(), object)
+
+
+def frame_rows(store: Store, split: Split, part: str) -> NDArray[np.int64]:
+    """Rows of the frames that belong to a part of a split, ascending.
+
+    Frames without an image, with a broken one, or with a contact force outside the split's bounds are in no part.
+
+    Parameters
+    ----------
+    store : Store
+        The store that the split was loaded from.
+    split : Split
+    part : "train", "val", "test" or "test_unseen"
+
+    Returns
+    -------
+    (n,) int64
+        Rows over all frames of the store.
+    """
+    if part not in PARTITIONS:
+        raise UnknownName("part of a split", part, PARTITIONS)
+    frames = store.frames(list(FRAME_COLUMNS))
+    belongs = partition_rows(split, store.trajectories(["uid"])["uid"]) == part
+    return part_rows(frames, belongs, split.force)
+
+
+def part_rows(frames: pa.Table, belongs: NDArray[np.bool_], force: tuple[float, float] | None) -> NDArray[np.int64]:
+    """Rows (n,) of taken frames whose trajectory belongs; ``belongs`` (n_trajectories,) bool."""
+    taken = taken_frames(frames, force)
+    rows = np.flatnonzero(taken)
+    return rows[belongs[frames["trajectory"].to_numpy()[rows]]].astype(np.int64)

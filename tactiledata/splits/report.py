@@ -1,0 +1,196 @@
+"""What a split came out as: counts by partition and stratum, and what stands out, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from tactiledata.splits.assign import describe_held, draw, part_of
+from tactiledata.splits.options import EXCLUDED, PARTITIONS, SHARES, SplitOptions
+
+MANY = 10
+"""Names listed in a note before it says how many more there are."""
+SEEDS_TRIED = 64
+"""Seeds looked at for one that leaves no part empty, where a small store's draw left one."""
+
+
+@dataclass(frozen=True)
+class Count:
+    """Trajectories, and the frames taken from them."""
+
+    trajectories: int
+    frames: int
+
+    def document(self) -> dict[str, int]:
+        """The count as JSON."""
+        return {"trajectories": self.trajectories, "frames": self.frames}
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """One stratum: its units by kind, and how its trajectories were dealt out."""
+
+    units: Mapping[str, str]
+    counts: Mapping[str, Count]
+
+    @property
+    def label(self) -> str:
+        """Its units in words."""
+        return ", ".join(f"{kind} {name or '(unnamed)'}" for kind, name in self.units.items())
+
+
+@dataclass(frozen=True)
+class SplitReport:
+    """A split that was made.
+
+    Parameters
+    ----------
+    name : str
+    options : SplitOptions
+    held_out : dict, unit kind -> names
+    counts : dict, partition -> Count
+        All of ``PARTITIONS`` and ``"excluded"``.
+    strata : tuple of Stratum
+        One for each combination of units that ``by`` names; empty where it names none.
+    notes : tuple of str
+        What a user ought to know, in words.
+    """
+
+    name: str
+    options: SplitOptions
+    held_out: Mapping[str, tuple[str, ...]]
+    counts: Mapping[str, Count]
+    strata: tuple[Stratum, ...]
+    notes: tuple[str, ...]
+
+    def document(self) -> dict[str, Any]:
+        """The report as JSON."""
+        return {
+            "name": self.name,
+            "options": self.options.document(),
+            "held_out": {kind: list(names) for kind, names in self.held_out.items()},
+            "counts": {part: count.document() for part, count in self.counts.items()},
+            "strata": [
+                {"units": dict(s.units), "counts": {part: count.document() for part, count in s.counts.items()}}
+                for s in self.strata
+            ],
+            "notes": list(self.notes),
+        }
+
+    def lines(self) -> list[str]:
+        """The report for people."""
+        total = sum(count.trajectories for count in self.counts.values()) or 1
+        rows = [
+            f"{part:<12} {count.trajectories:>8} trajectories ({count.trajectories / total:.1%}), {count.frames:>10} frames"
+            for part, count in self.counts.items()
+            if part != EXCLUDED or count.trajectories
+        ]
+        return [
+            f"split {self.name!r}: held out: {describe_held(self.held_out)}",
+            *rows,
+            *(f"- {n}" for n in self.notes),
+        ]
+
+
+def count_parts(table: pa.Table) -> dict[str, Count]:
+    """Trajectories and frames of each partition and of ``"excluded"``."""
+    partition = np.asarray(table["partition"].to_pylist(), object)
+    frames = table["frames"].to_numpy()
+    found = {}
+    for part in (*PARTITIONS, EXCLUDED):
+        rows = partition == part
+        found[part] = Count(int(rows.sum()), int(frames[rows].sum()))
+    return found
+
+
+def count_strata(table: pa.Table, kinds: tuple[str, ...]) -> tuple[Stratum, ...]:
+    """How each combination of units was dealt out, sorted by name."""
+    if not kinds:
+        return ()
+    grouped = table.group_by([*kinds, "partition"]).aggregate([("frames", "sum"), ("frames", "count")]).to_pylist()
+    found: dict[tuple[str, ...], dict[str, Count]] = {}
+    for row in grouped:
+        units = tuple(row[kind] for kind in kinds)
+        found.setdefault(units, {})[row["partition"]] = Count(row["frames_count"], row["frames_sum"])
+    return tuple(
+        Stratum(
+            dict(zip(kinds, units, strict=True)), {p: found[units].get(p, Count(0, 0)) for p in (*PARTITIONS, EXCLUDED)}
+        )
+        for units in sorted(found)
+    )
+
+
+def notes_on(
+    table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], strata: tuple[Stratum, ...]
+) -> list[str]:
+    """What stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part."""
+    wanted = [part for part, share in zip(SHARES, options.fractions, strict=True) if share > 0]
+    notes = [*_empty_parts(table, options, counts, wanted), *_thin_strata(strata, wanted)]
+    if counts[EXCLUDED].trajectories:
+        notes.append(
+            f"{counts[EXCLUDED].trajectories} derived trajectories are in no part: they carry a held-out unit, and "
+            "what they were derived from is in train, val or test"
+        )
+    for kind in ("sensor", "indenter"):
+        unnamed = table[kind].to_pylist().count("")
+        if unnamed:
+            notes.append(f"{unnamed} trajectories name no {kind}: nobody knows whether it is a held-out one")
+    known = set(table["uid"].to_pylist())
+    orphans = len({root for root in table["root"].to_pylist() if root not in known})
+    if orphans:
+        notes.append(
+            f"{orphans} parents of derived trajectories are not in this store: the derived ones are drawn as "
+            "their parents are where they lie, given the same seed, fractions and hold-out"
+        )
+    silent = table.num_rows - int(np.count_nonzero(table["frames"].to_numpy()))
+    if silent:
+        notes.append(f"{silent} trajectories have no frame that the split takes (see the contact filter, --force)")
+    return notes
+
+
+def _empty_parts(table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str]) -> list[str]:
+    notes = [
+        f"{part} has {counts[part].trajectories} trajectories and no frames"
+        for part in wanted
+        if counts[part].trajectories and not counts[part].frames
+    ]
+    empty = [part for part in wanted if not counts[part].trajectories]
+    if not empty:
+        return notes
+    drawn = np.isin(np.asarray(table["partition"].to_pylist(), object), SHARES)
+    groups = sorted({group for group, taken in zip(table["group"].to_pylist(), drawn, strict=True) if taken})
+    seeds = _filling_seeds(groups, options, len(wanted)) if options.hold_out != "auto" or not options.strata else []
+    hint = f"seeds that fill every part: {', '.join(map(str, seeds))}" if seeds else "try another seed, or add data"
+    notes.append(f"{' and '.join(empty)} got no trajectory: {len(groups)} groups are few for chance to fill it; {hint}")
+    return notes
+
+
+def _filling_seeds(groups: list[str], options: SplitOptions, n_wanted: int) -> list[int]:
+    if len(groups) > 1000:
+        return []
+    good = []
+    for seed in range(SEEDS_TRIED):
+        parts = part_of(np.array([draw(group, seed) for group in groups], float), options.fractions)
+        if len(np.unique(parts)) == n_wanted:
+            good.append(seed)
+        if len(good) == 3:
+            break
+    return good
+
+
+def _thin_strata(strata: tuple[Stratum, ...], wanted: list[str]) -> list[str]:
+    notes = []
+    for part in wanted:
+        thin = [
+            stratum.label
+            for stratum in strata
+            if not stratum.counts[part].trajectories and sum(stratum.counts[p].trajectories for p in SHARES)
+        ]
+        if thin:
+            more = f" and {len(thin) - MANY} more" if len(thin) > MANY else ""
+            notes.append(f"{part} has no trajectory of: {'; '.join(thin[:MANY])}{more} (of {len(strata)} strata)")
+    return notes

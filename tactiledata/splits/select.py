@@ -1,0 +1,91 @@
+"""Which frames a split takes: those of its trajectories that show a contact and have an image."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import FrameFlag
+from tactiledata.errors import StoreError
+
+FRAME_COLUMNS = ("trajectory", "flags", "contact_force")
+UNUSABLE = FrameFlag.MISSING | FrameFlag.BROKEN
+
+
+def taken_frames(frames: pa.Table, force: tuple[float, float] | None) -> NDArray[np.bool_]:
+    """Whether a split takes a frame.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        The columns ``FRAME_COLUMNS`` of ``FRAME_SCHEMA``, n rows.
+    force : (lowest, highest) N, both taken in, or None
+        Frames without a wrench (NaN) are taken only with ``None``.
+
+    Returns
+    -------
+    (n,) bool
+    """
+    taken = frames["trajectory"].to_numpy() >= 0
+    taken &= (frames["flags"].to_numpy() & UNUSABLE) == 0
+    if force is not None:
+        value = contact_force(frames)
+        taken &= (value >= force[0]) & (value <= force[1])
+    return taken
+
+
+def contact_force(frames: pa.Table) -> NDArray[np.float32]:
+    """Contact force (n,), N, NaN where there is none."""
+    return pc.fill_null(frames["contact_force"], np.nan).to_numpy()
+
+
+def frames_per_trajectory(frames: pa.Table, taken: NDArray[np.bool_], n_trajectories: int) -> NDArray[np.int64]:
+    """Taken frames (n_trajectories,) of each trajectory."""
+    rows = frames["trajectory"].to_numpy()[taken]
+    if len(rows) and int(rows.max()) >= n_trajectories:
+        raise StoreError(
+            f"a frame belongs to trajectory row {int(rows.max())}, and there are {n_trajectories} trajectories",
+            "frames that point into the trajectories table",
+            "The store is damaged: run `tactiledata check`.",
+        )
+    return np.bincount(rows, minlength=n_trajectories).astype(np.int64)
+
+
+def check_force_filter(frames: pa.Table, taken: NDArray[np.bool_], force: tuple[float, float] | None) -> list[str]:
+    """What the contact filter leaves out, in words.
+
+    Raises
+    ------
+    StoreError
+        Nothing is left: no frames at all, no wrench at all, or no force within the bounds.
+    """
+    n = frames.num_rows
+    if not taken.any() and (n == 0 or force is None):
+        raise StoreError(
+            f"none of the store's {n} frames has an image inside a trajectory",
+            "frames to split",
+            "Ingest recordings with images, or run `tactiledata info` to see what is there.",
+        )
+    if force is None:
+        return []
+    value = contact_force(frames)
+    known = np.isfinite(value)
+    if not known.any():
+        raise StoreError(
+            f"no frame has a contact force (all {n} are without a wrench)",
+            f"forces in {force[0]:g}..{force[1]:g} N, by which frames in contact are chosen",
+            "Use --force none to take every frame.",
+        )
+    if not taken.any():
+        raise StoreError(
+            f"no frame with an image has a contact force in {force[0]:g}..{force[1]:g} N: forces reach from "
+            f"{float(value[known].min()):.3g} to {float(value[known].max()):.3g} N",
+            "some frames in contact",
+            "Use other bounds (--force LOWEST..HIGHEST), or --force none to take every frame.",
+        )
+    notes = [f"{int(taken.sum())} of {n} frames are taken: contact force in {force[0]:g}..{force[1]:g} N, image whole"]
+    if not known.all():
+        notes.append(f"{int((~known).sum())} frames have no contact force and are in no part; --force none takes them")
+    return notes
