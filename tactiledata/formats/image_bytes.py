@@ -1,0 +1,164 @@
+"""What JPEG and PNG bytes say of themselves, read from their headers without decoding a pixel.
+
+Shared by all formats, as `base` is: members of the family may import it. Decoding (for backgrounds, which are stored
+as arrays) is here too, so that every format gives the same RGB.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Encoding
+from tactiledata.errors import BrokenLog
+
+IMAGE_SUFFIXES = frozenset({".jpg", ".jpeg", ".png"})
+"""File endings, lower case, of images whose bytes are kept as they came."""
+
+MAX_SIDE = 32_767
+"""Pixels. The frames table keeps heights and widths as 16-bit integers."""
+
+MAX_DECODED_PIXELS = 2**26
+"""Pixels above which an image is not decoded: a few bytes from a stranger must not fill the memory."""
+
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}
+PNG_PALETTE = 3
+JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+JPEG_ALONE = frozenset({0x01, *range(0xD0, 0xD8)})
+JPEG_SCAN, JPEG_END, JPEG_END_MARK = 0xDA, 0xD9, b"\xff\xd9"
+
+
+@dataclass(frozen=True)
+class ImageHeader:
+    """What an encoded image says of itself.
+
+    Parameters
+    ----------
+    encoding : "jpeg" or "png"
+    height, width : int
+        Pixels as stored; an orientation in the metadata is not followed.
+    channels : int
+        Of the decoded picture: 1 grey, 2 grey with transparency, 3 colour, 4 colour with transparency.
+    bits : int
+        Of one channel.
+    is_complete : bool
+        Whether the bytes reach their end mark. A file that was cut has a good header and does not.
+    """
+
+    encoding: Encoding
+    height: int
+    width: int
+    channels: int
+    bits: int
+    is_complete: bool
+
+
+def read_header(payload: bytes) -> ImageHeader:
+    """The header of JPEG or PNG bytes.
+
+    Raises
+    ------
+    BrokenLog
+        Neither JPEG nor PNG, cut before the size is stated, or of an impossible size. It is a ``ValueError``.
+    """
+    if payload.startswith(PNG_SIGNATURE):
+        header = _png(payload)
+    elif payload.startswith(b"\xff\xd8"):
+        header = _jpeg(payload)
+    else:
+        start = payload[:8].hex(" ") or "nothing"
+        raise _broken(f"bytes that start with {start} are neither JPEG nor PNG")
+    if not (0 < header.height <= MAX_SIDE and 0 < header.width <= MAX_SIDE):
+        raise _broken(f"a {header.encoding} image of {header.height} rows x {header.width} columns")
+    return header
+
+
+def probe(payload: bytes) -> tuple[Encoding, int, int]:
+    r"""Encoding, height and width of JPEG or PNG bytes.
+
+    Raises
+    ------
+    BrokenLog
+        As `read_header`.
+
+    Examples
+    --------
+    >>> probe(b"\x89PNG\r\n\x1a\n" + b"\0\0\0\x0dIHDR" + b"\0\0\0\xf0" + b"\0\0\1\x40" + b"\x08\x02")
+    ('png', 320, 240)
+    """
+    header = read_header(payload)
+    return header.encoding, header.height, header.width
+
+
+def decode_rgb(payload: bytes) -> NDArray[np.uint8]:
+    """The picture (H, W, 3), uint8 RGB, of JPEG or PNG bytes, turned by no orientation that the metadata state.
+
+    Raises
+    ------
+    BrokenLog
+        The bytes do not decode, or would fill the memory.
+    """
+    import cv2
+
+    header = read_header(payload)
+    if header.height * header.width > MAX_DECODED_PIXELS:
+        raise _broken(f"a {header.encoding} image of {header.height} x {header.width}, too large to decode")
+    flags = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    picture = cv2.imdecode(np.frombuffer(payload, np.uint8), flags)
+    if picture is None:
+        raise _broken(f"a {header.encoding} image of {header.height} x {header.width} that does not decode")
+    return np.ascontiguousarray(picture[:, :, ::-1])
+
+
+def _broken(found: str) -> BrokenLog:
+    return BrokenLog(
+        found, f"a whole JPEG or PNG image of at most {MAX_SIDE} pixels a side", "Copy the file again from its origin."
+    )
+
+
+def _png(payload: bytes) -> ImageHeader:
+    if len(payload) < 26 or payload[12:16] != b"IHDR":
+        raise _broken(f"a PNG of {len(payload)} bytes that ends before its size is stated")
+    width, height, bits, colour = struct.unpack_from(">IIBB", payload, 16)
+    if colour not in PNG_CHANNELS:
+        raise _broken(f"a PNG with colour type {colour}")
+    bits = 8 if colour == PNG_PALETTE else bits
+    return ImageHeader("png", height, width, PNG_CHANNELS[colour], bits, _png_is_complete(payload))
+
+
+def _png_is_complete(payload: bytes) -> bool:
+    place = len(PNG_SIGNATURE)
+    while place + 12 <= len(payload):
+        length = int.from_bytes(payload[place : place + 4], "big")
+        if payload[place + 4 : place + 8] == b"IEND":
+            return True
+        place += 12 + length
+    return False
+
+
+def _jpeg(payload: bytes) -> ImageHeader:
+    """Walk the segments to the frame header, then to the scan."""
+    place, frame = 2, None
+    while place + 4 <= len(payload):
+        if payload[place] != 0xFF:
+            break
+        marker = payload[place + 1]
+        if marker == 0xFF or marker in JPEG_ALONE:  # fill byte, or a mark without content
+            place += 1 if marker == 0xFF else 2
+            continue
+        if marker in (JPEG_SCAN, JPEG_END):
+            break
+        length = int.from_bytes(payload[place + 2 : place + 4], "big")
+        if marker in JPEG_FRAMES and place + 10 <= len(payload):
+            frame = struct.unpack_from(">BHHB", payload, place + 4)
+        place += 2 + length
+    if frame is None:
+        raise _broken(f"a JPEG of {len(payload)} bytes that ends or breaks before its size is stated")
+    bits, height, width, channels = frame
+    # inside a scan every FF is stuffed, so the end mark found there is the end
+    is_complete = payload.find(JPEG_END_MARK, place) >= 0
+    return ImageHeader("jpeg", height, width, channels, bits, is_complete)
