@@ -448,3 +448,10 @@ def findings_table(findings: tuple[Finding, ...] | list[Finding]) -> pa.Table:
         },
         schema=FINDING_SCHEMA,
     )
+
+
+def findings_of(table: pa.Table) -> tuple[Finding, ...]:
+    """The findings of a table with ``FINDING_SCHEMA``."""
+    return tuple(
+        Finding(**{name: row[name] for name in FINDING_SCHEMA.names if name != "source"}) for row in table.to_pylist()
+    )
