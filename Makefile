@@ -1,0 +1,37 @@
+# Two targets do everything on a fresh machine with Python 3.11 and git: `make demo` and `make test`.
+PYTHON ?= python3
+VENV   ?= .venv
+BIN     = $(VENV)/bin
+INSTALLED = $(VENV)/.installed
+OUT    ?= demo-out
+
+.PHONY: help demo test quick check bench wheel-test clean
+
+help:            ## this list
+	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+
+$(INSTALLED): pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "tactiledata needs Python 3.11 or later; found " + sys.version.split()[0] + ". Name another: make PYTHON=python3.11 ...")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[models,report,dask,dev]'
+	@touch $@
+
+demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; ends with a report to open
+	$(BIN)/tactiledata demo --out $(OUT)
+
+test: $(INSTALLED)   ## every test, slow ones included
+	TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest
+
+quick: $(INSTALLED)  ## the fast tests
+	$(BIN)/python -m pytest -m 'not slow'
+
+check: $(INSTALLED)  ## formatting, lint, types
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+bench: $(INSTALLED)  ## benchmarks: ours and the alternatives side by side
+	$(BIN)/python benchmarks/run_all.py
+
+clean:           ## remove what make made, the virtual environment included
+	rm -rf $(VENV) $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,97 @@
+"""What commands print: tables and sentences for people, one JSON document for machines."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from tactiledata.contract.records import Finding
+
+JSON_OPTION = typer.Option(False, "--json", help="One JSON document on standard output, for machines.")
+
+COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
+
+
+def out() -> Console:
+    """The console for results; plain text where it is no terminal."""
+    return Console(file=sys.stdout, soft_wrap=not sys.stdout.isatty(), highlight=False)
+
+
+def err() -> Console:
+    """The console for progress and errors."""
+    return Console(file=sys.stderr, soft_wrap=not sys.stderr.isatty(), highlight=False)
+
+
+def say(text: str) -> None:
+    """Print a sentence for people."""
+    out().print(escape(text))
+
+
+def emit(document: Any) -> None:
+    """Print a result for machines."""
+    sys.stdout.write(json.dumps(document, indent=2, ensure_ascii=False, default=str) + "\n")
+
+
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Print a table; numbers to the right."""
+    listed = [list(row) for row in rows]
+    drawn = Table(title=escape(title) if title else None, title_justify="left", box=None, pad_edge=False)
+    for position, column in enumerate(columns):
+        numeric = bool(listed) and all(isinstance(row[position], int | float) for row in listed)
+        drawn.add_column(column, justify="right" if numeric else "left", overflow="fold")
+    for row in listed:
+        drawn.add_row(*(escape(f"{cell:,}" if isinstance(cell, int) else str(cell)) for cell in row))
+    console = out()
+    if not console.is_terminal:
+        console = Console(file=sys.stdout, width=200, highlight=False)
+    console.print(drawn)
+
+
+def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
+    """Print findings, the worst first, each with where it was met."""
+    rank = {"damage": 0, "warning": 1, "info": 2}
+    listed = sorted(found, key=lambda item: (rank[item[1].severity], item[1].code, item[0]))
+    console = out()
+    for where, finding in listed[:most]:
+        colour = COLOURS[finding.severity]
+        place = f"{where}: " if where else ""
+        text = f"{escape(place)}{escape(finding.message)} \\[{finding.code}]"
+        console.print(f"  [{colour}]{finding.severity:<7}[/{colour}] {text}")
+    if len(listed) > most:
+        console.print(f"  … and {len(listed) - most} more (all of them: --json)")
+
+
+@contextmanager
+def progress(title: str, quiet: bool = False) -> Iterator[Callable[[int, int, str], None]]:
+    """A function to report progress to: a bar on a terminal, a line now and then elsewhere.
+
+    Called with how much is done, how much there is, and what it is at.
+    """
+    console = err()
+    if quiet:
+        yield lambda done, total, what: None
+        return
+    if not console.is_terminal:
+        last = [-1]
+
+        def line(done: int, total: int, what: str) -> None:
+            tenth = done * 10 // max(total, 1)
+            if tenth != last[0]:
+                last[0] = tenth
+                console.print(escape(f"{title}: {done}/{total} {what}"))
+
+        yield line
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, TextColumn("{task.fields[what]}"), console=console, transient=True) as bar:
+        task = bar.add_task(title, total=None, what="")
+        yield lambda done, total, what: bar.update(task, completed=done, total=total, what=escape(what[-40:]))
