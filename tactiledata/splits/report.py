@@ -85,7 +85,7 @@ class SplitReport:
         """The report for people."""
         total = sum(count.trajectories for count in self.counts.values()) or 1
         rows = [
-            f"{part:<12} {count.trajectories:>8} trajectories ({count.trajectories / total:.1%}), {count.frames:>10} frames"
+            f"{part:<12} {count.trajectories:>8} trajectories ({count.trajectories / total:.1%}), {count.frames} frames"
             for part, count in self.counts.items()
             if part != EXCLUDED or count.trajectories
         ]
@@ -188,7 +188,7 @@ def _thin_strata(strata: tuple[Stratum, ...], wanted: list[str]) -> list[str]:
         thin = [
             stratum.label
             for stratum in strata
-            if not stratum.counts[part].trajectories and sum(stratum.counts[p].trajectories for p in SHARES)
+            if stratum.counts[part].trajectories == 0 < sum(stratum.counts[p].trajectories for p in SHARES)
         ]
         if thin:
             more = f" and {len(thin) - MANY} more" if len(thin) > MANY else ""

@@ -1,0 +1,207 @@
+"""Leaks that the tables show, each found by a pure function: tables in, findings out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Finding
+from tactiledata.splits.assign import Held, assign
+from tactiledata.splits.groups import UNIT_KINDS, family_roots, overlapping_touches, place_of
+from tactiledata.splits.options import PARTITIONS, SplitOptions
+
+SHOWN = 3
+"""Cases that a finding's message names before it says how many more there are."""
+
+
+def partition_codes(partition: NDArray[np.object_]) -> NDArray[np.int64]:
+    """Index (n,) into ``PARTITIONS`` of partitions (n,) by name; -1 for what is in no part."""
+    index = {part: code for code, part in enumerate(PARTITIONS)}
+    return np.array([index.get(part, -1) for part in partition], np.int64)
+
+
+def leak(code: str, what: str, cases: Iterable[str], count: int) -> list[Finding]:
+    """A finding of severity "damage" that names the first cases; none where there are none."""
+    if not count:
+        return []
+    shown = [case for case, _ in zip(cases, range(SHOWN), strict=False)]
+    more = f" and {count - len(shown)} more" if count > len(shown) else ""
+    return [Finding(code, "damage", f"{what}: {'; '.join(shown)}{more}", count=count)]
+
+
+def shared_uids(table: pa.Table) -> list[Finding]:
+    """Trajectories that a split's table puts into several partitions."""
+    parts: dict[str, set[str]] = {}
+    for uid, part in zip(table["uid"].to_pylist(), table["partition"].to_pylist(), strict=True):
+        parts.setdefault(uid, set()).add(part)
+    shared = {uid: found for uid, found in parts.items() if len(found) > 1}
+    cases = (f"{uid} in {' and '.join(sorted(found))}" for uid, found in sorted(shared.items()))
+    return leak("shared-trajectory", "trajectories stand in several parts", cases, len(shared))
+
+
+def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Finding]:
+    """Trajectories of one recording and sensor that overlap in time and stand in different partitions.
+
+    Parameters
+    ----------
+    trajectories : pa.Table
+        ``TRAJECTORY_SCHEMA``, n rows.
+    part : (n,) int
+        Codes of `partition_codes`.
+    """
+    rows = np.flatnonzero(part >= 0)
+    leader = rows[
+        overlapping_touches(
+            place_of(trajectories)[rows],
+            trajectories["start_ns"].to_numpy()[rows],
+            trajectories["end_ns"].to_numpy()[rows],
+        )
+    ]
+    parted = _groups_in_several_parts(leader, part[rows])
+    names = trajectories["trajectory"]
+
+    def cases() -> Iterable[str]:
+        for group in parted:
+            members = rows[leader == group]
+            yield " and ".join(f"{names[int(row)].as_py()!r} ({PARTITIONS[part[row]]})" for row in members[:4])
+
+    return leak(
+        "touch-in-two-parts",
+        "trajectories that overlap in time on one sensor are in different parts",
+        cases(),
+        len(parted),
+    )
+
+
+def _groups_in_several_parts(group: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Groups whose members are not all of one part; ``group`` and ``part`` are (n,)."""
+    pairs = np.unique(np.stack([group, part]), axis=1)
+    names, counts = np.unique(pairs[0], return_counts=True)
+    return names[counts > 1]
+
+
+def parted_families(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Finding]:
+    """Derived trajectories in another partition than others of their family; arguments as in `parted_touches`."""
+    uids = trajectories["uid"].to_pylist()
+    roots = np.array(family_roots(uids, trajectories["parent"].to_pylist()), object)
+    rows = np.flatnonzero(part >= 0)
+    names, family = np.unique(roots[rows].astype(str), return_inverse=True)
+    parted = _groups_in_several_parts(family, part[rows])
+
+    def cases() -> Iterable[str]:
+        for number in parted:
+            members = rows[family == number]
+            yield f"family of {names[number]} in " + " and ".join(PARTITIONS[code] for code in np.unique(part[members]))
+
+    return leak(
+        "derived-away-from-parent", "derived trajectories stand apart from what they come from", cases(), len(parted)
+    )
+
+
+def parted_frames(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray[np.int64]) -> list[Finding]:
+    """Frames whose parent frame is in another partition.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        Columns ``trajectory`` and ``parent_frame``, n rows.
+    taken : (n,) bool
+        Frames that the split takes.
+    part : (n_trajectories,) int
+    """
+    parent = frames["parent_frame"].to_numpy()
+    derived = np.flatnonzero(taken & (parent >= 0))
+    lost = int((parent[derived] >= len(parent)).sum())
+    derived = derived[parent[derived] < len(parent)]
+    trajectory = frames["trajectory"].to_numpy()
+    own = part[trajectory[derived]]
+    origin_trajectory = trajectory[parent[derived]]
+    origin = np.where(origin_trajectory >= 0, part[origin_trajectory], -1)
+    bad = derived[(own >= 0) & (origin >= 0) & (own != origin)]
+    where = dict(zip(derived.tolist(), zip(own.tolist(), origin.tolist(), strict=True), strict=True))
+    cases = (
+        f"frame {row} ({PARTITIONS[where[row][0]]}) from frame {parent[row]} ({PARTITIONS[where[row][1]]})"
+        for row in bad.tolist()
+    )
+    found = leak(
+        "derived-frame-away-from-parent", "frames stand apart from the frame they were derived from", cases, len(bad)
+    )
+    if lost:
+        message = f"{lost} frames name a parent frame that the store does not hold: whether they leak is not known"
+        found.append(Finding("unknown-parent-frame", "warning", message, count=lost))
+    return found
+
+
+def held_out_elsewhere(table: pa.Table, held_out: Held) -> list[Finding]:
+    """Trajectories with a held-out unit in train, val or test."""
+    found: list[Finding] = []
+    seen = pc.is_in(table["partition"], value_set=pa.array(["train", "val", "test"]))
+    for kind in UNIT_KINDS:
+        names = pa.array(list(held_out.get(kind, ())), pa.string())
+        rows = table.filter(pc.and_(seen, pc.is_in(table[kind], value_set=names)))
+        shown = rows.slice(0, SHOWN).to_pylist()
+        cases = (f"{row['trajectory']!r} of {kind} {row[kind]} in {row['partition']}" for row in shown)
+        found += leak(f"held-out-{kind}-seen", f"a held-out {kind} is not unseen", cases, rows.num_rows)
+    return found
+
+
+def unlike_drawn(
+    trajectories: pa.Table, table: pa.Table, partition: NDArray[np.object_], options: SplitOptions, held_out: Held
+) -> list[Finding]:
+    """Trajectories that are not where the split's own options put them: the table was changed after it was made.
+
+    Parameters
+    ----------
+    trajectories : pa.Table
+        ``TRAJECTORY_SCHEMA``, n rows.
+    table : pa.Table
+        ``SPLIT_SCHEMA``
+    partition : (n,)
+        Partition of each trajectory as the table says, ``None`` where it says none.
+    """
+    drawn = assign(trajectories, options, held_out)
+    expected = np.asarray(drawn["partition"].to_pylist(), object)
+    known = np.array([part is not None for part in partition], bool)
+    moved = np.flatnonzero(known & (partition != expected))
+    uids = trajectories["uid"]
+    cases = (f"{uids[int(row)].as_py()} in {partition[row]}, drawn for {expected[row]}" for row in moved)
+    found = leak("not-as-drawn", "trajectories are not where the split's options put them", cases, len(moved))
+    row_of = pc.index_in(trajectories["uid"], value_set=table["uid"].combine_chunks())
+    for kind in UNIT_KINDS:
+        said = table[kind].combine_chunks().take(row_of.combine_chunks())
+        wrong = pc.sum(pc.not_equal(said, trajectories[kind].combine_chunks()), min_count=0).as_py()
+        found += leak(
+            "unit-renamed", f"the split's table names another {kind} than the store", [f"column {kind}"], wrong
+        )
+    return found
+
+
+def identical_payloads(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray[np.int64]) -> list[Finding]:
+    """Encoded images of equal length and CRC-32C in different partitions: the same bytes.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        Columns ``trajectory``, ``length``, ``crc32c``, ``height``, ``width``, n rows.
+    taken : (n,) bool
+    part : (n_trajectories,) int
+    """
+    length = frames["length"].to_numpy()
+    rows = np.flatnonzero(taken & (length > 0))
+    where = part[frames["trajectory"].to_numpy()[rows]]
+    rows, where = rows[where >= 0], where[where >= 0]
+    # two checks in one word: 32 bits of CRC, 31 of length; equal words mean equal bytes for all practical purposes
+    word = (length[rows].astype(np.uint64) << np.uint64(32)) | frames["crc32c"].to_numpy()[rows].astype(np.uint64)
+    group = np.unique(word, return_inverse=True)[1]
+    parted = _groups_in_several_parts(group, where)
+
+    def cases() -> Iterable[str]:
+        for number in parted:
+            members = np.flatnonzero(group == number)[:4]
+            yield " and ".join(f"frame {rows[m]} ({PARTITIONS[where[m]]})" for m in members)
+
+    return leak("identical-image", "images of the same bytes are in different parts", cases(), len(parted))
