@@ -29,7 +29,9 @@ for module in (record, families, ingest, store, split):
 
 
 @app.callback(invoke_without_command=True)
-def _version(version: bool = typer.Option(False, "--version", help="Print the version and stop.", is_eager=True)) -> None:
+def _version(
+    version: bool = typer.Option(False, "--version", help="Print the version and stop.", is_eager=True),
+) -> None:
     if version:
         typer.echo(f"tactiledata {__version__}")
         raise typer.Exit

@@ -1,0 +1,145 @@
+"""`formats`, `indenters`, `inspect`: what the families hold, and what is in a log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
+from tactiledata.errors import UsageError
+
+
+def register(app: typer.Typer) -> None:
+    """Add this module's commands."""
+    app.command("formats")(formats)
+    app.command("indenters")(indenters)
+    app.command("inspect")(inspect)
+
+
+def formats(as_json: bool = JSON_OPTION) -> None:
+    """Formats that recordings may have, and how each lies on disk.
+
+    Example: tactiledata formats
+    """
+    from tactiledata.formats import FORMATS
+
+    members = [FORMATS[name] for name in FORMATS]
+    if as_json:
+        emit([
+            {"name": member.name, "title": member.title, "layout": member.layout, "licence": member.licence_note}
+            for member in members
+        ])  # fmt: skip
+        return
+    for member in members:
+        say(f"{member.name}: {member.title}")
+        for line in member.layout.strip().splitlines():
+            say(f"    {line}")
+        if member.licence_note:
+            say(f"    Licence: {member.licence_note}")
+
+
+def indenters(
+    picture: Path = typer.Option(None, "--picture", help="Draw all of them into this PNG file."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Indenters that the toolkit knows by name, with their sizes in metres.
+
+    Example: tactiledata indenters --picture indenters.png
+    """
+    from tactiledata.indenters import INDENTERS
+
+    members = {name: INDENTERS[name]() for name in INDENTERS}
+    if picture is not None:
+        from tactiledata.indenters.gallery import draw_gallery
+
+        draw_gallery(picture)
+    if as_json:
+        emit([
+            {"shape": name, "title": member.title, "sizes": member.sizes} for name, member in members.items()
+        ])  # fmt: skip
+        return
+    rows = [
+        (name, ", ".join(f"{key} {value:g}" for key, value in member.sizes.items()), member.title)
+        for name, member in members.items()
+    ]
+    table("", ("shape", "sizes by default [m, rad]", "what it is"), rows)
+    if picture is not None:
+        say(f"drawn: {picture}")
+
+
+def inspect(
+    path: Path = typer.Argument(..., help="A recording, or a folder of recordings."),
+    suggest_mapping: bool = typer.Option(False, "--suggest-mapping", help="Print a mapping file to start from."),
+    mapping: Path = typer.Option(None, "--mapping", help="Look at it as this mapping file says."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """What is in a log: streams, types, rates, what they would be read as, and what is wrong.
+
+    Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
+    """
+    from tactiledata.contract.schema import read_document
+    from tactiledata.formats import FORMATS
+    from tactiledata.ingest.discover import find_sources
+
+    sources, unclaimed = find_sources([path])
+    document = read_document(mapping, "mapping") if mapping is not None else None
+    looked = [FORMATS[source.format]().inspect(source, document) for source in sources]
+    if suggest_mapping:
+        _print_mapping(looked)
+        return
+    if as_json:
+        emit({"sources": [_document(one) for one in looked], "unclaimed": [str(item) for item in unclaimed]})
+    else:
+        for one in looked:
+            _print_inspection(one)
+        for item in unclaimed:
+            say(f"{item}: no format claims it")
+    if any(finding.severity == "damage" for one in looked for finding in one.findings):
+        raise typer.Exit(1)
+
+
+def _print_mapping(looked: list[Any]) -> None:
+    import yaml
+
+    suggestions = [one.suggested_mapping for one in looked if one.suggested_mapping is not None]
+    if not suggestions:
+        raise UsageError(
+            f"{looked[0].source.key} is a {looked[0].source.format} recording, which needs no mapping",
+            "a recording with topics, as MCAP files are",
+            "Ingest it as it is.",
+        )
+    typer.echo(yaml.safe_dump(suggestions[0], sort_keys=False, allow_unicode=True), nl=False)
+
+
+def _document(one: Any) -> dict[str, Any]:
+    return {
+        "key": one.source.key,
+        "format": one.source.format,
+        "files": list(one.source.files),
+        "facts": dict(one.facts),
+        "topics": [vars(topic) for topic in one.topics],
+        "findings": [vars(finding) for finding in one.findings],
+        "suggested_mapping": one.suggested_mapping,
+    }
+
+
+def _print_inspection(one: Any) -> None:
+    say(f"{one.source.key}: {one.source.format}, {len(one.source.files)} files")
+    for name, value in one.facts.items():
+        say(f"  {name}: {value}")
+    rows = [
+        (topic.name, topic.kind, topic.encoding, topic.messages, _rate(topic.rate), topic.role or "-", topic.note)
+        for topic in one.topics
+    ]
+    if rows:
+        table("", ("stream", "kind", "encoding", "messages", "Hz", "read as", "note"), rows)
+    for topic in one.topics:
+        if topic.example:
+            say(f"  {topic.name}: {topic.example}")
+    findings(("", finding) for finding in one.findings)
+
+
+def _rate(rate: float | None) -> str:
+    return "-" if rate is None else f"{rate:.1f}"

@@ -1,0 +1,77 @@
+"""`ingest`: recordings into a store."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.errors import UsageError
+
+
+def register(app: typer.Typer) -> None:
+    """Add this module's command."""
+    app.command("ingest")(ingest)
+
+
+def ingest(
+    paths: list[Path] = typer.Argument(..., help="Recordings, or folders of recordings."),
+    store: str = typer.Option(None, "--store", help="Store to add to [default: the only *.zarr here, else ds.zarr]."),
+    mapping: Path = typer.Option(None, "--mapping", help="Which topic is what (schemas/mapping.json)."),
+    format_name: str = typer.Option(None, "--format", help="Read as this format, whatever sniffing says."),
+    strict: bool = typer.Option(False, "--strict", help="Refuse a recording with any damage."),
+    gap_limit: float = typer.Option(0.1, "--gap-limit", help="Seconds; a longer gap around a frame flags it."),
+    workers: int = typer.Option(1, "--workers", help="Local processes."),
+    scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Add recordings to a store; what it has already is left alone. Safe to kill and to run again.
+
+    Example: tactiledata ingest recordings --store ds.zarr --workers 2
+    """
+    from tactiledata.contract.schema import read_document
+    from tactiledata.ingest.assemble import IngestOptions
+    from tactiledata.ingest.pipeline import ingest as add
+
+    if not 0 < gap_limit < 1e6:
+        raise UsageError(f"--gap-limit {gap_limit}", "seconds above 0")
+    options = IngestOptions(
+        mapping=read_document(mapping, "mapping") if mapping is not None else None,
+        format_name=format_name,
+        strict=strict,
+        gap_limit_ns=round(gap_limit * 1e9),
+    )
+    target = store or _store_here()
+    with progress("ingesting", quiet=as_json) as tell:
+        report = add(paths, target, options, workers, scheduler, tell)
+    if as_json:
+        emit(report.document())
+    else:
+        _print(report)
+    if report.fell_short:
+        raise typer.Exit(1)
+
+
+def _store_here() -> str:
+    stores = sorted(path.name for path in Path.cwd().glob("*.zarr") if path.is_dir())
+    if len(stores) > 1:
+        raise UsageError(f"the working folder holds several stores: {', '.join(stores)}", "one", "Name it: --store S")
+    return stores[0] if stores else "ds.zarr"
+
+
+def _print(report) -> None:  # type: ignore[no-untyped-def]
+    words = {"added": "added", "present": "already there", "failed": "not read"}
+    rows = [
+        (source.key, words[source.state], source.status or "-", source.trajectories, source.frames)
+        for source in report.sources
+    ]
+    table("", ("recording", "", "status", "trajectories", "frames"), rows)
+    findings((source.key, finding) for source in report.sources for finding in source.findings)
+    for source in report.sources:
+        if source.error:
+            say(f"  not read {source.key}: {source.error}")
+    for path in report.unclaimed:
+        say(f"  left alone {path}: no format claims it")
+    added = sum(source.state == "added" for source in report.sources)
+    say(f"{added} recordings added to {report.store}; next: tactiledata split {report.store} --by trajectory,sensor")

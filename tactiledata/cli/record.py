@@ -1,0 +1,37 @@
+"""`record`: play a scenario and write ordinary logs of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+
+
+def register(app: typer.Typer) -> None:
+    """Add this module's command."""
+    app.command("record")(record)
+
+
+def record(
+    scenario: str = typer.Argument(..., help="A scenario file, or the name of a bundled one: demo, tiny, paper."),
+    out: Path = typer.Option(..., "--out", help="Folder for the logs; made where it is not there."),
+    form: str = typer.Option("mcap", "--format", help="mcap or folder."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Record a world with known truth: a UR5e presses DIGIT sensors on indenters, as ordinary logs.
+
+    Example: tactiledata record demo --out recordings --format mcap
+    """
+    from tactiledata.rig.record import record as play
+    from tactiledata.rig.scenario import find_scenario, load_scenario
+
+    with progress("recording", quiet=as_json) as tell:
+        logs = play(load_scenario(find_scenario(scenario)), out, form, tell)
+    if as_json:
+        emit({"logs": [str(log) for log in logs], "truth": str(out / "truth")})
+        return
+    for log in logs:
+        say(str(log))
+    say(f"{len(logs)} logs in {out}; what really happened is in {out / 'truth'}, which the toolkit never reads")

@@ -1,0 +1,75 @@
+"""`split` and `audit`: who may learn from what, and whether anything leaks."""
+
+from __future__ import annotations
+
+import typer
+
+from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+
+
+def register(app: typer.Typer) -> None:
+    """Add this module's commands."""
+    app.command("split")(split)
+    app.command("audit")(audit)
+
+
+def split(
+    store: str = STORE_ARGUMENT,
+    by: str = typer.Option(
+        "trajectory,sensor", "--by", help="trajectory, and what to spread evenly: sensor, indenter."
+    ),
+    hold_out: str = typer.Option(
+        "auto", "--hold-out", help="sensor=…,indenter=… kept for the second test; auto, or none."
+    ),
+    fractions: str = typer.Option("0.8,0.1,0.1", "--fractions", help="Shares of train, val and test."),
+    force: str = typer.Option("1..13", "--force", help="Contact force in newtons that a frame must have, or none."),
+    seed: int = typer.Option(0, "--seed", help="Another seed draws another split."),
+    name: str = typer.Option("default", "--name", help="Name of the split inside the store."),
+    replace: bool = typer.Option(False, "--replace", help="Draw it anew where one of that name has other options."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Deal out whole trajectories to train, val, test, and a second test of unseen sensors and indenters.
+
+    Example: tactiledata split --by trajectory,sensor
+    """
+    from tactiledata.splits.make import make_split
+    from tactiledata.store.reader import Store
+
+    opened = Store.open(working_store(store))
+    report = make_split(opened, name, by, hold_out, fractions, force, seed, replace)
+    if as_json:
+        emit(report.document())
+        return
+    rows = [(part, count.trajectories, count.frames) for part, count in report.counts.items()]
+    table(f"split {report.name!r} of {opened.location}", ("part", "trajectories", "frames"), rows)
+    for kind, names in report.held_out.items():
+        say(f"held out for test_unseen: {kind} {', '.join(names)}")
+    for note in report.notes:
+        say(f"note: {note}")
+    say(f"next: tactiledata audit {opened.location} --split {report.name}")
+
+
+def audit(
+    store: str = STORE_ARGUMENT,
+    split: str = typer.Option("default", "--split", help="Name of the split."),
+    images: bool = typer.Option(True, "--images/--no-images", help="Look for near copies among the images, too."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Look for leaks between the parts of a split; exit 1 where there is one.
+
+    Example: tactiledata audit --split default
+    """
+    from tactiledata.splits.audit import audit as look
+    from tactiledata.store.reader import Store
+
+    opened = Store.open(working_store(store))
+    with progress("auditing", quiet=as_json) as tell:
+        report = look(opened, split, images, tell)
+    if as_json:
+        emit(report.document())
+    else:
+        findings((split, finding) for finding in report.findings)
+        say(report.summary)
+    if report.leaks:
+        raise typer.Exit(1)

@@ -1,0 +1,1 @@
+"""Rendering only: data in, one page or picture that a person wants to read out."""

@@ -1,0 +1,81 @@
+"""One page of HTML that stands alone: sentences first, then tables and pictures; nothing is loaded from elsewhere."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+TEMPLATE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{{ title }}</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<style>
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #1b1f24; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #d0d7de; }
+table { border-collapse: collapse; font-size: .9rem; margin: .6rem 0; display: block; overflow-x: auto; }
+td, th { padding: .25rem .7rem; border-bottom: 1px solid #e5e8eb; text-align: left; vertical-align: top; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+img { max-width: 100%; } figure { margin: .6rem 0; } figcaption { font-size: .85rem; color: #57606a; }
+code, pre { font-family: ui-monospace, monospace; font-size: .85rem; background: #f6f8fa; }
+pre { padding: .6rem; overflow-x: auto; } .damage { color: #b42318; } .warning { color: #9a6700; } .info { color: #57606a; }
+footer { margin-top: 3rem; font-size: .8rem; color: #57606a; }
+</style></head><body>
+<h1>{{ title }}</h1>
+{% for sentence in sentences %}<p>{{ sentence }}</p>{% endfor %}
+{% for section in sections %}
+<h2>{{ section.title }}</h2>
+{% for sentence in section.sentences %}<p{% if sentence.0 %} class="{{ sentence.0 }}"{% endif %}>{{ sentence.1 }}</p>{% endfor %}
+{% if section.rows %}<table><tr>{% for name in section.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table>{% endif %}
+{% for picture in section.pictures %}<figure><img alt="{{ picture.caption }}" src="data:image/png;base64,{{ picture.encoded }}">
+<figcaption>{{ picture.caption }}</figcaption></figure>{% endfor %}
+{% for block in section.code %}<pre>{{ block }}</pre>{% endfor %}
+{% endfor %}
+<footer>{{ footer }}</footer>
+</body></html>
+"""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG and what it shows, in words."""
+
+    png: bytes
+    caption: str
+
+    @property
+    def encoded(self) -> str:
+        """Base64 text."""
+        return base64.b64encode(self.png).decode()
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page.
+
+    Parameters
+    ----------
+    title : str
+    sentences : sequence of (kind, text)
+        Kind: ``""``, ``"damage"``, ``"warning"`` or ``"info"``.
+    columns, rows : a table, where there is one
+    pictures : sequence of Picture
+    code : sequence of str
+        Commands or programs to copy.
+    """
+
+    title: str
+    sentences: Sequence[tuple[str, str]] = ()
+    columns: Sequence[str] = ()
+    rows: Sequence[Sequence[object]] = ()
+    pictures: Sequence[Picture] = field(default_factory=tuple)
+    code: Sequence[str] = ()
+
+
+def render_page(title: str, sentences: Sequence[str], sections: Sequence[Section], footer: str) -> str:
+    """The page as HTML; all text is escaped."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined)
+    return environment.from_string(TEMPLATE).render(title=title, sentences=sentences, sections=sections, footer=footer)

@@ -1,0 +1,107 @@
+"""Pictures of recordings, drawn with matplotlib's object interface: no window, no global state."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+AXIS_COLOURS = {"fx": "#c0392b", "fy": "#27ae60", "fz": "#2c5aa0"}
+
+
+@dataclass(frozen=True)
+class TouchPicture:
+    """One touch, ready to be drawn.
+
+    Parameters
+    ----------
+    title : str
+    background, image : (H, W, 3) uint8 RGB
+        Without contact (``None``: not known), and at the largest force.
+    seconds : (n,) s from the trajectory's start
+    force : (n, 3) N
+        Contact force.
+    force_frame : str
+        ``"gel"``: x along the short side, z out of the gel; else ``"ft"``.
+    frame_seconds : (m,) s
+        When images were taken.
+    shown_second : float
+        When ``image`` was taken.
+    """
+
+    title: str
+    background: NDArray[np.uint8] | None
+    image: NDArray[np.uint8] | None
+    seconds: NDArray[np.float64]
+    force: NDArray[np.float64]
+    force_frame: str
+    frame_seconds: NDArray[np.float64]
+    shown_second: float
+
+
+def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
+    """A row per touch: without contact, at the largest force, the difference, and the force over time."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 2.35 * len(touches) + 0.5), layout="constrained")
+    axes = figure.subplots(len(touches), 4, squeeze=False, width_ratios=[1, 1, 1, 2.7])
+    for row, touch in enumerate(touches):
+        _picture(axes[row, 0], touch.background, "without contact" if row == 0 else "")
+        _picture(axes[row, 1], touch.image, "at the largest force" if row == 0 else "")
+        _picture(axes[row, 2], _difference(touch), "difference ×2" if row == 0 else "")
+        axes[row, 0].set_ylabel(touch.title, fontsize=8)
+        _force(axes[row, 3], touch, is_last=row == len(touches) - 1)
+    return figure
+
+
+def _difference(touch: TouchPicture) -> NDArray[np.uint8] | None:
+    if touch.background is None or touch.image is None or touch.background.shape != touch.image.shape:
+        return None
+    change = touch.image.astype(np.int16) - touch.background
+    return np.clip(128 + 2 * change, 0, 255).astype(np.uint8)
+
+
+def _picture(axes: Axes, image: NDArray[np.uint8] | None, title: str) -> None:
+    if image is None:
+        axes.text(0.5, 0.5, "none", ha="center", va="center", transform=axes.transAxes, color="grey")
+    else:
+        axes.imshow(image)
+    axes.set_title(title, fontsize=9)
+    axes.set_xticks([])
+    axes.set_yticks([])
+
+
+def _force(axes: Axes, touch: TouchPicture, is_last: bool) -> None:
+    for column, name in enumerate(("fx", "fy", "fz")):
+        axes.plot(
+            touch.seconds,
+            touch.force[:, column],
+            color=AXIS_COLOURS[name],
+            linewidth=1,
+            label=f"{name[0].upper()}{name[1]}",
+        )
+    low = np.nanmin(touch.force) if touch.force.size else 0.0
+    axes.plot(
+        touch.frame_seconds, np.full(len(touch.frame_seconds), low), "|", color="black", markersize=5, label="image"
+    )
+    axes.axvline(touch.shown_second, color="black", linewidth=0.6, linestyle=":")
+    axes.set_ylabel(f"N ({touch.force_frame} frame)", fontsize=8)
+    axes.tick_params(labelsize=8)
+    axes.legend(fontsize=7, ncols=4, loc="upper right", frameon=False)
+    if is_last:
+        axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
+
+
+def png_bytes(figure: Figure, dots_per_inch: int = 110) -> bytes:
+    """A figure as PNG; the same figure gives the same bytes."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
+    return stream.getvalue()
