@@ -1,0 +1,24 @@
+"""Every benchmark after the other: `make bench`. Each also runs alone; `--quick` shows in seconds that they work."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+BENCHMARKS = ("random_access.py", "ingest_mcap.py", "scale_splits.py")
+
+
+def main() -> int:
+    """Run them; 1 where one failed to run. A missed target is printed and is no failure."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true")
+    options = ["--quick"] if parser.parse_args().quick else []
+    folder = Path(__file__).resolve().parent
+    codes = [subprocess.run([sys.executable, folder / name, *options], check=False).returncode for name in BENCHMARKS]
+    return int(any(codes))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

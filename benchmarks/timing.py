@@ -1,0 +1,155 @@
+"""Fair timing: every contestant in a process of its own, repeats interleaved, medians; and the tables that show them."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import multiprocessing
+import os
+import platform
+import statistics
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import psutil
+
+MEGABYTE = 1e6
+START_LIMIT_S = 600.0
+CALL_LIMIT_S = 3600.0
+
+
+class Seat:
+    """A contestant in its own process: what it does is timed there, and its memory is its own.
+
+    Parameters
+    ----------
+    build : callable
+        Makes the contestant inside the process; its module is imported there anew.
+    *arguments
+        What ``build`` is called with.
+    """
+
+    def __init__(self, build: Callable[..., Any], *arguments: Any) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._ours, theirs = context.Pipe()
+        self._process = context.Process(target=_sit, args=(theirs, build, arguments), daemon=False)
+        self._process.start()
+        theirs.close()
+        self._answer(START_LIMIT_S)
+
+    def call(self, method: str, *arguments: Any) -> tuple[float, Any]:
+        """Seconds that a method took inside the process, and what it returned."""
+        self._ours.send((method, arguments))
+        return self._answer(CALL_LIMIT_S)
+
+    def memory(self) -> dict[str, float]:
+        """Peak growth since the contestant was built, bytes: ``own`` (anonymous) and ``mapped`` (files in the page cache)."""
+        return self.call("")[1]
+
+    def _answer(self, limit: float) -> Any:
+        if not self._ours.poll(limit):
+            raise TimeoutError(f"a contestant did not answer within {limit:.0f} s")
+        outcome, value = self._ours.recv()
+        if outcome == "error":
+            raise RuntimeError(f"a contestant failed: {value}")
+        return value
+
+    def close(self) -> None:
+        """End the process."""
+        self._ours.close()
+        self._process.join()
+
+
+class _Watch(threading.Thread):
+    """Peaks of this process's memory, looked at every 2 ms."""
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self._process = psutil.Process()
+        self.start_own, self.start_mapped = self._look()
+        self.own, self.mapped = self.start_own, self.start_mapped
+
+    def _look(self) -> tuple[int, int]:
+        memory = self._process.memory_info()
+        return memory.rss - memory.shared, memory.shared
+
+    def run(self) -> None:
+        while True:
+            own, mapped = self._look()
+            self.own, self.mapped = max(self.own, own), max(self.mapped, mapped)
+            time.sleep(0.002)
+
+    def growth(self) -> dict[str, float]:
+        return {"own": self.own - self.start_own, "mapped": self.mapped - self.start_mapped}
+
+
+def _sit(pipe: Any, build: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    try:
+        contestant = build(*arguments)
+        watch = _Watch()
+        watch.start()
+        pipe.send(("ok", None))
+    except Exception as error:  # noqa: BLE001 - whatever it is, the parent must hear of it
+        pipe.send(("error", repr(error)))
+        return
+    while True:
+        try:
+            method, call_arguments = pipe.recv()
+        except EOFError:
+            return
+        try:
+            started = time.perf_counter()
+            result = getattr(contestant, method)(*call_arguments) if method else watch.growth()
+            pipe.send(("ok", (time.perf_counter() - started, result)))
+        except Exception as error:  # noqa: BLE001 - as above
+            pipe.send(("error", repr(error)))
+
+
+def interleaved(seats: Mapping[str, Seat], calls: Sequence[tuple[str, tuple[Any, ...]]]) -> dict[str, list[float]]:
+    """Seconds of every call at every seat; call by call, the seats take turns, and who begins rotates.
+
+    So whatever else the machine does meanwhile falls on all contestants alike.
+    """
+    seconds: dict[str, list[float]] = {name: [] for name in seats}
+    names = list(seats)
+    for number, (method, arguments) in enumerate(calls):
+        turn = number % len(names)
+        for name in names[turn:] + names[:turn]:
+            seconds[name].append(seats[name].call(method, *arguments)[0])
+    return seconds
+
+
+def median_ratio(ours: Sequence[float], other: Sequence[float]) -> float:
+    """Median over the repeats of ``other / ours``, repeat by repeat: above 1 means that ours is faster."""
+    return statistics.median(second / first for first, second in zip(ours, other, strict=True))
+
+
+def header(title: str, packages: Sequence[str]) -> None:
+    """Print what was measured on: cores, Python, versions; nothing that names the machine."""
+    versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    memory = psutil.virtual_memory().total / 1e9
+    print(f"\n## {title}")
+    print(f"{cores} cores, {memory:.0f} GB, {platform.machine()}, Python {platform.python_version()}; {versions}")
+
+
+def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+    """Print rows under columns; numbers to the right."""
+    texts = [[str(cell) for cell in row] for row in rows]
+    widths = [max(len(column), *(len(row[place]) for row in texts)) for place, column in enumerate(columns)]
+    print("  ".join(column.ljust(width) for column, width in zip(columns, widths, strict=True)))
+    print("  ".join("-" * width for width in widths))
+    for row in texts:
+        cells = [
+            cell.ljust(width) if place == 0 else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        print("  ".join(cells))
+
+
+def verdict(what: str, ratio: float, target: float, *, at_most: bool = False) -> bool:
+    """Print whether a ratio meets its target, and return it."""
+    met = ratio <= target if at_most else ratio >= target
+    print(f"{what}: {ratio:.2f} (target: {'at most' if at_most else 'at least'} {target:.1f}) {'met' if met else 'MISSED'}")
+    return met
