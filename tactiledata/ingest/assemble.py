@@ -61,6 +61,14 @@ class IngestOptions:
         return {"mapping": self.mapping, "gap_limit_ns": self.gap_limit_ns}
 
 
+@dataclass(frozen=True)
+class Assembled:
+    """A take, and the row in the sink of each of its frames."""
+
+    take: Take
+    order: NDArray[np.int64]
+
+
 @dataclass
 class _Findings:
     """Findings in the order in which they were met."""
@@ -71,8 +79,8 @@ class _Findings:
         self.items.extend(findings)
 
 
-def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str, options: IngestOptions) -> Take:
-    """A take, ready to be staged.
+def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str, options: IngestOptions) -> Assembled:
+    """A take, ready to be checked and staged.
 
     Parameters
     ----------
@@ -114,7 +122,7 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
         said.add(*gap_findings(name, signal.t_ns, spans))
     said.add(*lost_spans_hit(trajectories, said.items))
     references = find_references(recording, ordered_sensors, order, force, decode, said.add)
-    return Take(
+    take = Take(
         source=recording.source,
         sha256=sha256,
         status=_status(said.items),
@@ -129,6 +137,7 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
         references=references,
         sensors=sensor_facts(recording.description, sorted(set(ordered_sensors) | {t.sensor for t in trajectories})),
     )
+    return Assembled(take, order)
 
 
 def _cut(

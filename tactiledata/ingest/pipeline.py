@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from tactiledata.compute import SCHEDULERS
 from tactiledata.compute.base import Outcome
@@ -179,9 +181,16 @@ def _read_source(task: _Task) -> _Read:
     with Spool(staging_folder(folder, sha256)) as spool:
         recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
         images = spool.columns()
-        take = assemble(recording, images, spool.decode, sha256, task.options)
-        later = [*check_images(take, images, spool.decode), *camera_lag(take, spool.decode)]
-        take = replace(take, findings=pa.concat_tables([take.findings, findings_table(later)]), status=_worse(take.status, later))
+        assembled = assemble(recording, images, spool.decode, sha256, task.options)
+        take = assembled.take
+
+        def decode(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
+            return spool.decode(assembled.order[rows])
+
+        later = [*check_images(take, decode), *camera_lag(take, decode)]
+        take = replace(
+            take, findings=pa.concat_tables([take.findings, findings_table(later)]), status=_worse(take.status, later)
+        )
         if task.options.strict:
             _refuse_damage(take, source)
         return _Read(sha256, stage(folder, spool, take))
