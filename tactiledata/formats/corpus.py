@@ -87,7 +87,8 @@ def files_in(folder: Path, suffixes: Sequence[str]) -> list[Path]:
 def key_of(root: Path, path: Path) -> str:
     """A readable key of a source: the folder that was named and the way from there."""
     below = path.relative_to(root).as_posix()
-    return root.name if below == "." else f"{root.name}/{below}"
+    named = root.resolve().name
+    return named if below == "." else f"{named}/{below}"
 
 
 def read_bytes(path: Path) -> Payload:
@@ -210,9 +211,13 @@ class CorpusFormat(Format):
             intake.frame_values(),
         )
 
-    def make_source(self, root: Path, path: Path, files: Sequence[Path], part: str = "") -> Source:
-        """A source of this format; ``root`` is what the user named."""
-        return Source(str(path), key_of(root, path), self.name, tuple(str(file) for file in files), part)
+    def make_source(self, root: Path, home: Path, files: Sequence[Path], part: Path | None = None) -> Source:
+        """A source of this format: ``root`` is what the user named, ``home`` holds all ``files``.
+
+        Where ``home`` holds several sources, ``part`` is the file or folder inside it that this one is about.
+        """
+        key = key_of(root, home if part is None else part)
+        return Source(str(home), key, self.name, tuple(map(str, files)), "" if part is None else part.name)
 
     def require(self, path: Path) -> None:
         """Nothing, where the path exists and is of this format."""
