@@ -1,0 +1,1 @@
+"""The parts of the MCAP format: records and salvage, message decoding, roles of topics, images, descriptions."""

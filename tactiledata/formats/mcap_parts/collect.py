@@ -1,0 +1,127 @@
+"""Numbers of one signal as they come in, kept compactly until the whole recording has been read."""
+
+from __future__ import annotations
+
+from array import array
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tactiledata.contract.records import Finding, Signal, Stamps
+from tactiledata.errors import BrokenLog
+
+
+
+@dataclass
+class FaultCount:
+    """How often something was wrong in a stream, from when to when, and the first reason."""
+
+    count: int = 0
+    reason: str = ""
+    start_ns: int | None = None
+    end_ns: int | None = None
+
+    def add(self, log_ns: int, reason: object) -> None:
+        """Count one more."""
+        if not self.count:
+            self.reason, self.start_ns = " ".join(str(reason).split())[:200] or type(reason).__name__, log_ns
+        self.count += 1
+        self.end_ns = log_ns
+
+    def finding(self, code: str, message: str, stream: str) -> list[Finding]:
+        """The finding, where there was anything; ``message`` may name ``{count}`` and ``{reason}``."""
+        if not self.count:
+            return []
+        text = message.format(count=self.count, reason=self.reason)
+        return [Finding(code, "damage", text, stream, start_ns=self.start_ns, end_ns=self.end_ns, count=self.count)]
+
+
+@dataclass
+class SignalBuffer:
+    """One signal's samples.
+
+    Parameters
+    ----------
+    name : str
+    topic : str
+    columns, units : (k,) names
+    frame : str, optional
+        The only frame_id that is taken; ``None``: whatever comes, as long as it is always the same.
+    """
+
+    name: str
+    topic: str
+    columns: tuple[str, ...]
+    units: tuple[str, ...] = ()
+    frame: str | None = None
+    log: array[int] = field(default_factory=lambda: array("q"))
+    publish: array[int] = field(default_factory=lambda: array("q"))
+    header: array[int] = field(default_factory=lambda: array("q"))
+    values: array[float] = field(default_factory=lambda: array("d"))
+    frames: Counter[str] = field(default_factory=Counter)
+    faults: FaultCount = field(default_factory=FaultCount)
+    refused: FaultCount = field(default_factory=FaultCount)
+    has_header: bool = False
+
+    def add(
+        self, values: Sequence[float], log_ns: int, publish_ns: int, header_ns: int | None, frame: str
+    ) -> None:
+        """One sample, unless its frame is not the one that is wanted."""
+        if self.frame is not None and frame != self.frame:
+            self.refused.add(log_ns, repr(frame))
+            return
+        self.frames[frame] += 1
+        self.values.extend(values)
+        self.log.append(log_ns)
+        self.publish.append(publish_ns)
+        if header_ns is not None:
+            self.has_header = True
+        self.header.append(header_ns or 0)
+
+    def signal(self) -> Signal:
+        """The samples as a signal.
+
+        Raises
+        ------
+        BrokenLog
+            They are expressed in different frames, and nothing says which one is meant.
+        """
+        if len(self.frames) > 1:
+            listed = ", ".join(f"{frame!r} ({count} messages)" for frame, count in sorted(self.frames.items()))
+            raise BrokenLog(
+                f"{self.topic} mixes frames: {listed}",
+                f"one frame_id for the signal {self.name!r}",
+                f"Name the frame that is meant in a mapping: signals: {{{self.name}: {{topic: {self.topic}, frame: ...}}}}.",
+                topic=self.topic,
+                frames=sorted(self.frames),
+            )
+        values = np.array(self.values, dtype=np.float64).reshape(-1, len(self.columns))
+        stamps = Stamps(
+            np.array(self.log, dtype=np.int64),
+            np.array(self.publish, dtype=np.int64),
+            np.array(self.header, dtype=np.int64) if self.has_header else None,
+        )
+        return Signal(self.name, stamps, values, self.columns, next(iter(self.frames), ""), self.units)
+
+    def findings(self) -> list[Finding]:
+        """What was wrong with the samples."""
+        found = self.faults.finding(
+            "undecodable-message", f"{{count}} messages of {self.topic} cannot be decoded: {{reason}}", self.name
+        )
+        found += self.refused.finding(
+            "foreign-frame",
+            f"{{count}} messages of {self.topic} were left out: their frame is {{reason}}, {self.frame!r} is meant",
+            self.name,
+        )
+        values = np.frombuffer(self.values, dtype=np.float64) if self.values else np.zeros(0)
+        bad = ~np.isfinite(values).reshape(-1, len(self.columns)).all(axis=1)
+        if bad.any():
+            rows = np.flatnonzero(bad)
+            text = f"{len(rows)} samples of {self.topic} hold NaN or infinity; they are kept as they are"
+            found.append(
+                Finding("non-finite", "warning", text, self.name, start_ns=self.log[int(rows[0])],
+                        end_ns=self.log[int(rows[-1])], count=len(rows))
+            )  # fmt: skip
+        return found

@@ -1,0 +1,275 @@
+"""Messages of every encoding that the toolkit reads, as objects or dictionaries with named fields.
+
+Types are taken from the schema text of each file, never from a table of ours: the same name may mean another layout in
+another file. rosbags turns that text into Python code, so what it parsed is checked before it is turned.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import struct
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mcap.exceptions import McapError
+from mcap.records import Channel, Schema
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys.base import TypesysError
+from rosbags.typesys.store import Typestore
+
+from tactiledata.errors import BrokenLog
+
+MAX_SCHEMA_BYTES = 2**20
+FAULTS = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    RecursionError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
+    McapError,
+    SerdeError,
+    TypesysError,
+)
+"""What decoders raise on a message, or a type, that a stranger wrote."""
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
+_FIELD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_IDL_SEPARATOR = re.compile(r"^=+\s*\nIDL: .*$", re.MULTILINE)
+_BASE, _NAMED, _ARRAY, _SEQUENCE = 1, 2, 3, 4
+
+
+@dataclass(frozen=True)
+class Decoder:
+    """How the messages of one channel are read.
+
+    Parameters
+    ----------
+    kind : str
+        The type as ``package/Type`` or ``package.Type``.
+    encoding : str
+        For people, for example ``"cdr/ros2msg"``.
+    decode : callable
+        Payload -> message; raises one of `FAULTS`.
+    layout : tuple of (path, type)
+        The flattened fields of a ROS 2 type; empty where messages are not CDR.
+    """
+
+    kind: str
+    encoding: str
+    decode: Callable[[bytes], Any]
+    layout: tuple[tuple[str, str], ...] = ()
+
+
+def kind_of(schema: Schema | None) -> str:
+    """A type's name without the ``/msg/`` that some writers put into it."""
+    return "" if schema is None else re.sub(r"/(msg|action)/", "/", schema.name, count=1)
+
+
+def encoding_of(channel: Channel, schema: Schema | None) -> str:
+    """Message and schema encoding, for people."""
+    return f"{channel.message_encoding or '?'}/{schema.encoding or '?'}" if schema else channel.message_encoding or "?"
+
+
+def decoder_for(channel: Channel, schema: Schema | None) -> Decoder:
+    """The decoder of a channel.
+
+    Raises
+    ------
+    BrokenLog
+        The encoding is unknown, its package is not installed, or the schema cannot be read; the reason is for people.
+    """
+    encoding, kind = encoding_of(channel, schema), kind_of(schema)
+    try:
+        if channel.message_encoding == "json":
+            return Decoder(kind or "json", encoding, json.loads)
+        if schema is None:
+            raise BrokenLog(f"{channel.topic} has no schema, and {channel.message_encoding!r} messages need one")
+        if len(schema.data) > MAX_SCHEMA_BYTES:
+            raise BrokenLog(f"the schema of {channel.topic} has {len(schema.data)} bytes")
+        wanted = (channel.message_encoding, schema.encoding)
+        if wanted in (("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg")):
+            return _ros_decoder(schema, kind, encoding)
+        if wanted == ("protobuf", "protobuf"):
+            return Decoder(kind, encoding, _protobuf(schema))
+    except BrokenLog:
+        raise
+    except FAULTS as error:
+        reason = " ".join(str(error).split())[:160] or type(error).__name__
+        raise BrokenLog(f"the schema of {channel.topic} ({kind}) cannot be read: {reason}") from error
+    raise BrokenLog(
+        f"{channel.topic} is encoded as {encoding!r}",
+        "cdr with ros2msg or ros2idl, ros1, protobuf or json",
+        "Convert the recording, or record it again with a usual encoding.",
+    )
+
+
+# ROS
+
+
+def _ros_decoder(schema: Schema, kind: str, encoding: str) -> Decoder:
+    text = schema.data.decode("utf-8")
+    if re.search(r"^---\s*$", text, re.MULTILINE):
+        raise BrokenLog(f"{kind} is a service or action: its schema does not say how its events are laid out")
+    if schema.encoding == "ros2idl":
+        types: dict[str, Any] = {}
+        for part in _IDL_SEPARATOR.split(text):
+            if part.strip():
+                types.update(get_types_from_idl(part))
+    else:
+        types = dict(get_types_from_msg(text, schema.name))
+    name = next((found for found in types if found.replace("/msg/", "/") == kind), None)
+    if name is None:
+        raise BrokenLog(f"the schema of {kind} does not define it; it defines {', '.join(sorted(types)[:5])}")
+    is_ros1 = schema.encoding == "ros1msg"
+    _complete(types, get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE))
+    _check_types(types)
+    store = Typestore()
+    store.register(types)
+    store.get_msgdef(name)
+    if is_ros1:
+        return Decoder(kind, encoding, lambda payload: store.deserialize_ros1(payload, name))
+    layout = tuple(_flat(name, types))
+    return Decoder(kind, encoding, lambda payload: store.deserialize_cdr(payload, name), layout)
+
+
+def _complete(types: dict[str, Any], usual: Typestore) -> None:
+    """Types that the text uses and does not define, as ROS defines them."""
+    open_names = list(types)
+    while open_names:
+        for _, description in types[open_names.pop()][1]:
+            used = description[1] if description[0] == _NAMED else None
+            if description[0] in (_ARRAY, _SEQUENCE) and description[1][0][0] == _NAMED:
+                used = description[1][0][1]
+            if used is not None and used not in types:
+                if used not in usual.fielddefs:
+                    raise BrokenLog(f"the type {used} is used and not defined")
+                types[used] = usual.fielddefs[used]
+                open_names.append(used)
+
+
+def _check_types(types: Mapping[str, Any]) -> None:
+    """Refuses whatever could become code: names that are no names, sizes that are no numbers."""
+    for name, (constants, fields) in types.items():
+        plain = _NAME.fullmatch(name) is not None
+        for constant, base, value in constants:
+            plain &= _FIELD.fullmatch(constant) is not None and _FIELD.fullmatch(base) is not None
+            plain &= type(value) in (int, float, bool, str)
+        for field, (node, inner) in fields:
+            plain &= _FIELD.fullmatch(field) is not None
+            if node in (_ARRAY, _SEQUENCE):
+                (node, inner), count = inner
+                plain &= type(count) is int and 0 <= count <= 2**24
+            plain &= (
+                _NAME.fullmatch(inner) is not None
+                if node == _NAMED
+                else _FIELD.fullmatch(inner[0]) is not None and type(inner[1]) is int
+            )
+        if not plain:
+            raise BrokenLog(f"the type {name[:60]!r} has names or sizes that no message type has")
+
+
+def _flat(name: str, types: Mapping[str, Any], prefix: str = "", depth: int = 0) -> list[tuple[str, str]]:
+    if depth > 20:
+        raise BrokenLog(f"the type {name} contains itself")
+    fields: list[tuple[str, str]] = []
+    for field, (node, inner) in types[name][1]:
+        path = f"{prefix}{field}"
+        if node == _NAMED:
+            fields += _flat(inner, types, f"{path}.", depth + 1)
+        elif node == _BASE:
+            fields.append((path, inner[0]))
+        else:
+            (kind, element), count = inner
+            mark = f"[{count}]" if node == _ARRAY else "[]"
+            fields.append((path, (element if kind == _NAMED else element[0]) + mark))
+    return fields
+
+
+# protobuf
+
+
+def _protobuf(schema: Schema) -> Callable[[bytes], Any]:
+    """A decoder in a descriptor pool of its own, so that types of different files cannot meet."""
+    try:
+        from google.protobuf.message import DecodeError
+        from mcap_protobuf.decoder import DecoderFactory
+    except ImportError as error:
+        raise BrokenLog(
+            f"{schema.name} is encoded as protobuf, whose package is not installed",
+            "the package mcap-protobuf-support",
+            "Install it with `pip install mcap-protobuf-support`.",
+        ) from error
+    try:
+        decode = DecoderFactory().decoder_for("protobuf", schema)
+    except DecodeError as error:
+        raise BrokenLog(f"the descriptor of {schema.name} is damaged") from error
+    assert decode is not None
+
+    def decoded(payload: bytes) -> Any:
+        try:
+            return decode(payload)
+        except DecodeError as error:
+            raise ValueError(f"not a {schema.name}: {error}") from error
+
+    return decoded
+
+
+# fields of any decoded message
+
+
+def steps_of(path: str) -> tuple[str | int, ...]:
+    """``pose.position.x`` or ``effort[2]`` as the steps that lead to the value; raises `ValueError`."""
+    steps: list[str | int] = []
+    for part in path.split("."):
+        match = re.fullmatch(r"([A-Za-z_]\w*)((?:\[\d+\])*)", part)
+        if match is None:
+            raise ValueError(f"{path!r} is no path of fields")
+        steps.append(match[1])
+        steps += [int(index) for index in re.findall(r"\d+", match[2])]
+    return tuple(steps)
+
+
+def value_at(message: Any, steps: tuple[str | int, ...]) -> Any:
+    """The value that a path leads to, in a dictionary, a ROS message or a protobuf message."""
+    for step in steps:
+        if isinstance(step, int) or isinstance(message, Mapping):
+            message = message[step]
+        else:
+            message = getattr(message, step)
+    return message
+
+
+def stamp_of(message: Any) -> int | None:
+    """The stamp that a message carries, ns; ``None`` where its type has none."""
+    for steps in (("header", "stamp"), ("timestamp",), ("stamp",)):
+        try:
+            stamp = value_at(message, steps)
+            return _first(stamp, "sec", "seconds") * 1_000_000_000 + _first(stamp, "nanosec", "nsec", "nanos")
+        except (AttributeError, KeyError, TypeError):
+            continue
+    return None
+
+
+def _first(stamp: Any, *names: str) -> int:
+    for name in names:
+        found = stamp.get(name) if isinstance(stamp, Mapping) else getattr(stamp, name, None)
+        if found is not None:
+            return int(found)
+    raise KeyError(names[0])
+
+
+def frame_of(message: Any) -> str:
+    """The frame_id that a message carries; empty where it has none."""
+    for steps in (("header", "frame_id"), ("frame_id",)):
+        try:
+            return str(value_at(message, steps))
+        except (AttributeError, KeyError, TypeError):
+            continue
+    return ""

@@ -1,0 +1,210 @@
+"""Images of messages as they go into a store: encoded bytes as they came, raw pixels as RGB."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tactiledata.contract.records import Finding, Image, ImageSink
+from tactiledata.errors import BrokenLog
+from tactiledata.formats.image_bytes import MAX_SIDE, read_header
+from tactiledata.formats.mcap_parts.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
+from tactiledata.formats.mcap_parts.collect import FaultCount
+from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, frame_of, stamp_of, value_at
+from tactiledata.formats.mcap_parts.roles import COMPRESSED_KINDS, ImageRole
+
+RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}
+"""Bytes a pixel and channel order of the raw encodings that are colour pictures; 8UC3 is OpenCV's, blue first."""
+SERIAL = re.compile(r"(?<![A-Za-z0-9])([A-Z]\d{5})(?![A-Za-z0-9])", re.IGNORECASE)
+"""A DIGIT's serial in a topic or frame_id."""
+
+
+@dataclass
+class CameraBuffer:
+    """What is noted while a camera's images pass into the sink.
+
+    Parameters
+    ----------
+    role : ImageRole
+    sink : ImageSink
+    sensors : tuple of str
+        Serials that the recording's description states.
+    is_only_camera : bool
+    """
+
+    role: ImageRole
+    sink: ImageSink
+    sensors: tuple[str, ...]
+    is_only_camera: bool
+    images: int = 0
+    faults: FaultCount = field(default_factory=FaultCount)
+    broken: FaultCount = field(default_factory=FaultCount)
+    truncated: FaultCount = field(default_factory=FaultCount)
+    unusable: FaultCount = field(default_factory=FaultCount)
+    claims: dict[str, set[str]] = field(default_factory=dict)
+    serials: dict[str, str] = field(default_factory=dict)
+    serials_used: Counter[str] = field(default_factory=Counter)
+
+    def serial(self, frame: str) -> str:
+        """The serial of the sensor that took an image with this frame_id."""
+        if frame not in self.serials:
+            claims = {
+                "the mapping": self.role.sensor,
+                "the description": self.sensors[0] if len(self.sensors) == 1 and self.is_only_camera else "",
+                "frame_id": self._named_in(frame),
+                "the topic": self._named_in(self.role.topic),
+            }
+            stated = {origin: serial for origin, serial in claims.items() if serial}
+            for origin, serial in stated.items():
+                self.claims.setdefault(serial, set()).add(origin)
+            self.serials[frame] = next(iter(stated.values()), "")
+        return self.serials[frame]
+
+    def _named_in(self, text: str) -> str:
+        parts = set(re.split(r"[/\s]+", text))
+        stated = [sensor for sensor in self.sensors if sensor in parts]
+        if len(stated) == 1:
+            return stated[0]
+        match = SERIAL.search(text.replace("_", "/"))
+        return match[1].upper() if match else ""
+
+    def push(
+        self, image: tuple[bytes, str, int, int] | None, frame: str, log_ns: int, publish_ns: int, header_ns: int | None
+    ) -> None:
+        """One image into the sink; ``None`` keeps the moment where the picture is lost."""
+        payload, encoding, height, width = image or (b"", "missing", 0, 0)
+        serial = self.serial(frame)
+        self.images += 1
+        self.serials_used[serial] += 1
+        self.sink.add(
+            Image(
+                self.role.camera,
+                payload,
+                encoding,  # type: ignore[arg-type]
+                height,
+                width,
+                log_ns,
+                publish_ns,
+                -1 if header_ns is None else header_ns,
+                sensor=serial,
+                name=self.role.topic,
+            )
+        )
+
+    def findings(self) -> list[Finding]:
+        """What was wrong with the images, and with who took them."""
+        camera, topic = self.role.camera, self.role.topic
+        found = self.faults.finding("undecodable-message", f"{{count}} messages of {topic} cannot be decoded: {{reason}}", camera)
+        found += self.broken.finding("image-unreadable", f"{{count}} images of {topic} are lost: {{reason}}", camera)
+        found += self.truncated.finding("image-truncated", f"{{count}} images of {topic} end before their end mark", camera)
+        found += self.unusable.finding("image-encoding", f"{{count}} images of {topic} are no colour pictures: {{reason}}", camera)
+        if len(self.claims) > 1:
+            said = "; ".join(f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items()))
+            used = ", ".join(sorted(filter(None, self.serials_used))) or "none"
+            severity = "warning" if self.role.sensor else "damage"
+            found.append(Finding("sensor-conflict", severity, f"{topic}: the sensor is called {said}; {used} is used", camera))
+        return found
+
+
+def image_taker(decoder: Decoder, camera: CameraBuffer) -> Take:
+    """What reads the messages of an image topic into the sink."""
+    is_compressed = decoder.kind in COMPRESSED_KINDS
+    general = _general(_compressed_fields if is_compressed else _raw_fields, decoder, camera, is_compressed)
+    if decoder.layout == COMPRESSED_LAYOUT:
+        return _fast_compressed(camera, general)
+    return _fast_raw(camera, general) if decoder.layout == IMAGE_LAYOUT else general
+
+
+def _fast_compressed(camera: CameraBuffer, general: Take) -> Take:
+    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
+        try:
+            stamp, frame, style, payload = compressed_at(buffer, start, stop)
+        except ValueError:
+            general(buffer, start, stop, log_ns, publish_ns)
+            return
+        camera.push(_encoded(payload, style, camera, log_ns), frame, log_ns, publish_ns, stamp)
+
+    return take
+
+
+def _fast_raw(camera: CameraBuffer, general: Take) -> Take:
+    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
+        try:
+            stamp, frame, *fields = image_at(buffer, start, stop)
+        except ValueError:
+            general(buffer, start, stop, log_ns, publish_ns)
+            return
+        camera.push(_raw(*fields, camera, log_ns), frame, log_ns, publish_ns, stamp)  # type: ignore[arg-type]
+
+    return take
+
+
+def _general(fields: Callable[[Any], tuple[Any, ...]], decoder: Decoder, camera: CameraBuffer, is_compressed: bool) -> Take:
+    store: Callable[..., Any] = _encoded if is_compressed else _raw
+
+    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
+        try:
+            message = decoder.decode(buffer[start:stop])
+            found, stamp, frame = fields(message), stamp_of(message), frame_of(message)
+        except FAULTS as error:
+            camera.faults.add(log_ns, error)
+            return
+        camera.push(store(*found, camera, log_ns), frame, log_ns, publish_ns, stamp)
+
+    return take
+
+
+def _compressed_fields(message: Any) -> tuple[bytes, str]:
+    return _bytes_of(value_at(message, ("data",))), str(value_at(message, ("format",)))
+
+
+def _raw_fields(message: Any) -> tuple[str, int, int, int, bytes]:
+    height, width, step = (int(value_at(message, (name,))) for name in ("height", "width", "step"))
+    return str(value_at(message, ("encoding",))), height, width, step, _bytes_of(value_at(message, ("data",)))
+
+
+def _bytes_of(value: Any) -> bytes:
+    if isinstance(value, str):
+        return base64.b64decode(value, validate=True)
+    if isinstance(value, Mapping):
+        raise TypeError("pixels that are a dictionary")
+    return bytes(value)
+
+
+def _encoded(payload: bytes, style: str, camera: CameraBuffer, log_ns: int) -> tuple[bytes, str, int, int] | None:
+    """JPEG or PNG bytes as they came, with what their header says."""
+    try:
+        header = read_header(payload)
+    except BrokenLog as error:
+        camera.broken.add(log_ns, f"{error.found} (format {style!r})")
+        return None
+    if not header.is_complete:
+        camera.truncated.add(log_ns, "cut")
+    return payload, header.encoding, header.height, header.width
+
+
+def _raw(
+    style: str, height: int, width: int, step: int, payload: bytes, camera: CameraBuffer, log_ns: int
+) -> tuple[bytes, str, int, int] | None:
+    """Raw pixels as RGB, row-major, without padding."""
+    if style not in RAW_CHANNELS:
+        camera.unusable.add(log_ns, f"encoding {style!r}; {', '.join(RAW_CHANNELS)} are read")
+        return None
+    channels, order = RAW_CHANNELS[style]
+    order = camera.role.channel_order or order
+    if not (0 < height <= MAX_SIDE and 0 < width <= MAX_SIDE) or step < width * channels or len(payload) != step * height:
+        camera.broken.add(
+            log_ns, f"{height} rows x {width} columns {style} with {step} bytes a row, and {len(payload)} bytes of pixels"
+        )
+        return None
+    if order == "rgb" and channels == 3 and step == width * 3:
+        return payload, "raw", height, width
+    rows = np.frombuffer(payload, np.uint8).reshape(height, step)[:, : width * channels]
+    pixels = rows.reshape(height, width, channels)[:, :, 2::-1] if order == "bgr" else rows.reshape(height, width, channels)[:, :, :3]
+    return np.ascontiguousarray(pixels).tobytes(), "raw", height, width

@@ -1,0 +1,174 @@
+"""From a channel and its role to the function that takes its messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from tactiledata.errors import SchemaError
+from tactiledata.formats.mcap_parts.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
+from tactiledata.formats.mcap_parts.collect import SignalBuffer
+from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap_parts.roles import FIELDS_OF, TF_KIND, SignalRole
+from tactiledata.units import FIELDS, TO_METRES
+
+UR_JOINTS = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+TO_SI = {
+    **{(name, "m"): factor for name, factor in TO_METRES.items()},
+    ("deg", "rad"): 0.017453292519943295,
+    ("mN", "N"): 1e-3,
+    ("kN", "N"): 1e3,
+    ("N mm", "N m"): 1e-3,
+    ("Nmm", "N m"): 1e-3,
+    ("Nm", "N m"): 1.0,
+}
+"""Factors from a unit that a mapping states to the unit of the column."""
+
+
+def signal_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take:
+    """What reads the messages of a channel into a signal: fast where it can be, and the general way where it must."""
+    order = JointOrder(role.joint_names)
+    fast: Take | None = None
+    if role.fields:
+        general = _general(_field_reader(role), decoder, sink)
+    elif role.name == "joints":
+        general = _general(order.read, decoder, sink)
+        if decoder.layout == JOINT_LAYOUT:
+            fast = joint_taker(order, sink)
+    elif decoder.kind == TF_KIND:
+        general = _tree_taker(role, decoder, sink)
+    else:
+        general = _general(_paths_reader(FIELDS_OF[decoder.kind]), decoder, sink)
+        if decoder.layout in VECTOR_LAYOUTS:
+            fast = vector_taker(VECTOR_LAYOUTS[decoder.layout], sink)
+    return general if fast is None else _with_fallback(fast, general)
+
+
+def _with_fallback(fast: Take, general: Take) -> Take:
+    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
+        try:
+            fast(buffer, start, stop, log_ns, publish_ns)
+        except ValueError:
+            general(buffer, start, stop, log_ns, publish_ns)
+
+    return take
+
+
+Reader = Callable[[Any], "Sequence[float] | None"]
+
+
+def _general(read: Reader, decoder: Decoder, sink: SignalBuffer) -> Take:
+    """The general way: decode the message, then read the values from its fields; a fault is counted, not raised."""
+    decode = decoder.decode
+
+    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
+        try:
+            message = decode(buffer[start:stop])
+            values = read(message)
+            stamp, frame = stamp_of(message), frame_of(message)
+        except FAULTS as error:
+            sink.faults.add(log_ns, error)
+            return
+        if values is not None:
+            sink.add(values, log_ns, publish_ns, stamp, frame)
+
+    return take
+
+
+def _paths_reader(paths: Sequence[str]) -> Reader:
+    steps = [steps_of(path) for path in paths]
+    return lambda message: [float(value_at(message, step)) for step in steps]
+
+
+def _field_reader(role: SignalRole) -> Reader:
+    read = _paths_reader(role.fields)
+    factors = unit_factors(role)
+    if all(factor == 1.0 for factor in factors):
+        return read
+    return lambda message: [value * factor for value, factor in zip(read(message) or (), factors, strict=True)]
+
+
+def unit_factors(role: SignalRole) -> list[float]:
+    """Factors that take a mapping's stated units to those of the columns; 1 where the column is not a known one.
+
+    Raises
+    ------
+    SchemaError
+        A unit that cannot become the column's.
+    """
+    factors = []
+    for column, unit in zip(role.columns, role.units or ("",) * len(role.columns), strict=True):
+        wanted = FIELDS[column].unit if column in FIELDS else unit
+        if unit in ("", "?", wanted):
+            factors.append(1.0)
+        elif (unit, wanted) in TO_SI:
+            factors.append(TO_SI[(unit, wanted)])
+        else:
+            raise SchemaError(
+                f"the mapping's signals.{role.name} states {unit!r} for {column}",
+                f"{wanted!r} or a unit of the same kind",
+                path=f"$.signals.{role.name}.units",
+            )
+    return factors
+
+
+def _tree_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take:
+    """Reads the transform between the two frames that a mapping names out of each tree of transforms."""
+    read = _paths_reader(FIELDS_OF["geometry_msgs/TransformStamped"])
+    child = role.child_frame.strip("/")
+    frame = (role.frame or "").strip("/")
+
+    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
+        try:
+            for transform in value_at(decoder.decode(buffer[start:stop]), ("transforms",)):
+                named = (frame_of(transform).strip("/"), str(value_at(transform, ("child_frame_id",))).strip("/"))
+                if named == (frame, child):
+                    sink.add(read(transform) or (), log_ns, publish_ns, stamp_of(transform), role.frame or "")
+        except FAULTS as error:
+            sink.faults.add(log_ns, error)
+
+    return take
+
+
+class JointOrder:
+    """Where our six joints are among the names of a message; never by position.
+
+    Names may carry a prefix (``left_elbow_joint``, ``ur/elbow_joint``) as long as only one robot fits. -1 stands for a
+    joint that a message lacks while it holds others of the robot.
+    """
+
+    def __init__(self, joint_names: Sequence[str]) -> None:
+        self._wanted = tuple(joint_names) or UR_JOINTS
+        self.missing: set[str] = set()
+        self.skipped = 0
+
+    def __call__(self, names: tuple[str, ...]) -> tuple[int, ...] | None:
+        """Indexes (6,); ``None`` where the message holds none of our joints."""
+        indexes = tuple(self._index(wanted, names) for wanted in self._wanted)
+        return None if max(indexes) < 0 else indexes
+
+    def _index(self, wanted: str, names: tuple[str, ...]) -> int:
+        if wanted in names:
+            return names.index(wanted)
+        fits = [place for place, name in enumerate(names) if name.endswith((f"_{wanted}", f"/{wanted}"))]
+        if len(fits) > 1:
+            raise ValueError(f"{len(fits)} joints are called {wanted}: joint_names in a mapping must say which are meant")
+        return fits[0] if fits else -1
+
+    def read(self, message: Any) -> list[float] | None:
+        """Positions (6,) of a decoded message, NaN for a joint that it lacks."""
+        names = tuple(value_at(message, ("name",)))
+        indexes = self(names)
+        if indexes is None:
+            return None
+        positions = value_at(message, ("position",))
+        if len(positions) != len(names):
+            raise ValueError(f"{len(positions)} positions for {len(names)} names")
+        return [float(positions[place]) if place >= 0 else float("nan") for place in indexes]
