@@ -9,7 +9,7 @@ import typer
 from rich.markup import escape
 
 from tactiledata import __version__
-from tactiledata.cli import families, ingest, record, split, store
+from tactiledata.cli import demo, families, ingest, record, split, store
 from tactiledata.cli.output import err
 from tactiledata.errors import TactileDataError
 
@@ -24,7 +24,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for module in (record, families, ingest, store, split):
+for module in (demo, record, families, ingest, store, split):
     module.register(app)
 
 
@@ -58,7 +58,7 @@ def run() -> None:
     except OSError as error:
         err().print(f"[red]error:[/red] {escape(_os_text(error))}")
         sys.exit(1)
-    except Exception as error:  # noqa: BLE001 - the last resort: no traceback for users
+    except Exception as error:  # the last resort: no traceback for users
         if os.environ.get(DEBUG_VARIABLE):
             raise
         err().print(

@@ -1,4 +1,4 @@
-"""`info`, `check`, `merge`, `sensors`: what a store holds, and whether it is whole."""
+"""`info`, `check`, `merge`, `sensors`, `report`: what a store holds, and whether it is whole."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.errors import UsageError
 
 
 def register(app: typer.Typer) -> None:
@@ -16,7 +17,191 @@ def register(app: typer.Typer) -> None:
     app.command("info")(info)
     app.command("check")(check)
     app.command("merge")(merge)
-    sensors_app = typer.Typer(invoke_without_command=True, rich_markup_mode=None, add_completion=False)
-    sensors_app.callback()(sensors)
-    sensors_app.command("add")(sensors_add)
-    app.add_typer(sensors_app, name="sensors")
+    app.command("sensors")(sensors)
+    app.command("report")(report)
+
+
+def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
+    """What a store holds: recordings, sensors, indenters, signals, splits.
+
+    Example: tactiledata info ds.zarr
+    """
+    from tactiledata.store.reader import Store
+    from tactiledata.store.statistics import overview
+
+    opened = Store.open(working_store(store))
+    facts = overview(opened)
+    if as_json:
+        emit(facts)
+        return
+    say(
+        f"{opened.location}: {facts['sources']} recordings, {facts['trajectories']} trajectories, {facts['frames']} images"
+    )
+    table(
+        "",
+        ("sensor", "model", "trajectories", "images"),
+        [(name, row["model"] or "-", row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()],
+    )
+    table(
+        "",
+        ("indenter", "trajectories", "images"),
+        [(name or "(not named)", row["trajectories"], row["frames"]) for name, row in facts["by_indenter"].items()],
+    )
+    table(
+        "",
+        ("signal", "columns", "frame", "samples", "Hz", "news at Hz"),
+        [
+            (
+                name,
+                " ".join(row["columns"]),
+                row["frame"] or "-",
+                row["samples"],
+                row["rate_hz"],
+                row["effective_rate_hz"],
+            )
+            for name, row in facts["signals"].items()
+        ],
+    )
+    for name in opened.split_names():
+        say(f"split: {name}")
+    say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
+    for code, row in sorted(facts["findings"].items()):
+        say(f"  {row['severity']:<7} {code}: {row['count']} in {row['sources']} recordings")
+    say(f"digest: {opened.digest}")
+
+
+def check(
+    store: str = STORE_ARGUMENT,
+    repair: bool = typer.Option(False, "--repair", help="Mend what can be mended without inventing data."),
+    decode: bool = typer.Option(False, "--decode", help="Decode every image, too: slow, finds what checksums cannot."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Check every byte of a store against its checksums, and its tables against each other; exit 1 on damage.
+
+    Example: tactiledata check ds.zarr --repair
+    """
+    from tactiledata.store.check import check as look
+    from tactiledata.store.repair import repair as mend
+
+    location = working_store(store)
+    mended = mend(location) if repair else []
+    with progress("checking", quiet=as_json) as tell:
+        found = look(location, decode=decode, progress=tell)
+    if as_json:
+        emit({"mended": [vars(finding) for finding in mended], "findings": [vars(finding) for finding in found]})
+    else:
+        findings(("mended", finding) for finding in mended)
+        findings(("", finding) for finding in found)
+        say("the store is whole" if not found else f"{len(found)} findings")
+    if any(finding.severity == "damage" for finding in found):
+        raise typer.Exit(1)
+
+
+def merge(
+    stores: list[str] = typer.Argument(..., help="Stores to take from; they are not changed."),
+    into: Path = typer.Option(..., "--into", help="Store to add to; made where it is not there."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Add the recordings of several stores to one; a recording that is in two comes once. Splits are not taken along.
+
+    Example: tactiledata merge monday.zarr tuesday.zarr --into week.zarr
+    """
+    from tactiledata.store.merge import merge as add
+
+    with progress("merging", quiet=as_json) as tell:
+        merged = add(stores, into, progress=tell)
+    if as_json:
+        emit(merged.document())
+        return
+    findings(("", finding) for finding in merged.findings)
+    say(f"{merged.added} recordings added to {into}, {merged.present} were there already")
+
+
+def sensors(
+    words: list[str] = typer.Argument(None, help="A store, or: add NAME."),
+    background: Path = typer.Option(None, "--background", help="With add: a picture of the sensor without contact."),
+    model: str = typer.Option("digit", "--model", help="With add: the sensor's model."),
+    licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
+    store: str = typer.Option(None, "--store", help="With add: the store [default: the only *.zarr here]."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Sensors of a store, and the real backgrounds that come with the toolkit; `add` gives a store another one.
+
+    Example: tactiledata sensors add D20542 --background empty.png
+    """
+    if words and words[0] == "add":
+        _add_sensor(words[1:], background, model, licence, store, as_json)
+        return
+    if background is not None or (words and len(words) > 1):
+        raise UsageError(
+            f"sensors {' '.join(words or [])}",
+            "a store, or: add NAME --background FILE",
+            "See tactiledata sensors --help.",
+        )
+    _list_sensors(words[0] if words else None, as_json)
+
+
+def _add_sensor(
+    names: list[str], background: Path | None, model: str, licence: str, store: str | None, as_json: bool
+) -> None:
+    from tactiledata.store.sensors_table import add_sensor
+
+    if len(names) != 1 or background is None:
+        raise UsageError(
+            "sensors add needs one name and a picture", "tactiledata sensors add NAME --background FILE", ""
+        )
+    location = working_store(store, "Name it: --store S")
+    found = add_sensor(location, names[0], background, model=model, licence=licence)
+    if as_json:
+        emit({"store": location, "sensor": names[0], "findings": [vars(finding) for finding in found]})
+        return
+    findings((names[0], finding) for finding in found)
+    say(f"{names[0]} is a sensor of {location} now")
+
+
+def _list_sensors(store: str | None, as_json: bool) -> None:
+    from tactiledata.sensors.backgrounds import bundled_backgrounds
+    from tactiledata.store.reader import Store
+
+    bundled = bundled_backgrounds()
+    rows: list[tuple[Any, ...]] = []
+    if store is not None or list(Path.cwd().glob("*.zarr")):
+        opened = Store.open(working_store(store))
+        references = opened.references()
+        for name, facts in sorted(opened.sensors().items()):
+            reference = references.get(name)
+            rows.append((name, facts.get("model", "") or "-", reference.origin if reference else "no background"))
+    if as_json:
+        emit({
+            "store": [dict(zip(("sensor", "model", "background"), row, strict=True)) for row in rows],
+            "bundled": {name: {"source": one.source, "licence": one.licence} for name, one in bundled.items()},
+        })  # fmt: skip
+        return
+    if rows:
+        table("sensors of the store", ("sensor", "model", "picture without contact"), rows)
+    table(
+        "real backgrounds that come with the toolkit",
+        ("name", "source", "licence"),
+        [(name, one.source, one.licence) for name, one in bundled.items()],
+    )
+
+
+def report(
+    store: str = STORE_ARGUMENT,
+    out: Path = typer.Option(Path("report"), "--out", help="Folder for report.html and recorded.png."),
+    split: str = typer.Option("default", "--split", help="Split to describe, where there is one."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """One page about a store: what was recorded, what was wrong with it, who may learn from what; with pictures.
+
+    Example: tactiledata report ds.zarr --out report
+    """
+    from tactiledata.ingest.overview import write_report
+    from tactiledata.store.reader import Store
+
+    written = write_report(Store.open(working_store(store)), out, split)
+    if as_json:
+        emit({name: str(path) for name, path in written.items()})
+        return
+    for path in written.values():
+        say(str(path))

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from tactiledata.compute import SCHEDULERS
 from tactiledata.compute.base import Outcome
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
-from tactiledata.contract.records import Finding, Source, Take, findings_of, findings_table
+from tactiledata.contract.records import Finding, Recording, Source, Take, findings_of, findings_table
 from tactiledata.contract.schema import check_document
 from tactiledata.errors import BrokenLog, MissingFile
 from tactiledata.formats import FORMATS
 from tactiledata.ingest.assemble import IngestOptions, assemble
-from tactiledata.ingest.checks import check_images
+from tactiledata.ingest.checks import broken_images, check_take, flag_broken
 from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.lag import camera_lag
+from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.store.commit import commit_in_groups, create, recover, writing
 from tactiledata.store.reader import Store
 from tactiledata.store.spool import Spool
@@ -180,20 +181,26 @@ def _read_source(task: _Task) -> _Read:
         return _Read(sha256, waiting)
     with Spool(staging_folder(folder, sha256)) as spool:
         recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
-        images = spool.columns()
-        assembled = assemble(recording, images, spool.decode, sha256, task.options)
-        take = assembled.take
-
-        def decode(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
-            return spool.decode(assembled.order[rows])
-
-        later = [*check_images(take, decode), *camera_lag(take, decode)]
-        take = replace(
-            take, findings=pa.concat_tables([take.findings, findings_table(later)]), status=_worse(take.status, later)
-        )
+        spool.close()
+        images = SpooledImages(spool.folder, spool.columns())
+        take = _checked_take(recording, images, sha256, task.options)
         if task.options.strict:
             _refuse_damage(take, source)
         return _Read(sha256, stage(folder, spool, take))
+
+
+def _checked_take(recording: Recording, images: SpooledImages, sha256: str, options: IngestOptions) -> Take:
+    """The take of a recording, with what the checks of its images found."""
+    broken, said = broken_images(images)
+    assembled = assemble(recording, images.columns, images.decode, sha256, options)
+    take = replace(assembled.take, frames=flag_broken(assembled.take.frames, assembled.order, broken))
+
+    def decode(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
+        return images.decode(assembled.order[rows])
+
+    said = [*said, *check_take(take, decode), *camera_lag(take, decode)]
+    findings = pa.concat_tables([take.findings, findings_table(said)])
+    return replace(take, findings=findings, status=_worse(take.status, said))
 
 
 def source_digest(source: Source) -> str:

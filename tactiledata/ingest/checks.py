@@ -1,0 +1,152 @@
+"""What can be said of a recording's images and forces before they are kept: nothing is silently wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Finding, FrameFlag, Take
+from tactiledata.ingest.spooled import SpooledImages
+from tactiledata.sensors import SENSORS
+from tactiledata.sensors.image_checks import channel_order, orientation_of
+
+TRAILERS = {"jpeg": b"\xff\xd9", "png": b"IEND"}
+"""What a whole file of an encoding ends with (ITU T.81 B.1.1.3: end of image; PNG 11.2.5: the IEND chunk)."""
+
+TRAILER_BYTES = 64
+"""Some encoders pad after the trailer; it is looked for in this many bytes at the end."""
+
+FT_RANGE = 300.0
+"""N. The Robotiq FT 300-S measures up to this; more is a fault, not a force."""
+
+Decode = Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]]
+
+
+def broken_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Finding]]:
+    """Rows (in the order of the sink) of images that end too early, and findings.
+
+    Every encoded image is looked at, by its last bytes only: decoding all would take longer than reading the recording.
+    `tactiledata check --decode` decodes all.
+    """
+    encodings = images.columns["encoding"].to_pylist()
+    broken: list[int] = []
+    for encoding, trailer in TRAILERS.items():
+        rows = [row for row, name in enumerate(encodings) if name == encoding]
+        tails = images.tails(rows, TRAILER_BYTES)
+        broken.extend(row for row, tail in zip(rows, tails, strict=True) if trailer not in tail)
+    if not broken:
+        return np.zeros(0, np.int64), []
+    text = f"{len(broken)} images end too early; their bytes are kept as they came, and training leaves them out"
+    return np.array(sorted(broken)), [Finding("image-truncated", "damage", text, count=len(broken))]
+
+
+def flag_broken(frames: pa.Table, order: NDArray[np.int64], broken: NDArray[np.int64]) -> pa.Table:
+    """The frames table with the broken images' flag set."""
+    if not len(broken):
+        return frames
+    flags = frames["flags"].to_numpy().copy()
+    flags[np.isin(order, broken)] |= FrameFlag.BROKEN
+    return frames.set_column(frames.schema.get_field_index("flags"), frames.schema.field("flags"), pa.array(flags))
+
+
+def check_take(take: Take, decode: Decode) -> list[Finding]:
+    """Findings on sizes, channel order, stuck cameras, forces and empty trajectories.
+
+    Parameters
+    ----------
+    take : Take
+    decode : callable
+        Images of rows of ``take.frames``.
+    """
+    return [*_picture_findings(take, decode), *_stuck_camera(take), *_force_findings(take), *_empty_trajectories(take)]
+
+
+def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
+    """Size and channel order of each sensor's first, middle and last image against what the sensor gives."""
+    found: list[Finding] = []
+    names = np.array(take.frames["sensor"].to_pylist(), dtype=object)
+    usable = np.array(take.frames["encoding"].to_pylist(), dtype=object) != "missing"
+    for sensor in sorted(set(names)):
+        rows = np.flatnonzero((names == sensor) & usable)
+        if not len(rows):
+            continue
+        chosen = rows[[0, len(rows) // 2, -1]]
+        images = [image for image in decode(chosen) if image is not None]
+        model = take.sensors.get(sensor, {}).get("model", "digit")
+        known = SENSORS[model] if model in SENSORS else None
+        if known is not None and images:
+            found.extend(_size_findings(sensor, images[0], known))
+        found.extend(_channel_findings(sensor, images, take, model))
+    return found
+
+
+def _size_findings(sensor: str, image: NDArray[np.uint8], known) -> list[Finding]:  # type: ignore[no-untyped-def]
+    verdict = orientation_of(image, known)
+    if verdict == "ok":
+        return []
+    rows, columns = known.camera.shape
+    size = f"{image.shape[0]} rows x {image.shape[1]} columns"
+    if verdict == "swapped":
+        text = (
+            f"images of {sensor!r} have {size}; a {known.name} gives {rows} x {columns}: height and width are swapped"
+        )
+        return [Finding("image-swapped", "warning", text)]
+    text = f"images of {sensor!r} have {size}; a {known.name} gives {rows} rows x {columns} columns"
+    return [Finding("image-size", "info", text)]
+
+
+def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, model: str) -> list[Finding]:
+    """BGR taken for RGB, judged against a background that does not come from the same images."""
+    reference = take.references.get(sensor)
+    stated = reference is not None and not reference.origin.startswith("mean of")
+    if not stated and model != "digit":
+        return []
+    background = reference.image if stated and reference is not None else None
+    verdicts = [
+        channel_order(image, background) for image in images if background is None or image.shape == background.shape
+    ]
+    if not verdicts or verdicts.count("bgr") <= len(verdicts) / 2:
+        return []
+    against = "the sensor's background" if background is not None else "known DIGIT sensors"
+    text = f"images of {sensor!r} look like BGR against {against}; blue and red are swapped. State channel_order in a mapping"
+    return [Finding("channels-swapped", "warning", text)]
+
+
+def _stuck_camera(take: Take) -> list[Finding]:
+    """Images that repeat the one before, bit for bit, while the force moves on."""
+    trajectory = take.frames["trajectory"].to_numpy()
+    crc = take.frames["crc32c"].to_numpy()
+    force = take.frames["contact_force"].to_numpy()
+    length = take.frames["length"].to_numpy()
+    if len(crc) < 2:
+        return []
+    same = (crc[1:] == crc[:-1]) & (length[1:] == length[:-1]) & (length[1:] > 0) & (trajectory[1:] == trajectory[:-1])
+    moved = same & (np.abs(np.diff(force)) > 1.0)
+    if not moved.any():
+        return []
+    text = f"{int(moved.sum())} images repeat the one before bit for bit while the force changes by more than 1 N: stuck camera?"
+    return [Finding("camera-stuck", "warning", text, count=int(moved.sum()))]
+
+
+def _force_findings(take: Take) -> list[Finding]:
+    wrench = take.signals.get("wrench")
+    if wrench is None:
+        return []
+    beyond = int((np.abs(wrench.values[:, :3]) > FT_RANGE).any(axis=1).sum())
+    if not beyond:
+        return []
+    text = f"wrench: {beyond} samples are beyond {FT_RANGE:.0f} N; a unit other than newtons, or a fault of the sensor"
+    return [Finding("force-out-of-range", "warning", text, "wrench", count=beyond)]
+
+
+def _empty_trajectories(take: Take) -> list[Finding]:
+    start, stop = take.trajectories["frame_start"].to_numpy(), take.trajectories["frame_stop"].to_numpy()
+    empty = np.flatnonzero(start == stop)
+    if not len(empty) or take.frames.num_rows == 0:
+        return []
+    names = [take.trajectories["trajectory"][int(row)].as_py() for row in empty[:5]]
+    text = f"{len(empty)} trajectories hold no image ({', '.join(names)}{' …' if len(empty) > 5 else ''})"
+    return [Finding("trajectory-without-frames", "info", text, count=len(empty))]

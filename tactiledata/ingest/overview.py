@@ -1,0 +1,197 @@
+"""What a store holds, as a picture and a page for people: gathered here, drawn by `report`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from tactiledata import __version__
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.records import FrameFlag, findings_of
+from tactiledata.report.page import Picture, Section, render_page
+from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
+from tactiledata.splits.manifest import read_split_document
+from tactiledata.store.reader import Store
+from tactiledata.store.statistics import overview
+
+MAX_TOUCHES = 6
+WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
+
+
+def write_report(store: Store, out: Path, split: str = "default") -> dict[str, Path]:
+    """The page ``report.html`` and the picture ``recorded.png`` of a store, in a folder.
+
+    Parameters
+    ----------
+    store : Store
+    out : Path
+        Made where it is not there.
+    split : str
+        Described where the store has it.
+
+    Returns
+    -------
+    dict
+        ``"page"`` and ``"picture"``.
+    """
+    pictures = {"page": out / "report.html"}
+    touches = choose_touches(store)
+    png = png_bytes(draw_touches(touches)) if touches else None
+    if png is not None:
+        pictures["picture"] = out / "recorded.png"
+        write_atomic(pictures["picture"], png)
+    write_atomic(pictures["page"], page(store, png, split).encode())
+    return pictures
+
+
+def choose_touches(store: Store) -> list[TouchPicture]:
+    """Touches to show: of each pair of sensor and indenter the firmest, as different as six can be."""
+    table = store.trajectories(["sensor", "indenter", "peak_force", "frame_start", "frame_stop"]).to_pandas()
+    table = table[table["frame_stop"] > table["frame_start"]]
+    firmest = table.sort_values("peak_force", ascending=False, kind="stable", na_position="last")
+    firmest = firmest.drop_duplicates(["sensor", "indenter"])
+    # in turn: every new sensor and every new indenter before any is shown again
+    chosen: list[int] = []
+    rows = list(firmest.itertuples())
+    while rows and len(chosen) < MAX_TOUCHES:
+        sensors, indenters = ({getattr(table.loc[row], name) for row in chosen} for name in ("sensor", "indenter"))
+        best = min(rows, key=lambda row: ((row.sensor in sensors) + (row.indenter in indenters), row.Index))
+        rows.remove(best)
+        chosen.append(int(best.Index))
+    return [picture for picture in (touch_picture(store, row) for row in chosen) if picture is not None]
+
+
+def touch_picture(store: Store, row: int) -> TouchPicture | None:
+    """The picture of one trajectory; ``None`` where it has no image that can be shown."""
+    trajectory = store.trajectories().slice(row, 1).to_pylist()[0]
+    start, stop = trajectory["frame_start"], trajectory["frame_stop"]
+    frames = store.frames(["t_ns", "contact_force", "flags", "sensor"]).slice(start, stop - start)
+    usable = (frames["flags"].to_numpy() & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+    if not usable.any():
+        return None
+    force = np.where(usable, np.nan_to_num(frames["contact_force"].to_numpy(), nan=0.0), -1.0)
+    shown = int(np.argmax(force))
+    t_ns = frames["t_ns"].to_numpy()
+    reference = store.references().get(frames["sensor"][shown].as_py())
+    seconds, samples, force_frame = np.zeros(0), np.zeros((0, 3)), ""
+    if "contact_wrench" in store.signal_names:
+        first, last = json.loads(trajectory["signal_rows"]).get("contact_wrench", [0, 0])
+        signal = store.signal("contact_wrench")
+        seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
+        samples, force_frame = signal.values(first, last)[:, :3], signal.frame
+    title = f"{trajectory['sensor']}\n{trajectory['indenter'] or '(not named)'}\n{trajectory['trajectory']}"
+    return TouchPicture(
+        title=title,
+        background=None if reference is None else reference.image,
+        image=store.images([start + shown])[0],
+        seconds=seconds,
+        force=samples,
+        force_frame=force_frame,
+        frame_seconds=(t_ns - trajectory["start_ns"]) / 1e9,
+        shown_second=(int(t_ns[shown]) - trajectory["start_ns"]) / 1e9,
+    )
+
+
+def page(store: Store, png: bytes | None, split: str) -> str:
+    """The report as HTML."""
+    facts = overview(store)
+    sentences = [
+        f"The store {Path(str(store.location)).name} holds {facts['sources']} recordings with {facts['trajectories']} "
+        f"trajectories and {facts['frames']} images of {len(facts['by_sensor'])} sensors and "
+        f"{len([name for name in facts['by_indenter'] if name])} indenters.",
+        _status_sentence(facts["status"]),
+    ]
+    sections = [
+        _recorded(png),
+        _counts(facts),
+        _signals(facts),
+        _findings(store),
+        _split(store, split),
+        _use(store, split),
+    ]
+    footer = f"tactiledata {__version__}; store digest {store.digest}"
+    return render_page("What was recorded", sentences, [section for section in sections if section], footer)
+
+
+def _status_sentence(status: dict[str, int]) -> str:
+    words = {
+        "ok": "are whole",
+        "unverified": "carry no checksums and could not be verified",
+        "damaged": "lost data to damage; what is whole was kept",
+    }
+    return "; ".join(f"{count} recordings {words[name]}" for name, count in sorted(status.items())) + "."
+
+
+def _recorded(png: bytes | None) -> Section | None:
+    if png is None:
+        return None
+    caption = (
+        "The firmest touches, one per pair of sensor and indenter: the sensor without contact, at the largest force, the "
+        "difference (doubled, grey is none), and the contact force. Ticks are images, the dotted line the one shown."
+    )
+    return Section("Touches", pictures=[Picture(png, caption)])
+
+
+def _counts(facts: dict) -> Section:
+    rows = [("sensor", name, row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()]
+    rows += [
+        ("indenter", name or "(not named)", row["trajectories"], row["frames"])
+        for name, row in facts["by_indenter"].items()
+    ]
+    return Section("Sensors and indenters", columns=("", "name", "trajectories", "images"), rows=rows)
+
+
+def _signals(facts: dict) -> Section | None:
+    rows = [
+        (
+            name,
+            " ".join(row["columns"]),
+            row["frame"] or "not stated",
+            row["samples"],
+            row["rate_hz"],
+            row["effective_rate_hz"],
+        )
+        for name, row in facts["signals"].items()
+    ]
+    columns = ("signal", "columns", "frame", "samples", "Hz", "news at Hz")
+    return Section("Signals", columns=columns, rows=rows) if rows else None
+
+
+def _findings(store: Store) -> Section:
+    keys = store.sources(["key"])["key"].to_pylist()
+    table = store.findings()
+    found = zip(table["source"].to_pylist(), findings_of(table), strict=True)
+    ranked = sorted(found, key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
+    sentences = [
+        (finding.severity, f"{finding.severity}: {keys[source]}: {finding.message} [{finding.code}]")
+        for source, finding in ranked[:60]
+    ]
+    if len(ranked) > 60:
+        sentences.append(("", f"… and {len(ranked) - 60} more: tactiledata info --json"))
+    return Section("What the checks found", sentences=sentences or [("", "Nothing that you ought to know.")])
+
+
+def _split(store: Store, split: str) -> Section:
+    document = read_split_document(store, split) if split in store.split_names() else None
+    if document is None:
+        return Section(
+            "Split", sentences=[("warning", "There is no split yet; nothing may learn from this store.")],
+            code=[f"tactiledata split {store.location} --by trajectory,sensor"],
+        )  # fmt: skip
+    rows = [(part, count["trajectories"], count["frames"]) for part, count in document["counts"].items()]
+    held = "; ".join(f"{kind} {', '.join(names)}" for kind, names in document["held_out"].items() if names)
+    sentences = [("", f"Split {split!r}: whole trajectories only. Held out for the second test: {held or 'nothing'}.")]
+    return Section("Split", sentences=sentences, columns=("part", "trajectories", "images"), rows=rows)
+
+
+def _use(store: Store, split: str) -> Section:
+    program = (
+        "from torch.utils.data import DataLoader\n"
+        "from tactiledata.loaders.torch import TactileDataset\n\n"
+        f'train = TactileDataset("{store.location}", split="{split}/train", streams=["digit", "contact_wrench"])\n'
+        "for batch in DataLoader(train, batch_size=64, num_workers=2):\n"
+        "    ..."
+    )
+    return Section("Use it", code=[program])

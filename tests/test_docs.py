@@ -1,0 +1,81 @@
+"""Every code block of README and docs runs, or says beside it why it does not."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+RUNNABLE = {"python", "bash", "sh", "console"}
+BLOCK = re.compile(
+    r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*)[^\n]*\n(?P<code>.*?)^```",
+    re.DOTALL | re.MULTILINE,
+)
+LINK = re.compile(r"\]\((?!https?://|#|mailto:)(?P<target>[^)#\s]+)")
+
+
+def blocks(page):
+    return [match.groupdict() for match in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+
+
+@pytest.fixture(scope="session")
+def prepared(tmp_path_factory):
+    """A folder as the pages assume it: recordings/ of a tiny recorded world, and ds.zarr with a split, made from them."""
+    from tactiledata.store.reader import Store
+
+    from tactiledata.ingest.pipeline import ingest
+    from tactiledata.rig.record import record
+    from tactiledata.rig.scenario import find_scenario, load_scenario
+    from tactiledata.splits.make import make_split
+
+    folder = tmp_path_factory.mktemp("pages")
+    record(load_scenario(find_scenario("tiny")), folder / "recordings", "mcap")
+    ingest([folder / "recordings"], folder / "ds.zarr")
+    make_split(Store.open(folder / "ds.zarr"), hold_out="none")
+    return folder
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_blocks_run(page, prepared, tmp_path):
+    """The runnable blocks of a page run one after another in one folder, as a reader would run them."""
+    runnable = [block for block in blocks(page) if block["language"] in RUNNABLE and not block["reason"]]
+    if not runnable:
+        return
+    shutil.copytree(prepared, tmp_path / "work")
+    environment = {
+        **os.environ,
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(ROOT),
+        "PYTHONWARNINGS": "error",
+    }
+    for block in runnable:
+        if block["language"] == "python":
+            command = [sys.executable, "-c", block["code"]]
+        else:
+            lines = [re.sub(r"^\$ ", "", line) for line in block["code"].splitlines()]
+            command = ["bash", "-euo", "pipefail", "-c", "\n".join(lines)]
+        done = subprocess.run(
+            command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True, check=False, timeout=300
+        )
+        assert done.returncode == 0, f"{page.name}:\n{block['code']}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page):
+    """Every relative link and picture of a page exists."""
+    text = page.read_text(encoding="utf-8")
+    for match in LINK.finditer(text):
+        assert (page.parent / match["target"]).exists(), f"{page.name}: {match['target']}"
+
+
+def test_every_block_is_run_or_says_why_not():
+    """A fenced block has a language; what is not run and is not data, output or a listing gives its reason."""
+    quiet = RUNNABLE | {"yaml", "json", "text", "csv"}
+    for page in PAGES:
+        for block in blocks(page):
+            assert block["language"] in quiet, f"{page.name}: a block in {block['language']!r}:\n{block['code'][:200]}"
