@@ -25,12 +25,13 @@ def blocks(page):
 
 @pytest.fixture(scope="session")
 def prepared(tmp_path_factory):
-    """A folder as the pages assume it: recordings/ of a tiny recorded world, and ds.zarr with a split, made from them."""
+    """A folder as the pages assume it: recordings/ of a tiny recorded world, and ds.zarr made of them, with a split."""
     from tactiledata.store.reader import Store
 
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.rig.record import record
-    from tactiledata.rig.scenario import find_scenario, load_scenario
+    from tactiledata.rig.scenario import load_scenario
+    from tactiledata.rig.worlds import find_scenario
     from tactiledata.splits.make import make_split
 
     folder = tmp_path_factory.mktemp("pages")

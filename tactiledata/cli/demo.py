@@ -31,7 +31,8 @@ def demo(
     from tactiledata.ingest.overview import write_report
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.rig.record import record
-    from tactiledata.rig.scenario import find_scenario, load_scenario
+    from tactiledata.rig.scenario import load_scenario
+    from tactiledata.rig.worlds import find_scenario
     from tactiledata.splits.audit import audit
     from tactiledata.splits.make import make_split
     from tactiledata.store.reader import Store

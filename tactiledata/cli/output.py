@@ -71,19 +71,19 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
 
 
 @contextmanager
-def progress(title: str, quiet: bool = False) -> Iterator[Callable[[int, int, str], None]]:
+def progress(title: str, quiet: bool = False) -> Iterator[Callable[..., None]]:
     """A function to report progress to: a bar on a terminal, a line now and then elsewhere.
 
     Called with how much is done, how much there is, and what it is at.
     """
     console = err()
     if quiet:
-        yield lambda done, total, what: None
+        yield lambda done, total, what="": None
         return
     if not console.is_terminal:
         last = [-1]
 
-        def line(done: int, total: int, what: str) -> None:
+        def line(done: int, total: int, what: str = "") -> None:
             tenth = done * 10 // max(total, 1)
             if tenth != last[0]:
                 last[0] = tenth
@@ -94,4 +94,4 @@ def progress(title: str, quiet: bool = False) -> Iterator[Callable[[int, int, st
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, TextColumn("{task.fields[what]}"), console=console, transient=True) as bar:
         task = bar.add_task(title, total=None, what="")
-        yield lambda done, total, what: bar.update(task, completed=done, total=total, what=escape(what[-40:]))
+        yield lambda done, total, what="": bar.update(task, completed=done, total=total, what=escape(what[-40:]))

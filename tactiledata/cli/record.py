@@ -25,7 +25,8 @@ def record(
     Example: tactiledata record demo --out recordings --format mcap
     """
     from tactiledata.rig.record import record as play
-    from tactiledata.rig.scenario import find_scenario, load_scenario
+    from tactiledata.rig.scenario import load_scenario
+    from tactiledata.rig.worlds import find_scenario
 
     with progress("recording", quiet=as_json) as tell:
         logs = play(load_scenario(find_scenario(scenario)), out, form, tell)

@@ -35,7 +35,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         emit(facts)
         return
     say(
-        f"{opened.location}: {facts['sources']} recordings, {facts['trajectories']} trajectories, {facts['frames']} images"
+        f"{opened.location}: {facts['sources']} recordings, {facts['trajectories']} trajectories, "
+        f"{facts['frames']} images"
     )
     table(
         "",

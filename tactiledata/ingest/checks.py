@@ -76,7 +76,7 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
         chosen = rows[[0, len(rows) // 2, -1]]
         images = [image for image in decode(chosen) if image is not None]
         model = take.sensors.get(sensor, {}).get("model", "digit")
-        known = SENSORS[model] if model in SENSORS else None
+        known = SENSORS.get(model)
         if known is not None and images:
             found.extend(_size_findings(sensor, images[0], known))
         found.extend(_channel_findings(sensor, images, take, model))
@@ -90,9 +90,7 @@ def _size_findings(sensor: str, image: NDArray[np.uint8], known) -> list[Finding
     rows, columns = known.camera.shape
     size = f"{image.shape[0]} rows x {image.shape[1]} columns"
     if verdict == "swapped":
-        text = (
-            f"images of {sensor!r} have {size}; a {known.name} gives {rows} x {columns}: height and width are swapped"
-        )
+        text = f"images of {sensor!r} have {size}; a {known.name} gives {rows} x {columns}: height and width swapped"
         return [Finding("image-swapped", "warning", text)]
     text = f"images of {sensor!r} have {size}; a {known.name} gives {rows} rows x {columns} columns"
     return [Finding("image-size", "info", text)]
@@ -111,7 +109,8 @@ def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, 
     if not verdicts or verdicts.count("bgr") <= len(verdicts) / 2:
         return []
     against = "the sensor's background" if background is not None else "known DIGIT sensors"
-    text = f"images of {sensor!r} look like BGR against {against}; blue and red are swapped. State channel_order in a mapping"
+    text = f"images of {sensor!r} look like BGR against {against}: blue and red are swapped. "
+    text += "State channel_order in a mapping"
     return [Finding("channels-swapped", "warning", text)]
 
 
@@ -127,7 +126,7 @@ def _stuck_camera(take: Take) -> list[Finding]:
     moved = same & (np.abs(np.diff(force)) > 1.0)
     if not moved.any():
         return []
-    text = f"{int(moved.sum())} images repeat the one before bit for bit while the force changes by more than 1 N: stuck camera?"
+    text = f"{int(moved.sum())} images repeat the one before bit for bit while the force changes by more than 1 N"
     return [Finding("camera-stuck", "warning", text, count=int(moved.sum()))]
 
 

@@ -1,8 +1,8 @@
 """How late the camera is against the force sensor: estimated and reported, never applied.
 
-The mean change of an image against the free-air background grows with the contact force. Where loading and unloading are
-both recorded, only the right lag makes one a function of the other; a wrong one opens a loop. So the lag is where the rank
-correlation of the two peaks. Source: our own.
+The mean change of an image against the free-air background grows with the contact force. Where loading and unloading
+are both recorded, only the right lag makes one a function of the other; a wrong one opens a loop. So the lag is where
+the rank correlation of the two peaks. Source: our own.
 """
 
 from __future__ import annotations

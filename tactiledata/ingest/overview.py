@@ -128,8 +128,8 @@ def _recorded(png: bytes | None) -> Section | None:
     if png is None:
         return None
     caption = (
-        "The firmest touches, one per pair of sensor and indenter: the sensor without contact, at the largest force, the "
-        "difference (doubled, grey is none), and the contact force. Ticks are images, the dotted line the one shown."
+        "The firmest touches, one per pair of sensor and indenter: the sensor without contact, at the largest force, "
+        "the difference (doubled, grey is none), and the contact force. Ticks are images, the dotted line the one shown."
     )
     return Section("Touches", pictures=[Picture(png, caption)])
 

@@ -1,0 +1,35 @@
+"""Scenarios that come with the toolkit, by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from tactiledata.contract.schema import parse_document, read_document, shipped_folder
+from tactiledata.errors import UnknownName
+
+
+def bundled_worlds() -> list[str]:
+    """Names of the bundled scenarios."""
+    folder = shipped_folder("recipes") / "worlds"
+    return sorted(entry.name.removesuffix(".yaml") for entry in folder.iterdir() if entry.name.endswith(".yaml"))
+
+
+def find_scenario(name: str | Path) -> dict[str, Any] | Path:
+    """What `load_scenario` takes: a scenario's file, or the document of a bundled one.
+
+    Raises
+    ------
+    UnknownName
+        Neither a file nor a bundled scenario.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path
+    text = str(name)
+    if text not in bundled_worlds():
+        if path.suffix in {".yaml", ".yml", ".json"}:
+            return read_document(path)
+        raise UnknownName("scenario", text, bundled_worlds(), "Or name a scenario file.")
+    world = shipped_folder("recipes") / "worlds" / f"{text}.yaml"
+    return parse_document(world.read_text(encoding="utf-8"), f"recipes/worlds/{text}.yaml")
