@@ -45,10 +45,11 @@ class _Images:
     def __len__(self) -> int:
         return sum(len(items) for items, _ in self.parts)
 
-    def __iter__(self) -> Iterator[tuple[Payload, str]]:
+    def __iter__(self) -> Iterator[tuple[Payload | None, str]]:
         for items, name in self.parts:
             for row in range(len(items)):
-                yield _payload(items, row), f"{name}[{row}]"
+                is_there = isinstance(items, BytesList) or items[row] is not None
+                yield _payload(items, row) if is_there else None, f"{name}[{row}]"
 
     def at(self, index: int) -> Payload:
         for items, _ in self.parts:
@@ -83,17 +84,14 @@ class SparshForceFormat(CorpusFormat):
     def sources(self, path: Path) -> Sequence[Source]:
         """One source per batch."""
         self.require(path)
-        return [
-            self.make_source(path, batch, [*_image_files(batch)[1], *_present(batch / FORCES)])
-            for batch in _batches(path)
-        ]
+        return [self.make_source(path, batch, [*_image_files(batch)[1], batch / FORCES]) for batch in _batches(path)]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
         """A batch: its images in order, forces and other values per image, NaN where none was measured."""
         folder = Path(source.path)
         kind, files = _image_files(folder)
-        images = _open(files, intake)
         labels = _labels(folder / FORCES)
+        images = _open(files, np.size(labels["in_contact"]) if "in_contact" in labels else None, intake)
         if not len(images):
             raise_empty(source, "dataset_digit_<nn>.pkl with images")
         sensor = sensor_for(kind, f"sparsh-{kind}", mapping)
@@ -110,7 +108,9 @@ class SparshForceFormat(CorpusFormat):
             touch = names[owner[index]] if owner[index] >= 0 else ""
             intake.image(kind, payload, nominal_ns(index), sensor=sensor, trajectory=touch, name=name, values=row)
         touches = _trajectories(owner, extras, sensor, probe, intake)
-        description = describe(source, mapping, {sensor: SENSORS[kind]}, "Sparsh force estimation", "CC BY-NC 4.0")
+        description = describe(
+            source, mapping, {sensor: SENSORS[kind]}, "Sparsh force estimation", "see the data set's card"
+        )
         references = {} if intake.is_looking else _reference(images, in_contact, sensor)
         return self.finish(source, intake, description, touches, references=references)
 
@@ -121,10 +121,6 @@ def _batches(path: Path) -> Iterator[Path]:
             yield folder
 
 
-def _present(path: Path) -> list[Path]:
-    return [path] if path.is_file() else []
-
-
 def _image_files(folder: Path) -> tuple[str, list[Path]]:
     for kind in SENSORS:
         files = [path for path in folder.glob(f"dataset_{kind}_*.pkl") if path.is_file() and not path.is_symlink()]
@@ -133,23 +129,32 @@ def _image_files(folder: Path) -> tuple[str, list[Path]]:
     return "digit", []
 
 
-def _open(files: Sequence[Path], intake: Intake) -> _Images:
-    """The lists of images, indexed; a list of arrays is loaded whole, under the same restrictions."""
+def _open(files: Sequence[Path], expected: int | None, intake: Intake) -> _Images:
+    """The lists of images, indexed; a list of arrays is loaded whole, under the same restrictions.
+
+    A file that is cut leaves moments without images, so that the indexes behind it still fit (``expected`` images).
+    """
     parts: list[tuple[BytesList | list[Any], str]] = []
+    cut: list[int] = []
     for path in files:
         indexed = index_bytes_list(path)
-        if indexed is not None and not indexed.complete:
-            found = (
-                f"{path.name} is cut after {len(indexed)} images; its later images are lost and the numbering shifts"
-            )
+        loaded = load_pickle(path) if indexed is None else indexed
+        if not isinstance(loaded, BytesList | list | tuple):
+            raise _misshapen(path, f"a {type(loaded).__name__}", "a list of images")
+        parts.append((list(loaded) if isinstance(loaded, tuple) else loaded, path.name))
+        if isinstance(loaded, BytesList) and not loaded.complete:
+            cut.append(len(parts))
+            found = f"{path.name} is cut after {len(loaded)} images; the later ones are lost"
             intake.note("pickle-truncated", "damage", found, path.name)
-        if indexed is None:
-            loaded = load_pickle(path)
-            if not isinstance(loaded, list | tuple):
-                raise _misshapen(path, f"a {type(loaded).__name__}", "a list of images")
-            parts.append((list(loaded), path.name))
-        else:
-            parts.append((indexed, path.name))
+    lost = (expected or 0) - sum(len(items) for items, _ in parts)
+    if cut and lost > 0 and len(cut) == 1:
+        parts.insert(cut[0], ([None] * lost, f"behind the cut in {files[cut[0] - 1].name}"))
+    elif cut and cut != [len(parts)]:
+        raise BrokenLog(
+            f"{len(cut)} files of images are cut: which image has which number cannot be known",
+            "whole files, or one cut file and a flag of contact for every image",
+            "Fetch the cut files again.",
+        )
     return _Images(tuple(parts))
 
 
@@ -166,7 +171,7 @@ def _contact(labels: Mapping[str, Any], count: int, intake: Intake) -> NDArray[n
     if "in_contact" not in labels:
         intake.note("contact-missing", "warning", "in_contact is not in the file: contact is not known image by image")
         return None
-    given = np.asarray(labels["in_contact"], dtype=np.float64).reshape(-1)
+    given = _matrix(labels["in_contact"]).reshape(-1)
     if len(given) != count:
         found = f"{len(given)} contact flags for {count} images: the numbering of images cannot be trusted"
         intake.note("count-mismatch", "damage", found, count=abs(len(given) - count))
@@ -178,9 +183,9 @@ def _contact(labels: Mapping[str, Any], count: int, intake: Intake) -> NDArray[n
 def _values(
     labels: Mapping[str, Any], count: int, intake: Intake
 ) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.int64], dict[str, dict[str, Any]]]:
-    """Tables (count, k) of what trajectories give image by image, whose image is whose, and what they say of themselves.
+    """Tables (count, k) of what trajectories give image by image, whose image is whose, what they say of themselves.
 
-    Pairing is done inside each trajectory: some list a few more indexes than forces, so joined lists would drift apart.
+    Pairing is done inside each trajectory: some list a few more indexes than forces; joined lists would drift apart.
     """
     tables: dict[str, NDArray[np.float64]] = {"force": np.full((count, 3), np.nan)}
     owner = np.full(count, -1, dtype=np.int64)
@@ -316,13 +321,13 @@ def _reference(
     images: _Images, in_contact: NDArray[np.float64] | None, sensor: str
 ) -> dict[str, tuple[NDArray[np.uint8], str]]:
     """The median of images without contact, spread over the batch."""
-    if in_contact is None:
+    if in_contact is None or not (in_contact == 0).any():
         return {}
     free = np.flatnonzero(in_contact == 0)
     pictures: list[NDArray[np.uint8]] = []
     for row in free[np.linspace(0, len(free) - 1, min(len(free), REFERENCE_FRAMES)).astype(int)]:
-        content = images.at(int(row))()
         try:
+            content = images.at(int(row))()
             picture = content if isinstance(content, np.ndarray) else decode_rgb(content)
         except BrokenLog:
             continue

@@ -338,7 +338,7 @@ def _push(
     intake: Intake,
 ) -> None:
     """All images in the order of their time; a moment without its image stays as a moment."""
-    is_known = [] if contact is None else np.isfinite(contact.values).all(axis=1).tolist()
+    is_known: list[bool] = [] if contact is None else is_pose(contact.values).tolist()
     if contact is not None:
         note = "1 where the contact pose is known, 0 where the tracker lost it or it jumped"
         intake.declare("pose_known", ("known",), ("1",), note)

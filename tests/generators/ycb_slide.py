@@ -101,7 +101,7 @@ def write_optitrack(path, thing, rng, *, rows=200, ahead=1.0, rate=120.0):
         f"Format Version,1.23,Take Name,take,Take Notes,,Capture Frame Rate,{rate},Export Frame Rate,{rate},"
         f"Capture Start Time,{start},Total Frames in Take,{rows}",
         "",
-        ",,Type," .replace("Type,", "") + ",".join(kinds),
+        ",,Type,".replace("Type,", "") + ",".join(kinds),
         ",," + ",".join(bodies),
         ",," + ",".join(["0"] * 16),
         ",," + ",".join(parts),
