@@ -1,0 +1,104 @@
+"""Images without contact that a description names, as RGB arrays.
+
+Shared by all formats, as `base` is: members of the family may import it.
+"""
+
+from __future__ import annotations
+
+import stat
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.records import Finding
+from tactiledata.errors import BrokenLog
+from tactiledata.formats.image_bytes import decode_rgb
+
+MAX_IMAGE_BYTES = 2**28
+"""Bytes above which a file is no tactile image."""
+
+
+@dataclass(frozen=True)
+class Backgrounds:
+    """References (H, W, 3) uint8 RGB and their origin in words, by sensor, and findings."""
+
+    references: dict[str, NDArray[np.uint8]] = field(default_factory=dict)
+    origins: dict[str, str] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+
+def read_image_file(path: Path) -> bytes:
+    """The bytes of a regular file of a size that an image may have.
+
+    Raises
+    ------
+    OSError
+        Not there, not readable, not a regular file, or too large.
+    """
+    facts = path.stat()
+    if not stat.S_ISREG(facts.st_mode):
+        raise OSError(0, "not a file", str(path))
+    if facts.st_size > MAX_IMAGE_BYTES:
+        raise OSError(0, f"{facts.st_size} bytes, more than an image has", str(path))
+    return path.read_bytes()
+
+
+def load_backgrounds(description: LogDescription, locate: Callable[[str, str], Path]) -> Backgrounds:
+    """The backgrounds that a description names for its sensors.
+
+    Parameters
+    ----------
+    description : LogDescription
+    locate : callable
+        The path of a name that a document gives: ``locate(name, where)``. Must refuse what leads out of the recording.
+
+    Raises
+    ------
+    UnsafeContent
+        From ``locate``.
+    """
+    loaded: dict[str, NDArray[np.uint8]] = {}
+    origins: dict[str, str] = {}
+    findings = []
+    for sensor, facts in description.sensors.items():
+        name = facts.get("background")
+        if not name:
+            continue
+        try:
+            loaded[sensor] = decode_rgb(read_image_file(locate(name, f"{description.where}: sensors.{sensor}")))
+            origins[sensor] = name
+        except FileNotFoundError:
+            message = f"the background {name} of sensor {sensor} is not there"
+            findings.append(Finding("background-missing", "damage", message))
+        except (OSError, BrokenLog) as error:
+            reason = error.found if isinstance(error, BrokenLog) else error.strerror
+            message = f"the background {name} of sensor {sensor} cannot be read: {reason}"
+            findings.append(Finding("background-broken", "damage", message))
+    return Backgrounds(loaded, origins, tuple(findings))
+
+
+def size_findings(
+    references: Mapping[str, NDArray[np.uint8]], sizes: Mapping[str, Collection[tuple[int, int]]]
+) -> tuple[Finding, ...]:
+    """What is said about backgrounds whose size is not that of their sensor's images.
+
+    Parameters
+    ----------
+    references : dict, sensor -> (H, W, 3)
+    sizes : dict, sensor -> (height, width) of its images, pixels
+    """
+    findings = []
+    for sensor, picture in references.items():
+        size = picture.shape[:2]
+        others = sorted(set(sizes.get(sensor, ())) - {size})
+        if others:
+            words = ", ".join(f"{height} x {width}" for height, width in others[:3])
+            message = (
+                f"the background of sensor {sensor} is {size[0]} x {size[1]} (rows x columns), its images are {words}"
+            )
+            findings.append(Finding("background-size", "damage", message))
+    return tuple(findings)
