@@ -1,0 +1,210 @@
+"""One log's worth of touches, played: where the arm is, what the gel feels, at every moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.indenters import make_indenter
+from tactiledata.indenters.base import Indenter
+from tactiledata.rig import motion
+from tactiledata.rig.footprint import Footprint, GelGrid, footprint
+from tactiledata.rig.layer_contact import ContactHistory, ContactLaw, contact_law, press_along
+from tactiledata.rig.membrane import surface
+from tactiledata.rig.scenario import Scenario, Touch
+from tactiledata.transforms import Transform
+
+Array = NDArray[np.float64]
+Times = NDArray[np.int64]
+
+CONTACT_RATE = 500.0
+"""Hz at which the history of a contact is followed."""
+TRAVEL_SPEED = 0.15
+"""m/s between indenters."""
+TABLE_CORNER = (-0.02, -0.42, 0.12)
+"""m, base frame: where the first indenter's tip stands; the others in a grid beside it."""
+SPACING = 0.05
+PER_ROW = 4
+MOUNTS, OFFSETS = 3, 4
+"""Numbers of the random streams."""
+
+
+@dataclass(frozen=True)
+class Play:
+    """One trajectory, played.
+
+    Parameters
+    ----------
+    touch : Touch
+    start_ns, end_ns : int
+        Half-open interval of the host clock.
+    path : motion.Path
+        As commanded.
+    offset : (3,), metres
+        What the arm and the mount really add to the path: x, y, depth. Known to the rig only.
+    law : ContactLaw
+    print_ : Footprint
+    history : ContactHistory
+        At ``CONTACT_RATE``.
+    thickness : metres, of the gel
+    mount : int
+        How often indenters have been mounted in this log before.
+    """
+
+    touch: Touch
+    start_ns: int
+    end_ns: int
+    path: motion.Path
+    offset: Array
+    law: ContactLaw
+    print_: Footprint
+    history: ContactHistory
+    thickness: float
+    mount: int
+
+    def true_positions(self, host_ns: Times) -> Array:
+        """Where the indenter really is over the gel (n, 3): x, y of the tip, depth, metres."""
+        return self.path.at((host_ns - self.start_ns) * 1e-9) + self.offset
+
+    def _history_at(self, host_ns: Times, values: Array) -> Array:
+        ticks = (host_ns - self.start_ns) * 1e-9 * CONTACT_RATE
+        grid = np.arange(len(values))
+        return np.stack([np.interp(ticks, grid, column) for column in values.T], axis=1)
+
+    def wrench(self, host_ns: Times) -> Array:
+        """Contact wrench (n, 6) on the indenter, gel frame: N, N m."""
+        return self._history_at(host_ns, self.history.wrench)
+
+    def surface_at(self, host_ns: int) -> NDArray[np.float32]:
+        """The gel's surface (n_y, n_x), metres, at one moment."""
+        moment = np.array([host_ns], dtype=np.int64)
+        x, y, depth = self.true_positions(moment)[0]
+        drag = self._history_at(moment, self.history.drag)[0]
+        offset = (float(x - self.print_.position[0]), float(y - self.print_.position[1]))
+        return surface(self.print_, offset, float(depth), (float(drag[0]), float(drag[1])), self.thickness)
+
+
+@dataclass(frozen=True)
+class Performance:
+    """All trajectories of one log in time, and the ways between them."""
+
+    plays: tuple[Play, ...]
+    poses: tuple[tuple[Array, Transform], ...]
+    """Per play: gel_from_indenter rotation (3, 3), and the mounted ``base_from_indenter`` as the log states it."""
+    tcp_from_gel: Transform
+    start_ns: int
+    end_ns: int
+
+    def tcp(self, host_ns: Times) -> Array:
+        """Commanded poses (n, 4, 4) base_from_tcp at sorted moments of the host clock."""
+        out = np.empty((len(host_ns), 4, 4))
+        ends = [self._end_poses(index) for index in range(len(self.plays))]
+        edges = np.searchsorted(host_ns, [[play.start_ns, play.end_ns] for play in self.plays])
+        out[: edges[0, 0]] = ends[0][0]
+        out[edges[-1, 1] :] = ends[-1][1]
+        for index, play in enumerate(self.plays):
+            first, last = edges[index]
+            seconds = (host_ns[first:last] - play.start_ns) * 1e-9
+            out[first:last] = self._poses(index, play.path.at(seconds))
+            if index + 1 < len(self.plays):
+                after = edges[index + 1, 0]
+                span = self.plays[index + 1].start_ns - play.end_ns
+                share = (host_ns[last:after] - play.end_ns) / span
+                if after > last:
+                    out[last:after] = motion.transit(ends[index][1], ends[index + 1][0], share)
+        return out
+
+    def _poses(self, index: int, positions: Array) -> Array:
+        rotation, mounted = self.poses[index]
+        lowest = self.plays[index].print_.lowest
+        return motion.base_from_tcp(positions, rotation, lowest, mounted, self.tcp_from_gel)
+
+    def _end_poses(self, index: int) -> Array:
+        return self._poses(index, self.plays[index].path.positions[[0, -1]])
+
+    def wrench(self, host_ns: Times) -> Array:
+        """Contact wrench (n, 6) on the indenter, gel frame, at sorted moments; zero between trajectories."""
+        out = np.zeros((len(host_ns), 6))
+        for play in self.plays:
+            first, last = np.searchsorted(host_ns, [play.start_ns, play.end_ns])
+            if last > first:
+                out[first:last] = play.wrench(host_ns[first:last])
+        return out
+
+
+class Stage:
+    """Indenters and footprints of a scenario, each made once."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.indenters: dict[str, Indenter] = {
+            name: make_indenter(entry, scenario.folder, f"indenters.{name}")
+            for name, entry in scenario.indenters.items()
+        }
+        self.mounted = {name: _mounted(index, entry) for index, (name, entry) in enumerate(scenario.indenters.items())}
+
+    def perform(self, touches: Sequence[Touch], log_index: int, start_ns: int) -> Performance:
+        """The touches one after the other, from ``start_ns`` of the host clock."""
+        robot, setup = self.scenario.robot, self.scenario.recordings
+        rng = np.random.default_rng([self.scenario.seed, MOUNTS, log_index])
+        plays: list[Play] = []
+        poses: list[tuple[Array, Transform]] = []
+        cursor = start_ns + int(0.25e9)
+        mount, remount = 0, np.zeros(3)
+        for index, touch in enumerate(touches):
+            if index == 0 or touches[index - 1].indenter != touch.indenter:
+                mount += 1
+                remount = rng.normal(0.0, self.scenario.imperfections.remount, 3)
+            play = self._play(touch, cursor, remount, mount)
+            plays.append(play)
+            poses.append((motion.gel_from_indenter_rotation(touch), self.mounted[touch.indenter]))
+            nearby = touches[min(index + 1, len(touches) - 1)].indenter
+            way = float(np.linalg.norm(self.mounted[touch.indenter].xyz - self.mounted[nearby].xyz))
+            cursor = play.end_ns + int(max(setup.pause, way / TRAVEL_SPEED) * 1e9)
+        return Performance(tuple(plays), tuple(poses), robot.tcp_from_gel, start_ns, plays[-1].end_ns + int(0.25e9))
+
+    def _play(self, touch: Touch, start_ns: int, remount: Array, mount: int) -> Play:
+        scenario = self.scenario
+        gel = scenario.sensors[touch.sensor].gel
+        indenter = self.indenters[touch.indenter]
+        rng = np.random.default_rng([scenario.seed, OFFSETS, _number(touch.name)])
+        offset = remount + rng.normal(0.0, scenario.imperfections.pose_repeatability, 3)
+        rotation = motion.gel_from_indenter_rotation(touch)
+        print_ = footprint(indenter, rotation, touch.position, GelGrid.of(gel))
+        law = contact_law(indenter, print_, gel.thickness, scenario.material)
+        # the limit speaks of the whole force, friction included
+        shear_margin = float(np.hypot(1.0, scenario.material.friction)) if _shears(touch) else 1.0
+        deepest = partial(_deepest, law, shear_margin)
+        images = scenario.images
+        path = motion.plan(touch, deepest, images.frames_per_step, images.free_air_frames)
+        seconds = np.arange(0.0, path.duration + 1.0 / CONTACT_RATE, 1.0 / CONTACT_RATE)
+        history = press_along(law, path.at(seconds) + offset)
+        end_ns = start_ns + int(np.ceil(path.duration * 1e9))
+        return Play(touch, start_ns, end_ns, path, offset, law, print_, history, gel.thickness, mount)
+
+
+def _deepest(law: ContactLaw, shear_margin: float, force: float) -> float:
+    return law.depth_at(force / shear_margin)
+
+
+def _shears(touch: Touch) -> bool:
+    return any(step.kind in ("shear", "reverse") for step in touch.steps)
+
+
+def _number(name: str) -> int:
+    return int.from_bytes(name.encode()[:64], "big")
+
+
+def _mounted(index: int, entry: Mapping[str, Any]) -> Transform:
+    """Where an indenter stands: as stated, else in a grid on the table, its tip up."""
+    if "base_from_indenter" in entry:
+        return Transform.from_document("base", "indenter", entry["base_from_indenter"])
+    column, row = index % PER_ROW, index // PER_ROW
+    xyz = (TABLE_CORNER[0] + SPACING * column, TABLE_CORNER[1] - SPACING * row, TABLE_CORNER[2])
+    # tip up: +z of the indenter, into its body, points down; a little off square, as mounted by hand
+    return Transform.from_parts("base", "indenter", xyz, (0.9999, 0.0, 0.0087, 0.0105))
