@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from operator import itemgetter
+from typing import Any
 
 from tactiledata.formats.mcap_parts.collect import SignalBuffer
 
@@ -80,9 +81,10 @@ def joint_taker(order: Callable[[tuple[str, ...]], tuple[int, ...] | None], sink
     Parameters
     ----------
     order : callable
-        Joint names of a message -> places of our joints among them; ``None`` where it holds none of them (it is skipped).
+        Joint names of a message -> places of our joints among them; ``None``: it holds none, and is skipped.
     """
-    block, pick, doubles = b"", itemgetter(0), struct.Struct("")
+    block, doubles = b"", struct.Struct("")
+    pick: Any = None
     frames: dict[bytes, str] = {}
     is_known = False
 

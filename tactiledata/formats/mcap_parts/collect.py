@@ -13,7 +13,6 @@ from tactiledata.contract.records import Finding, Signal, Stamps
 from tactiledata.errors import BrokenLog
 
 
-
 @dataclass
 class FaultCount:
     """How often something was wrong in a stream, from when to when, and the first reason."""
@@ -63,11 +62,10 @@ class SignalBuffer:
     frames: Counter[str] = field(default_factory=Counter)
     faults: FaultCount = field(default_factory=FaultCount)
     refused: FaultCount = field(default_factory=FaultCount)
+    absent: Counter[str] = field(default_factory=Counter)
     has_header: bool = False
 
-    def add(
-        self, values: Sequence[float], log_ns: int, publish_ns: int, header_ns: int | None, frame: str
-    ) -> None:
+    def add(self, values: Sequence[float], log_ns: int, publish_ns: int, header_ns: int | None, frame: str) -> None:
         """One sample, unless its frame is not the one that is wanted."""
         if self.frame is not None and frame != self.frame:
             self.refused.add(log_ns, repr(frame))
@@ -93,7 +91,7 @@ class SignalBuffer:
             raise BrokenLog(
                 f"{self.topic} mixes frames: {listed}",
                 f"one frame_id for the signal {self.name!r}",
-                f"Name the frame that is meant in a mapping: signals: {{{self.name}: {{topic: {self.topic}, frame: ...}}}}.",
+                f"Say in a mapping which is meant: signals: {{{self.name}: {{topic: {self.topic}, frame: ...}}}}.",
                 topic=self.topic,
                 frames=sorted(self.frames),
             )
@@ -115,6 +113,9 @@ class SignalBuffer:
             f"{{count}} messages of {self.topic} were left out: their frame is {{reason}}, {self.frame!r} is meant",
             self.name,
         )
+        for what, count in sorted(self.absent.items()):
+            text = f"{what} is missing in {count} messages of {self.topic}; it is NaN there"
+            found.append(Finding("missing-joint", "warning", text, self.name, count=count))
         values = np.frombuffer(self.values, dtype=np.float64) if self.values else np.zeros(0)
         bad = ~np.isfinite(values).reshape(-1, len(self.columns)).all(axis=1)
         if bad.any():

@@ -239,10 +239,8 @@ def steps_of(path: str) -> tuple[str | int, ...]:
 def value_at(message: Any, steps: tuple[str | int, ...]) -> Any:
     """The value that a path leads to, in a dictionary, a ROS message or a protobuf message."""
     for step in steps:
-        if isinstance(step, int) or isinstance(message, Mapping):
-            message = message[step]
-        else:
-            message = getattr(message, step)
+        is_item = isinstance(step, int) or isinstance(message, Mapping)
+        message = message[step] if is_item else getattr(message, str(step))
     return message
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tactiledata.contract.records import Finding, Image, ImageSink
+from tactiledata.contract.records import Finding, Image, ImageSink, Severity
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.image_bytes import MAX_SIDE, read_header
 from tactiledata.formats.mcap_parts.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
@@ -100,15 +100,25 @@ class CameraBuffer:
     def findings(self) -> list[Finding]:
         """What was wrong with the images, and with who took them."""
         camera, topic = self.role.camera, self.role.topic
-        found = self.faults.finding("undecodable-message", f"{{count}} messages of {topic} cannot be decoded: {{reason}}", camera)
+        found = self.faults.finding(
+            "undecodable-message", f"{{count}} messages of {topic} cannot be decoded: {{reason}}", camera
+        )
         found += self.broken.finding("image-unreadable", f"{{count}} images of {topic} are lost: {{reason}}", camera)
-        found += self.truncated.finding("image-truncated", f"{{count}} images of {topic} end before their end mark", camera)
-        found += self.unusable.finding("image-encoding", f"{{count}} images of {topic} are no colour pictures: {{reason}}", camera)
+        found += self.truncated.finding(
+            "image-truncated", f"{{count}} images of {topic} end before their end mark", camera
+        )
+        found += self.unusable.finding(
+            "image-encoding", f"{{count}} images of {topic} are no colour pictures: {{reason}}", camera
+        )
         if len(self.claims) > 1:
-            said = "; ".join(f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items()))
+            said = "; ".join(
+                f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items())
+            )
             used = ", ".join(sorted(filter(None, self.serials_used))) or "none"
-            severity = "warning" if self.role.sensor else "damage"
-            found.append(Finding("sensor-conflict", severity, f"{topic}: the sensor is called {said}; {used} is used", camera))
+            severity: Severity = "warning" if self.role.sensor else "damage"
+            found.append(
+                Finding("sensor-conflict", severity, f"{topic}: the sensor is called {said}; {used} is used", camera)
+            )
         return found
 
 
@@ -136,16 +146,19 @@ def _fast_compressed(camera: CameraBuffer, general: Take) -> Take:
 def _fast_raw(camera: CameraBuffer, general: Take) -> Take:
     def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
         try:
-            stamp, frame, *fields = image_at(buffer, start, stop)
+            stamp, frame, style, height, width, step, payload = image_at(buffer, start, stop)
         except ValueError:
             general(buffer, start, stop, log_ns, publish_ns)
             return
-        camera.push(_raw(*fields, camera, log_ns), frame, log_ns, publish_ns, stamp)  # type: ignore[arg-type]
+        pixels = _raw(style, height, width, step, payload, camera, log_ns)
+        camera.push(pixels, frame, log_ns, publish_ns, stamp)
 
     return take
 
 
-def _general(fields: Callable[[Any], tuple[Any, ...]], decoder: Decoder, camera: CameraBuffer, is_compressed: bool) -> Take:
+def _general(
+    fields: Callable[[Any], tuple[Any, ...]], decoder: Decoder, camera: CameraBuffer, is_compressed: bool
+) -> Take:
     store: Callable[..., Any] = _encoded if is_compressed else _raw
 
     def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
@@ -198,13 +211,22 @@ def _raw(
         return None
     channels, order = RAW_CHANNELS[style]
     order = camera.role.channel_order or order
-    if not (0 < height <= MAX_SIDE and 0 < width <= MAX_SIDE) or step < width * channels or len(payload) != step * height:
+    if (
+        not (0 < height <= MAX_SIDE and 0 < width <= MAX_SIDE)
+        or step < width * channels
+        or len(payload) != step * height
+    ):
         camera.broken.add(
-            log_ns, f"{height} rows x {width} columns {style} with {step} bytes a row, and {len(payload)} bytes of pixels"
+            log_ns,
+            f"{height} rows x {width} columns {style} with {step} bytes a row, and {len(payload)} bytes of pixels",
         )
         return None
     if order == "rgb" and channels == 3 and step == width * 3:
         return payload, "raw", height, width
     rows = np.frombuffer(payload, np.uint8).reshape(height, step)[:, : width * channels]
-    pixels = rows.reshape(height, width, channels)[:, :, 2::-1] if order == "bgr" else rows.reshape(height, width, channels)[:, :, :3]
+    pixels = (
+        rows.reshape(height, width, channels)[:, :, 2::-1]
+        if order == "bgr"
+        else rows.reshape(height, width, channels)[:, :, :3]
+    )
     return np.ascontiguousarray(pixels).tobytes(), "raw", height, width

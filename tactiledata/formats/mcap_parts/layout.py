@@ -89,7 +89,7 @@ class StrictStream(ReadDataStream):
 
 
 def parse(record_class: Any, body: bytes) -> Any:
-    """A record of one of `mcap.records`' classes from its body; raises `EndOfFile` or `ValueError` where it is damaged."""
+    """A record of one of `mcap.records`' classes; raises `EndOfFile` or `ValueError` where the body is damaged."""
     return record_class.read(StrictStream(io.BytesIO(body)))
 
 

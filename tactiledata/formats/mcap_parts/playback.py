@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 from mcap.records import Channel, Schema
@@ -205,9 +205,8 @@ class Playback:
         ]
         if missing:
             found.append(
-                Finding("messages-missing", "damage", f"{name}: {missing} messages of its statistics were not met",
-                        count=missing)
-            )  # fmt: skip
+                self._finding("messages-missing", f"{missing} messages of its statistics were not met", missing)
+            )
         return found
 
     def _counted(self) -> tuple[list[Loss], int]:
@@ -227,23 +226,27 @@ class Playback:
         return losses, max(missing, 0)
 
     def _file_findings(self, walker: RecordWalker) -> list[Finding]:
-        inventory, name = self._inventory, self._inventory.path.name
+        stated = self._inventory.data_crc
         found = []
         if self._bad_times:
-            found.append(Finding("bad-stamp", "damage", f"{name}: {self._bad_times} messages with impossible log times "
-                                 "were left out", count=self._bad_times))  # fmt: skip
+            text = f"{self._bad_times} messages with impossible log times were left out"
+            found.append(self._finding("bad-stamp", text, self._bad_times))
         for channel, count in sorted(self._unknown.items()):
-            found.append(Finding("unknown-channel", "damage", f"{name}: {count} messages of channel {channel}, whose "
-                                 "record is missing: their topic and type are unknown", count=count))  # fmt: skip
-        if walker.data_crc is not None and walker.data_crc != inventory.data_crc:
-            found.append(Finding("data-crc", "damage", f"{name}: the CRC of the data section does not fit, and nothing "
-                                 "says which record is damaged", start_ns=self.first_ns, end_ns=self.last_ns))  # fmt: skip
+            text = f"{count} messages of channel {channel}, whose record is missing: topic and type are unknown"
+            found.append(self._finding("unknown-channel", text, count))
+        if walker.data_crc is not None and walker.data_crc != stated:
+            text = "the CRC of the data section does not fit, and nothing says which record is damaged"
+            found.append(self._finding("data-crc", text, self.messages))
         unvouched = self._chunks_without_crc or (self._bare_messages if not self._chunks else 0)
-        if unvouched and not (inventory.data_crc and walker.data_crc == inventory.data_crc):
+        if unvouched and not (stated and walker.data_crc == stated):
             what = "chunks" if self._chunks_without_crc else "messages outside chunks"
-            found.append(Finding("crc-not-recorded", "info", f"{name}: {unvouched} {what} without CRC: their content "
-                                 "is unverified", count=unvouched))  # fmt: skip
+            text = f"{unvouched} {what} without CRC: their content is unverified"
+            found.append(replace(self._finding("crc-not-recorded", text, unvouched), severity="info"))
         return found
+
+    def _finding(self, code: str, text: str, count: int) -> Finding:
+        text = f"{self._inventory.path.name}: {text}"
+        return Finding(code, "damage", text, start_ns=self.first_ns, end_ns=self.last_ns, count=max(count, 1))
 
 
 def _with_indexed(loss: Loss, body: bytes) -> Loss:

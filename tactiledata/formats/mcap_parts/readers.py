@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -34,7 +35,7 @@ TO_SI = {
 
 def signal_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take:
     """What reads the messages of a channel into a signal: fast where it can be, and the general way where it must."""
-    order = JointOrder(role.joint_names)
+    order = JointOrder(role.joint_names, sink.absent)
     fast: Take | None = None
     if role.fields:
         general = _general(_field_reader(role), decoder, sink)
@@ -144,10 +145,9 @@ class JointOrder:
     joint that a message lacks while it holds others of the robot.
     """
 
-    def __init__(self, joint_names: Sequence[str]) -> None:
+    def __init__(self, joint_names: Sequence[str], absent: Counter[str]) -> None:
         self._wanted = tuple(joint_names) or UR_JOINTS
-        self.missing: set[str] = set()
-        self.skipped = 0
+        self._absent = absent
 
     def __call__(self, names: tuple[str, ...]) -> tuple[int, ...] | None:
         """Indexes (6,); ``None`` where the message holds none of our joints."""
@@ -159,7 +159,9 @@ class JointOrder:
             return names.index(wanted)
         fits = [place for place, name in enumerate(names) if name.endswith((f"_{wanted}", f"/{wanted}"))]
         if len(fits) > 1:
-            raise ValueError(f"{len(fits)} joints are called {wanted}: joint_names in a mapping must say which are meant")
+            raise ValueError(
+                f"{len(fits)} joints are called {wanted}: joint_names in a mapping must say which are meant"
+            )
         return fits[0] if fits else -1
 
     def read(self, message: Any) -> list[float] | None:
@@ -171,4 +173,5 @@ class JointOrder:
         positions = value_at(message, ("position",))
         if len(positions) != len(names):
             raise ValueError(f"{len(positions)} positions for {len(names)} names")
+        self._absent.update(name for name, place in zip(self._wanted, indexes, strict=True) if place < 0)
         return [float(positions[place]) if place >= 0 else float("nan") for place in indexes]

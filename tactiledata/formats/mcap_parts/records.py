@@ -1,4 +1,4 @@
-"""The records of a file's data section in order, whatever happened to the file: what is lost is said, the rest goes on."""
+"""The records of a file's data section in order; where the file is damaged, the loss is said and the rest goes on."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ class RecordWalker:
         return self._forward(stop, [self._loss(position, stop, "lost-bytes")])
 
     def _chunk_recovered(self, position: int) -> _Step | None:
-        """A chunk with one damaged length, where the other leads to the next record; or one that the file's end tears."""
+        """A chunk with one damaged length, where the other leads to a record; or one that the file's end tears."""
         self._saw_chunk = True
         _, outer = self._unpacked(self._bytes_at(position, HEAD.size))
         start = position + HEAD.size

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from tactiledata.contract.records import Finding
@@ -117,7 +117,7 @@ class Roles:
     signals: tuple[SignalRole, ...] = ()
     images: tuple[ImageRole, ...] = ()
     findings: tuple[Finding, ...] = ()
-    notes: Mapping[str, str] = ()  # type: ignore[assignment]
+    notes: Mapping[str, str] = field(default_factory=dict)
 
     def label(self, topic: str) -> str:
         """What a topic is read as: ``wrench``, ``image:digit``; empty where it is not read."""
@@ -128,7 +128,7 @@ class Roles:
     @property
     def topics(self) -> set[str]:
         """All topics that are read."""
-        return {role.topic for role in (*self.signals, *self.images)}
+        return {role.topic for role in self.signals} | {role.topic for role in self.images}
 
 
 def ends_with(topic: str, ending: str) -> bool:
@@ -137,7 +137,7 @@ def ends_with(topic: str, ending: str) -> bool:
 
 
 def roles_of(topics: Iterable[Topic], mapping: Mapping[str, Any] | None = None) -> Roles:
-    """The roles of a recording's topics: those that a mapping names, and guesses for the signals and cameras it leaves out.
+    """The roles of a recording's topics: those that a mapping names, and guesses for what it leaves out.
 
     A mapping that names cameras names all of them.
 
@@ -157,12 +157,14 @@ def roles_of(topics: Iterable[Topic], mapping: Mapping[str, Any] | None = None) 
     ]
     taken = {role.name for role in signals} | set(document.get("signals", {}))
     mapped_topics = {role.topic for role in signals}
-    signals += [role for role in _guessed_signals(known, notes) if role.name not in taken and role.topic not in mapped_topics]
+    signals += [
+        role for role in _guessed_signals(known, notes) if role.name not in taken and role.topic not in mapped_topics
+    ]
     if "images" in document:
         images = [
-            role
+            camera_role
             for camera, entry in document["images"].items()
-            if (role := _mapped_camera(camera, entry, known, findings)) is not None
+            if (camera_role := _mapped_camera(camera, entry, known, findings)) is not None
         ]
     else:
         images = _guessed_cameras(known, notes)
@@ -178,7 +180,9 @@ def _found(topic: str, known: list[Topic], place: str, findings: list[Finding]) 
             return candidate
     near = difflib.get_close_matches(topic, [candidate.name for candidate in known], n=3)
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
-    findings.append(Finding("missing-topic", "warning", f"the mapping's {place} names {topic}, which is not there{hint}"))
+    findings.append(
+        Finding("missing-topic", "warning", f"the mapping's {place} names {topic}, which is not there{hint}")
+    )
     return None
 
 
@@ -199,7 +203,9 @@ def _mapped_signal(
                           "Only wrench, tcp and joints are known without them.", path=f"$.{place}")  # fmt: skip
     if fields and len(fields) != len(columns):
         raise SchemaError(
-            f"the mapping's {place} has {len(fields)} fields", f"{len(columns)}: {', '.join(columns)}", path=f"$.{place}"
+            f"the mapping's {place} has {len(fields)} fields",
+            f"{len(columns)}: {', '.join(columns)}",
+            path=f"$.{place}",
         )
     units = tuple(entry.get("units", ()))
     if units and len(units) != len(columns):
@@ -260,7 +266,11 @@ def _guessed_signals(known: list[Topic], notes: dict[str, str]) -> list[SignalRo
             if usable:
                 found.append(SignalRole(name, usable[0].name, COLUMNS_OF[name]))
                 break
-    ur = [topic for topic in known if topic.kind in KINDS_OF_SIGNAL["ur_wrench"] and ends_with(topic.name, UR_WRENCH_TOPIC)]
+    ur = [
+        topic
+        for topic in known
+        if topic.kind in KINDS_OF_SIGNAL["ur_wrench"] and ends_with(topic.name, UR_WRENCH_TOPIC)
+    ]
     if len(ur) == 1 and ur[0].is_readable:
         found.append(SignalRole("ur_wrench", ur[0].name, COLUMNS_OF["ur_wrench"]))
         notes[ur[0].name] = "the robot's own wrist sensor, not the Robotiq; a mapping can name it as wrench"
@@ -279,7 +289,9 @@ def _guessed_cameras(known: list[Topic], notes: dict[str, str]) -> list[ImageRol
     chosen = tactile or (images if len(images) == 1 else [])
     for topic in images:
         if topic not in chosen:
-            notes[topic.name] = "an image topic that is not read: nothing in its name says tactile; a mapping can name it"
+            notes[topic.name] = (
+                "an image topic that is not read: nothing in its name says tactile; a mapping can name it"
+            )
     counts: dict[str, int] = {}
     roles = []
     for topic in chosen:
@@ -326,7 +338,9 @@ def suggested_mapping(topics: Iterable[Topic], roles: Roles) -> dict[str, Any]:
     for name, kinds in KINDS_OF_SIGNAL.items():
         if name in signals or name == "ur_wrench":
             continue
-        free = [t for t in known if t.kind in kinds and t.kind != TF_KIND and t.name not in roles.topics and t.is_readable]
+        free = [
+            t for t in known if t.kind in kinds and t.kind != TF_KIND and t.name not in roles.topics and t.is_readable
+        ]
         if len(free) == 1:
             signals[name] = {"topic": free[0].name}
     tree = next((topic for topic in known if topic.kind == TF_KIND and topic.name.strip("/") == "tf"), None)

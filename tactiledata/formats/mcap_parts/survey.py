@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 
 from mcap.exceptions import McapError
 from mcap.records import (
+    AttachmentIndex,
     Channel,
     ChunkIndex,
     DataEnd,
@@ -81,7 +82,7 @@ class Survey:
     metadata: list[Metadata] = field(default_factory=list)
     attachments: dict[str, tuple[int, int]] = field(default_factory=dict)
     statistics: Statistics | None = None
-    landmarks: Landmarks = Landmarks()
+    landmarks: Landmarks = field(default_factory=Landmarks)
     data_crc: int = 0
     findings: list[Finding] = field(default_factory=list)
 
@@ -90,7 +91,7 @@ class Survey:
         self.findings.append(Finding(code, severity, f"{self.path.name}: {message}"))  # type: ignore[arg-type]
 
     def define(self, opcode: int, body: bytes) -> None:
-        """Take a schema or channel record of the data section; the first of an id stays, another content is reported."""
+        """Take a schema or channel record; the first of an id stays, another content is reported."""
         try:
             record: Any = parse(Schema if opcode == SCHEMA else Channel, body)
         except RECORD_FAULTS as error:
@@ -124,7 +125,9 @@ def survey(path: Path) -> Survey:
             return inventory
     except OSError as error:
         raise BrokenLog(
-            f"{path} cannot be read ({error.strerror or error})", "a readable file", "Check the path and its permissions."
+            f"{path} cannot be read ({error.strerror or error})",
+            "a readable file",
+            "Check the path and its permissions.",
         ) from error
 
 
@@ -241,8 +244,6 @@ def _take_summary(inventory: Survey, stream: BinaryIO, block: bytes, start: int)
 
 
 def _indexed_attachment(body: bytes) -> dict[str, tuple[int, int]]:
-    from mcap.records import AttachmentIndex
-
     index = parse(AttachmentIndex, body)
     return {index.name: (index.offset, index.length)}
 
