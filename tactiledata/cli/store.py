@@ -26,8 +26,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
+    from tactiledata.store.overview import overview
     from tactiledata.store.reader import Store
-    from tactiledata.store.statistics import overview
 
     opened = Store.open(working_store(store))
     facts = overview(opened)

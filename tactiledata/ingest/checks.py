@@ -83,7 +83,7 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
     return found
 
 
-def _size_findings(sensor: str, image: NDArray[np.uint8], known) -> list[Finding]:  # type: ignore[no-untyped-def]
+def _size_findings(sensor: str, image: NDArray[np.uint8], known) -> list[Finding]:
     verdict = orientation_of(image, known)
     if verdict == "ok":
         return []
@@ -103,8 +103,10 @@ def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, 
     if not stated and model != "digit":
         return []
     background = reference.image if stated and reference is not None else None
-    verdicts = [
-        channel_order(image, background) for image in images if background is None or image.shape == background.shape
+    verdicts: list[str] = [
+        str(channel_order(image, background))
+        for image in images
+        if background is None or image.shape == background.shape
     ]
     if not verdicts or verdicts.count("bgr") <= len(verdicts) / 2:
         return []

@@ -13,8 +13,8 @@ from tactiledata.contract.records import FrameFlag, findings_of
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
 from tactiledata.splits.manifest import read_split_document
+from tactiledata.store.overview import overview
 from tactiledata.store.reader import Store
-from tactiledata.store.statistics import overview
 
 MAX_TOUCHES = 6
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
@@ -129,7 +129,7 @@ def _recorded(png: bytes | None) -> Section | None:
         return None
     caption = (
         "The firmest touches, one per pair of sensor and indenter: the sensor without contact, at the largest force, "
-        "the difference (doubled, grey is none), and the contact force. Ticks are images, the dotted line the one shown."
+        "the difference (doubled, grey is none), and the contact force. Ticks are images; the dotted line marks this one."
     )
     return Section("Touches", pictures=[Picture(png, caption)])
 
@@ -164,7 +164,7 @@ def _findings(store: Store) -> Section:
     table = store.findings()
     found = zip(table["source"].to_pylist(), findings_of(table), strict=True)
     ranked = sorted(found, key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
-    sentences = [
+    sentences: list[tuple[str, str]] = [
         (finding.severity, f"{finding.severity}: {keys[source]}: {finding.message} [{finding.code}]")
         for source, finding in ranked[:60]
     ]

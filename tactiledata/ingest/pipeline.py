@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,10 +23,10 @@ from tactiledata.ingest.checks import broken_images, check_take, flag_broken
 from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.lag import camera_lag
 from tactiledata.ingest.spooled import SpooledImages
-from tactiledata.store.commit import commit_in_groups, create, recover, writing
-from tactiledata.store.reader import Store
+from tactiledata.store.commit import commit_groups, create, recover
+from tactiledata.store.layout import staging_folder
 from tactiledata.store.spool import Spool
-from tactiledata.store.writer import StagedTake, find_staged, stage, staging_folder
+from tactiledata.store.writer import StagedTake, find_staged, stage
 
 Progress = Callable[[int, int, str], None]
 """Called with how many sources are done, how many there are, and the name of the last one."""
@@ -147,27 +147,23 @@ def ingest(
     sources, unclaimed = find_sources([Path(path) for path in paths], chosen.format_name)
     folder = Path(store)
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
-    reports: dict[int, SourceReport] = {}
-    with writing(folder):
-        create(folder)
-        recover(folder)
-        present = frozenset(Store.open(folder).sources(["sha256"])["sha256"].to_pylist())
-        tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
+    create(folder)
+    present = frozenset(recover(folder)["sources"])
+    tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
+    reports: list[SourceReport] = []
 
-        def staged_takes() -> Any:
-            seen = set(present)
-            for number, outcome in enumerate(runner.outcomes(_read_source, tasks)):
-                reports[number] = _report(outcome, seen)
-                if progress is not None:
-                    progress(number + 1, len(tasks), outcome.task.source.key)
-                if outcome.is_ok and outcome.result.staged is not None and outcome.result.sha256 not in seen:
-                    seen.add(outcome.result.sha256)
-                    yield outcome.result.staged
+    def staged_takes() -> Iterator[StagedTake]:
+        seen = set(present)
+        for outcome in runner.outcomes(_read_source, tasks):
+            reports.append(_report(outcome, seen))
+            if progress is not None:
+                progress(len(reports), len(tasks), outcome.task.source.key)
+            if outcome.result is not None and outcome.result.staged is not None and outcome.result.sha256 not in seen:
+                seen.add(outcome.result.sha256)
+                yield outcome.result.staged
 
-        commit_in_groups(folder, staged_takes())
-    return IngestReport(
-        str(store), tuple(reports[number] for number in sorted(reports)), tuple(str(path) for path in unclaimed)
-    )
+    commit_groups(folder, staged_takes())
+    return IngestReport(str(store), tuple(reports), tuple(str(path) for path in unclaimed))
 
 
 def _read_source(task: _Task) -> _Read:
@@ -241,5 +237,10 @@ def _report(outcome: Outcome[_Task, _Read], seen: set[str]) -> SourceReport:
     if staged is None or outcome.result.sha256 in seen:
         return SourceReport(key, "present")
     return SourceReport(
-        key, "added", staged.status, staged.n_frames, staged.n_trajectories, findings_of(staged.findings())
+        key,
+        "added",
+        staged.document["status"],
+        staged.n_frames,
+        staged.table("trajectories").num_rows,
+        findings_of(staged.table("findings")),
     )

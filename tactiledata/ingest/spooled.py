@@ -71,7 +71,8 @@ class SpooledImages:
             image = np.empty((facts["height"], facts["width"], 3), np.uint8)
             unpack_frame(payload, image)
             return image
-        return cv2.imdecode(np.frombuffer(payload, np.uint8), cv2.IMREAD_COLOR_RGB)
+        decoded = cv2.imdecode(np.frombuffer(payload, np.uint8), cv2.IMREAD_COLOR_RGB)
+        return None if decoded is None else decoded.astype(np.uint8, copy=False)
 
     def _facts(self, row: int) -> dict:
         return {
