@@ -43,9 +43,9 @@ def measure_rate(t_ns: Times, values: Values) -> Rate:
     return Rate(nominal, nominal * (1 - repeated / len(steps)), repeated, int(steps.max()))
 
 
-def rate_findings(stream: str, rate: Rate) -> list[Finding]:
-    """What is to be said about a signal's rate."""
-    if rate.nominal == 0 or rate.effective > (1 - REPEATS_WORTH_SAYING) * rate.nominal:
+def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Finding]:
+    """What is to be said about a signal's rate; only forces always carry noise, an arm at rest really repeats itself."""
+    if "fx" not in columns or rate.nominal == 0 or rate.effective > (1 - REPEATS_WORTH_SAYING) * rate.nominal:
         return []
     return [
         Finding(

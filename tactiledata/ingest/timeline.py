@@ -47,7 +47,7 @@ def _stored(signal: Signal, recording: Recording) -> tuple[StoredSignal, list[Fi
     stored = StoredSignal(
         t_ns, values, signal.columns, signal.units, signal.frame, signal.stamps.take(rows), attributes
     )
-    return stored, [*choice.findings, *said, *rate_findings(signal.name, rate)]
+    return stored, [*choice.findings, *said, *rate_findings(signal.name, signal.columns, rate)]
 
 
 def image_times(recording: Recording, camera: str, stamps: Stamps) -> tuple[Times, dict[str, object], list[Finding]]:
