@@ -1,0 +1,171 @@
+"""The audit of a split: everything that would let a model be tested on what it was trained on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Finding
+from tactiledata.errors import SchemaError, StoreError
+from tactiledata.splits import leaks
+from tactiledata.splits.manifest import Split, coverage_problem, partition_rows, read_split
+from tactiledata.splits.options import PARTITIONS
+from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
+
+if TYPE_CHECKING:
+    from tactiledata.store.reader import Store
+
+Progress = Callable[[int, int], None]
+
+AUDIT_TRAJECTORY_COLUMNS = ("uid", "trajectory", "source", "sensor", "indenter", "start_ns", "end_ns", "parent")
+AUDIT_FRAME_COLUMNS = (*FRAME_COLUMNS, "parent_frame", "length", "crc32c")
+BATCH = 256
+"""Images read at a time."""
+MAX_PAIRS = 5000
+"""Pairs of near images that are compared pixel by pixel, nearest first (some 0.1 s each)."""
+
+
+@dataclass(frozen=True)
+class AuditReport:
+    """What an audit found.
+
+    Parameters
+    ----------
+    name : str
+        The split.
+    findings : tuple of Finding
+        Severity "damage" is a leak, or a split that cannot be trusted.
+    checked : dict
+        How many trajectories, frames, images and pairs of near images were looked at.
+    """
+
+    name: str
+    findings: tuple[Finding, ...]
+    checked: dict[str, int]
+
+    @property
+    def leaks(self) -> tuple[Finding, ...]:
+        """The findings for which the split must not be used."""
+        return tuple(finding for finding in self.findings if finding.severity == "damage")
+
+    def document(self) -> dict[str, Any]:
+        """The report as JSON."""
+        return {
+            "name": self.name,
+            "leaks": len(self.leaks),
+            "checked": self.checked,
+            "findings": [
+                {"code": f.code, "severity": f.severity, "message": f.message, "count": f.count} for f in self.findings
+            ],
+        }
+
+    def lines(self) -> list[str]:
+        """The report for people."""
+        looked = ", ".join(f"{count} {what}" for what, count in self.checked.items())
+        verdict = f"{len(self.leaks)} kinds of leak" if self.leaks else "no leak found"
+        return [f"split {self.name!r}: {verdict} ({looked})", *(f"- {f.code}: {f.message}" for f in self.findings)]
+
+
+def audit(store: Store, name: str = "default", images: bool = True, progress: Progress | None = None) -> AuditReport:
+    """What leaks in a split of a store.
+
+    Parameters
+    ----------
+    store : Store
+    name : str
+    images : bool
+        Also decode the images that the split takes and look for copies of one image in different partitions.
+    progress : callable, optional
+        Called with images done and images in all.
+
+    Raises
+    ------
+    MissingSplit, UnknownName
+        The store has no split (of that name).
+    """
+    try:
+        split = read_split(store, name)
+    except (StoreError, SchemaError) as error:
+        message = f"the split's files do not fit each other: {error}"
+        return AuditReport(name, (Finding("split-changed", "damage", message),), {})
+    trajectories = store.trajectories(list(AUDIT_TRAJECTORY_COLUMNS))
+    frames = store.frames(list(AUDIT_FRAME_COLUMNS))
+    found = audit_tables(split, trajectories, frames)
+    checked = {"trajectories": trajectories.num_rows, "frames": frames.num_rows}
+    if images:
+        part = leaks.partition_codes(partition_rows(split, trajectories["uid"]))
+        more, counts = _audit_images(store, frames, split, part, progress)
+        found += more
+        checked |= counts
+    return AuditReport(name, tuple(found), checked)
+
+
+def audit_tables(split: Split, trajectories: pa.Table, frames: pa.Table) -> list[Finding]:
+    """What leaks as the tables show it.
+
+    Parameters
+    ----------
+    split : Split
+    trajectories, frames : pa.Table
+        The columns ``AUDIT_TRAJECTORY_COLUMNS`` and ``AUDIT_FRAME_COLUMNS``.
+    """
+    found: list[Finding] = []
+    if problem := coverage_problem(split, trajectories["uid"]):
+        message = f"the split and the store do not hold the same trajectories: {problem}; run `tactiledata split` again"
+        found.append(Finding("split-out-of-date", "damage", message))
+    partition = partition_rows(split, trajectories["uid"])
+    part = leaks.partition_codes(partition)
+    taken = taken_frames(frames, split.force)
+    found += leaks.shared_uids(split.table)
+    found += leaks.unlike_drawn(trajectories, split.table, partition, split.options, split.held_out)
+    found += leaks.held_out_elsewhere(trajectories, part, split.held_out)
+    found += leaks.parted_families(trajectories, part)
+    found += leaks.parted_touches(trajectories, part)
+    found += leaks.parted_frames(frames, taken, part)
+    found += leaks.identical_payloads(frames, taken, part)
+    return found
+
+
+def _audit_images(
+    store: Store, frames: pa.Table, split: Split, part: NDArray[np.int64], progress: Progress | None
+) -> tuple[list[Finding], dict[str, int]]:
+    # scipy and cv2 are of no use to those who only load a split
+    from tactiledata.splits.copies import compare_images
+    from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
+
+    rows = np.flatnonzero(taken_frames(frames, split.force))
+    where = part[frames["trajectory"].to_numpy()[rows]]
+    rows, where = rows[where >= 0], where[where >= 0]
+    prints = np.empty((len(rows), CELLS), np.float32)
+    for start in range(0, len(rows), BATCH):
+        for offset, image in enumerate(store.images(rows[start : start + BATCH])):
+            prints[start + offset] = fingerprint(np.asarray(image))
+        if progress is not None:
+            progress(min(start + BATCH, len(rows)), len(rows))
+    pairs = near_pairs(prints, where)
+    copies: list[tuple[int, int]] = []
+    for one, other in zip(pairs.first[:MAX_PAIRS], pairs.second[:MAX_PAIRS], strict=True):
+        first, second = (np.asarray(image) for image in store.images(rows[[one, other]]))
+        if compare_images(first, second).is_copy:
+            copies.append((int(one), int(other)))
+    cases = (
+        f"frame {rows[one]} ({PARTITIONS[where[one]]}) and frame {rows[other]} ({PARTITIONS[where[other]]})"
+        for one, other in copies
+    )
+    found = leaks.leak("near-duplicate-image", "copies of one image are in different parts", cases, len(copies))
+    if len(pairs) > MAX_PAIRS:
+        left = len(pairs) - MAX_PAIRS
+        message = (
+            f"{len(pairs)} pairs of images across parts look alike; the nearest {MAX_PAIRS} were compared in detail"
+        )
+        found.append(Finding("near-pairs-not-compared", "warning", message, count=left))
+    blank = int(np.isnan(prints[:, 0]).sum())
+    if blank:
+        message = f"{blank} images are of one grey: whether they are copies cannot be told"
+        found.append(Finding("blank-image", "warning", message, count=blank))
+    return found, {"images": len(rows), "near pairs": min(len(pairs), MAX_PAIRS)}
