@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
-from tactiledata.errors import BrokenLog
+from tactiledata.errors import BrokenLog, UnsafeContent
 from tactiledata.formats.corpus import (
     CorpusFormat,
     Timeline,
@@ -106,8 +106,8 @@ def _holds_trials(path: Path) -> bool:
 def _sensor(path: Path, file: Any) -> str:
     """The sensor's name: what the meshes are called, else what the file is called."""
     for trial in _numbered(file, "trial_"):
-        for step in _numbered(file[trial], "step_"):
-            for name in file[trial][step]:
+        for step in _numbered(_child(file, trial), "step_"):
+            for name in _child(_child(file, trial), step):
                 if name.startswith(NODES):
                     return str(name.removeprefix(NODES))
     named = FILE_NAME.fullmatch(path.name)
@@ -125,21 +125,18 @@ def _walk(file: Any, sensor: str, serial: str, intake: Intake) -> tuple[list[Tra
     times: list[int] = []
     forces: list[NDArray[np.float64]] = []
     for trial in _numbered(file, "trial_"):
-        steps = _numbered(file[trial], "step_")
-        environments = sorted(
-            {name for step in steps for name in _numbered(_child(file[trial][step], NODES + sensor), "env_")},
-            key=natural_key,
-        )
+        held = {step: _child(_child(file, trial), step) for step in _numbered(_child(file, trial), "step_")}
+        environments = _environments(held.values(), sensor, intake)
         if not environments:
             intake.note("trial-empty", "warning", f"{trial} holds no mesh", trajectory=trial)
         for environment in environments:
             name = f"{trial}-{environment}"
             start = timeline.begin()
-            for index, step in enumerate(steps):
+            for index, (step, group) in enumerate(held.items()):
                 moment = timeline.at(index)
-                _push(file[trial][step], sensor, serial, environment, moment, name, intake)
+                _push(group, sensor, serial, moment, f"{name}/{step}", intake)
                 times.append(moment)
-                forces.append(_force(file[trial][step], sensor, environment, f"{name}/{step}", intake))
+                forces.append(_force(group, sensor, environment, f"{name}/{step}", intake))
             extra = {"trial": trial, "environment": environment}
             touches.append(Trajectory(name, start, timeline.interval()[1], serial, f"across_{environment}", extra))
     columns, units = ("fx", "fy", "fz"), ("N", "N", "N")
@@ -148,17 +145,40 @@ def _walk(file: Any, sensor: str, serial: str, intake: Intake) -> tuple[list[Tra
     return touches, signal
 
 
-def _child(step: Any, name: str) -> Any:
-    return step[name] if hasattr(step, "keys") and name in step else {}
+def _environments(steps: Iterable[Any], sensor: str, intake: Intake) -> list[str]:
+    """Environments with a mesh in any step, in natural order; what else steps hold is said."""
+    found: set[str] = set()
+    for step in steps:
+        found.update(_numbered(_child(step, NODES + sensor), "env_"))
+        for other in set(step) - {NODES + sensor, FORCE + sensor}:
+            intake.note("not-read", "info", f"{other} is not read", other)
+    return sorted(found, key=natural_key)
+
+
+def _child(group: Any, name: str) -> Any:
+    """A member of a group, an empty dict where there is none; links are refused, they may lead to other files."""
+    import h5py
+
+    link = group.get(name, getlink=True) if isinstance(group, h5py.Group) else None
+    if link is None:
+        return {}
+    member = group[name] if isinstance(link, h5py.HardLink) else None
+    if member is None or (isinstance(member, h5py.Dataset) and (member.external or member.is_virtual)):
+        raise UnsafeContent(
+            f"{name} in {group.file.filename} is a link, or lies in another file",
+            "HDF5 files that hold their own data",
+            "Copy the data into the file (h5repack) if you trust its origin.",
+            name=name,
+        )
+    return member
 
 
 def _read(step: Any, group: str, environment: str, where: str, intake: Intake) -> NDArray[np.float64] | None:
     """The numbers of one environment at one step; ``None``, with a finding, where they are not there."""
-    held = _child(step, group)
-    if environment not in held or not hasattr(held[environment], "shape"):
+    dataset = _child(_child(step, group), environment)
+    if not hasattr(dataset, "shape"):
         intake.note("value-missing", "damage", f"{where}: {group}/{environment} is not there", group)
         return None
-    dataset = held[environment]
     if dataset.size > 3 * MAX_VERTICES or dataset.dtype.kind not in "fiu":
         found = f"{where}: {group} of shape {dataset.shape} and type {dataset.dtype}"
         intake.note("value-missing", "damage", found, group)
@@ -170,17 +190,17 @@ def _read(step: Any, group: str, environment: str, where: str, intake: Intake) -
         return None
 
 
-def _push(step: Any, sensor: str, serial: str, environment: str, moment: int, name: str, intake: Intake) -> None:
+def _push(step: Any, sensor: str, serial: str, moment: int, where: str, intake: Intake) -> None:
     """One step as a moment without an image, the mesh's vertices as its values."""
-    where = f"{name}{step.name.rsplit('/', 1)[-1]}"
-    vertices = _read(step, NODES + sensor, environment, where, intake)
+    name = where.rpartition("/")[0]
+    vertices = _read(step, NODES + sensor, name.rpartition("-")[2], where, intake)
     values = {}
     if vertices is not None and (vertices.ndim != 2 or vertices.shape[1] != 3 or not vertices.size):
         intake.note("value-missing", "damage", f"{where}: vertices of shape {vertices.shape}", "vertices")
     elif vertices is not None:
         flat = vertices.reshape(-1)
-        columns = tuple(f"{axis}{vertex}" for vertex in range(len(vertices)) for axis in "xyz")
         if not intake.width("vertices"):
+            columns = tuple(f"{axis}{vertex}" for vertex in range(len(vertices)) for axis in "xyz")
             note = "vertices of the gel, metres, x y z of each in turn; meshes without images"
             intake.declare("vertices", columns, ("m",) * len(columns), note)
         if len(flat) == intake.width("vertices"):

@@ -7,6 +7,7 @@ import re
 import tarfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -25,7 +26,7 @@ from tactiledata.formats.corpus import (
     stream_name,
     subfolders,
 )
-from tactiledata.formats.intake import Intake, Payload
+from tactiledata.formats.intake import Intake
 from tactiledata.formats.natural_order import natural_key, natural_paths
 from tactiledata.units import SIGNAL_COLUMNS
 
@@ -48,7 +49,7 @@ FRAME_NUMBER = re.compile(r"[-_]?(?:frame)?[-_]?\d+$")
 MODELS = {"tvl": "digit", "calandra17": "gelsight", "visgel": "gelsight", "yuan18": "gelsight"}
 
 
-@dataclass
+@dataclass(slots=True)
 class _Sample:
     """Where the two files of one sample lie: (tar, first byte, bytes)."""
 
@@ -192,7 +193,7 @@ def _members(tar: Path, intake: Intake) -> Iterator[tuple[str, int, int]]:
     try:
         with tarfile.open(tar, "r:") as archive:
             while (member := archive.next()) is not None:
-                archive.members.clear()  # the library would keep every member that it has seen
+                archive.members = []  # type: ignore[attr-defined]  # the library would keep every member that it has seen
                 _check_name(tar, member.name)
                 if member.isdir():
                     continue
@@ -269,17 +270,14 @@ def _push(sample: _Sample, sequence: _Sequence, t_ns: int, sensor: str, name: st
     if sample.image is None:
         found = f"{sample.key}.json has no image beside it; its moment is kept without one"
         intake.note("json-without-image", "damage", found, "tactile")
-    payload = None if sample.image is None else _slice(*sample.image)
+    payload = None if sample.image is None else partial(_read, *sample.image)
     intake.image("tactile", payload, t_ns, sensor=sensor, trajectory=name, name=sample.key, values=values)
 
 
-def _slice(tar: Path, start: int, size: int) -> Payload:
-    def load() -> bytes:
-        with tar.open("rb") as stream:
-            stream.seek(start)
-            return stream.read(size)
-
-    return load
+def _read(tar: Path, start: int, size: int) -> bytes:
+    with tar.open("rb") as stream:
+        stream.seek(start)
+        return stream.read(size)
 
 
 def _labels(sample: _Sample, sequence: _Sequence, intake: Intake) -> dict[str, list[float]]:
@@ -289,7 +287,7 @@ def _labels(sample: _Sample, sequence: _Sequence, intake: Intake) -> dict[str, l
     try:
         if size > MAX_LABEL_BYTES:
             raise BrokenLog(f"{size} bytes of JSON")
-        content = json.loads(_slice(tar, start, size)())
+        content = json.loads(_read(tar, start, size))
         if not isinstance(content, dict):
             raise BrokenLog(f"a {type(content).__name__}")
     except (ValueError, RecursionError) as error:

@@ -119,10 +119,14 @@ def _note_trial(trial: Path, images: Sequence[Path], intake: Intake) -> None:
     if len(others) > copies:
         found = f"{len(others) - copies} JPEGs without their PNG in trial {trial.name} are left out"
         intake.note("not-read", "warning", found, trajectory=trial.name, count=len(others) - copies)
-    beside = [path.name for path in sorted(trial.glob("*/*")) if path.is_dir() and path.name != CAMERA]
-    if beside or [path for path in trial.iterdir() if path.is_dir() and path.name != "0"]:
+    takes = [path for path in trial.iterdir() if path.is_dir()]
+    if any(take.name != "0" or _other_folders(take) for take in takes):
         found = "folders beside the tactile images (cameras, further takes) are not read"
         intake.note("not-read", "info", found, "other")
+
+
+def _other_folders(take: Path) -> bool:
+    return any(path.is_dir() and path.name != CAMERA for path in take.iterdir())
 
 
 def _indices(images: Sequence[Path], name: str, intake: Intake) -> list[int]:
