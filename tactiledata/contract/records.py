@@ -359,6 +359,7 @@ SOURCE_SCHEMA = pa.schema(
         ("status", pa.string()),  # "ok", "unverified", "damaged"
         ("description", pa.string()),  # JSON of the log description
         ("provenance", pa.string()),  # JSON
+        ("contents", pa.string()),  # JSON: rows, CRC-32C and attributes of its signals and derived values; digest
     ]
 )
 """Columns of index/sources.parquet."""

@@ -1,0 +1,192 @@
+"""Staged takes become part of a store, in groups that are there wholly or not at all: the manifest is written last."""
+
+from __future__ import annotations
+
+import copy
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from tactiledata.contract.atomic import sync_folder, write_atomic
+from tactiledata.errors import StoreError, UsageError
+from tactiledata.store.appender import Appender
+from tactiledata.store.arrays import open_root
+from tactiledata.store.card import write_card
+from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings
+from tactiledata.store.lock import unwritable, writing_lock
+from tactiledata.store.manifest import Manifest, empty_manifest, read_manifest, settings_of, write_manifest
+from tactiledata.store.recover import clean, is_interrupted
+from tactiledata.store.writer import StagedTake
+
+GROUP_BYTES = 256 * 2**20
+GROUP_FRAMES = 8192
+GROUP_TAKES = 256
+
+
+def create(store_path: Path | str, settings: Settings | None = None) -> Manifest:
+    """The manifest of a store, which is made where there is none.
+
+    Parameters
+    ----------
+    settings : Settings, optional
+        Sizes of chunks of a new store.
+
+    Raises
+    ------
+    StoreError
+        The folder holds something else, cannot be written, or is a store of a newer version.
+    UsageError
+        The store exists with other settings.
+    """
+    folder = Path(store_path)
+    try:
+        if folder.exists() and not (folder / MANIFEST).exists():
+            _refuse_foreign(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        if not (folder / MANIFEST).exists():
+            with writing_lock(folder):
+                if not (folder / MANIFEST).exists():
+                    _start(folder, settings or Settings())
+    except OSError as error:
+        if isinstance(error, StoreError):
+            raise
+        raise unwritable(folder, error) from error
+    manifest = read_manifest(folder)
+    if settings is not None and settings_of(manifest) != settings:
+        raise UsageError(
+            f"the store {folder} was made with {settings_of(manifest)}", f"{settings}", "Leave the settings away."
+        )
+    return manifest
+
+
+def _refuse_foreign(folder: Path) -> None:
+    if not folder.is_dir():
+        raise StoreError(f"{folder} is a file", "a folder for a store", "Choose another name.", path=str(folder))
+    ours = {".lock", STAGING, "zarr.json"}
+    strangers = sorted(place.name for place in folder.iterdir() if place.name not in ours and place.suffix != ".part")
+    if strangers:
+        raise StoreError(
+            f"the folder {folder} holds {', '.join(strangers[:3])}{' …' if len(strangers) > 3 else ''} but no {MANIFEST}",
+            "a store, an empty folder or a new name",
+            "Choose another name; nothing was changed.",
+            path=str(folder),
+        )
+
+
+def _start(folder: Path, settings: Settings) -> None:
+    open_root(folder)
+    manifest = empty_manifest(settings)
+    write_card(folder, manifest)
+    write_manifest(folder, manifest)
+
+
+def recover(store_path: Path | str) -> Manifest:
+    """The manifest, after whatever a killed writer left behind has been removed.
+
+    Rows and bytes beyond the manifest's lengths, files that it does not name, takes that are half staged or committed
+    already. Takes that are staged whole stay.
+    """
+    folder = Path(store_path)
+    manifest = read_manifest(folder)
+    with _store_errors(folder), writing_lock(folder):
+        _recover(folder, manifest)
+    return manifest
+
+
+def _recover(folder: Path, manifest: Manifest) -> None:
+    interrupted = is_interrupted(folder)
+    clean(folder, manifest, thorough=interrupted)
+    if interrupted:
+        (folder / STAGING / COMMITTING).unlink()
+        sync_folder(folder / STAGING)
+
+
+class _store_errors:
+    """Turns errors of the system inside the block into a `StoreError` that says what to do."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
+        if isinstance(error, OSError) and not isinstance(error, StoreError):
+            raise unwritable(self._folder, error) from error
+
+
+def commit(store_path: Path | str, staged: Sequence[StagedTake]) -> Manifest:
+    """The manifest after one atomic group of takes, in their order; a source that the store holds already is skipped.
+
+    Raises
+    ------
+    StoreBusy
+        Another process writes to the store.
+    StoreError
+        The disk is full or read-only, or a take is not whole; the store is as it was before.
+    """
+    folder = Path(store_path)
+    with _store_errors(folder), writing_lock(folder):
+        manifest = read_manifest(folder)
+        if is_interrupted(folder):
+            _recover(folder, manifest)
+        return _commit(folder, manifest, staged)
+
+
+def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Manifest:
+    fresh, skipped = _new_takes(before, staged)
+    if fresh:
+        manifest = copy.deepcopy(before)
+        marker = folder / STAGING / COMMITTING
+        write_atomic(marker, b"")
+        appender = Appender(folder, manifest)
+        for take in fresh:
+            appender.add(take)
+        appender.finish()
+        write_card(folder, manifest)
+        write_manifest(folder, manifest)
+        marker.unlink()
+    else:
+        manifest = before
+    for take in [*fresh, *skipped]:
+        shutil.rmtree(take.folder, ignore_errors=True)
+    return manifest
+
+
+def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[StagedTake], list[StagedTake]]:
+    known = set(manifest["sources"])
+    fresh, skipped = [], []
+    for take in staged:
+        (skipped if take.sha256 in known else fresh).append(take)
+        known.add(take.sha256)
+    return fresh, [take for take in skipped if take.folder not in {other.folder for other in fresh}]
+
+
+def commit_groups(store_path: Path | str, staged: Iterable[StagedTake]) -> Manifest:
+    """The manifest after takes were committed in their order, in groups whose borders depend on their content only.
+
+    So an ingest that was killed and runs again ends with the same manifest, byte for byte. ``staged`` is drawn from while
+    groups are committed: it may be a generator that waits for workers.
+    """
+    folder = Path(store_path)
+    manifest = read_manifest(folder)
+    for group in groups(staged, set(manifest["sources"])):
+        manifest = commit(folder, group)
+    return manifest
+
+
+def groups(staged: Iterable[StagedTake], known: set[str]) -> Iterator[list[StagedTake]]:
+    """Takes in groups that end where bytes, frames or number of takes reach their limit; known sources count nothing."""
+    group: list[StagedTake] = []
+    fresh: list[StagedTake] = []
+    for take in staged:
+        group.append(take)
+        if take.sha256 not in known:
+            fresh.append(take)
+            known.add(take.sha256)
+        n_bytes, n_frames = sum(one.n_bytes for one in fresh), sum(one.n_frames for one in fresh)
+        if n_bytes >= GROUP_BYTES or n_frames >= GROUP_FRAMES or len(fresh) >= GROUP_TAKES:
+            yield group
+            group, fresh = [], []
+    if group:
+        yield group

@@ -1,0 +1,215 @@
+"""The files of a store wherever they lie: a local folder (memory-mapped) or any fsspec URL (ranges, in batches)."""
+
+from __future__ import annotations
+
+import mmap
+from abc import ABC, abstractmethod
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import fsspec
+import zarr
+from zarr.storage import FsspecStore, LocalStore
+
+from tactiledata.errors import MissingFile, StoreError
+
+MOST_MAPS = 256
+"""Files that are mapped at once; each keeps a file descriptor, and 1024 is a usual limit."""
+
+Span = tuple[str, int, int]
+"""(path, first byte, byte after the last); a first byte below zero counts from the end, to the end."""
+
+
+class StoreFiles(ABC):
+    """Reads below a store's folder; picklable, opens its handles per process."""
+
+    location: str
+
+    @abstractmethod
+    def read(self, path: str) -> bytes:
+        """A whole file.
+
+        Raises
+        ------
+        FileNotFoundError
+            There is none.
+        """
+
+    @abstractmethod
+    def spans(self, spans: Sequence[Span]) -> list[bytes]:
+        """Ranges of files.
+
+        Raises
+        ------
+        FileNotFoundError
+            A file is missing.
+        """
+
+    @abstractmethod
+    def names(self, folder: str) -> list[str]:
+        """Names in a folder, sorted; empty where there is none."""
+
+    @abstractmethod
+    def exists(self) -> bool:
+        """Whether there is anything at the location."""
+
+    @abstractmethod
+    def array(self, path: str) -> zarr.Array:
+        """An array, to read."""
+
+    @abstractmethod
+    def place(self, path: str) -> Path | str:
+        """Where a file of the store lies: a path, or a URL."""
+
+
+class LocalFiles(StoreFiles):
+    """A store on the local disk."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.location = str(folder)
+        self._maps: OrderedDict[str, mmap.mmap] = OrderedDict()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_maps": OrderedDict()}
+
+    def read(self, path: str) -> bytes:
+        """A whole file."""
+        return (self._folder / path).read_bytes()
+
+    def spans(self, spans: Sequence[Span]) -> list[bytes]:
+        """Ranges of files."""
+        return [self.span(*span) for span in spans]
+
+    def span(self, path: str, start: int, stop: int) -> bytes:
+        """A range of a file, copied from its map."""
+        mapped = self._map(path)
+        if start < 0:
+            return mapped[start:]
+        if stop > len(mapped):
+            mapped = self._map(path, anew=True)
+        return mapped[start:stop]
+
+    def _map(self, path: str, anew: bool = False) -> mmap.mmap:
+        mapped = None if anew else self._maps.get(path)
+        if mapped is None:
+            with (self._folder / path).open("rb") as stream:
+                mapped = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
+        self._maps[path] = mapped
+        if len(self._maps) > MOST_MAPS:
+            self._maps.popitem(last=False)
+        return mapped
+
+    def forget(self, path: str) -> None:
+        """A file that was replaced is mapped anew at its next use."""
+        self._maps.pop(path, None)
+
+    def names(self, folder: str) -> list[str]:
+        """Names in a folder."""
+        place = self._folder / folder
+        return sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
+
+    def exists(self) -> bool:
+        """Whether the folder is there."""
+        return self._folder.exists()
+
+    def array(self, path: str) -> zarr.Array:
+        """An array, to read."""
+        return zarr.open_array(LocalStore(self._folder, read_only=True), path=path, mode="r")
+
+    def place(self, path: str) -> Path:
+        """Where a file of the store lies."""
+        return self._folder / path
+
+
+class RemoteFiles(StoreFiles):
+    """A store behind a URL that fsspec knows."""
+
+    def __init__(self, url: str, options: Mapping[str, Any] | None) -> None:
+        self.location = url
+        self._options = dict(options or {})
+        self._opened: tuple[fsspec.AbstractFileSystem, str] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_opened": None}
+
+    @property
+    def _system(self) -> tuple[fsspec.AbstractFileSystem, str]:
+        if self._opened is None:
+            try:
+                system, folder = fsspec.core.url_to_fs(self.location, **self._options)
+            except (ImportError, ValueError, OSError) as error:
+                raise StoreError(
+                    f"{self.location} cannot be opened: {error}",
+                    "a local path or a URL of a protocol that fsspec knows",
+                    "Install the package that the message names, or check the URL.",
+                ) from error
+            self._opened = system, folder.rstrip("/")
+        return self._opened
+
+    def _join(self, path: str) -> str:
+        folder = self._system[1]
+        return f"{folder}/{path}" if folder else path
+
+    def read(self, path: str) -> bytes:
+        """A whole file."""
+        return self._system[0].cat_file(self._join(path))
+
+    def spans(self, spans: Sequence[Span]) -> list[bytes]:
+        """Ranges of files, fetched together."""
+        if not spans:
+            return []
+        paths = [self._join(path) for path, _, _ in spans]
+        starts = [start for _, start, _ in spans]
+        stops = [None if start < 0 else stop for _, start, stop in spans]
+        return self._system[0].cat_ranges(paths, starts, stops, on_error="raise")
+
+    def names(self, folder: str) -> list[str]:
+        """Names in a folder; empty also where the protocol cannot list."""
+        system = self._system[0]
+        try:
+            system.invalidate_cache()
+            listed = system.ls(self._join(folder), detail=False)
+        except (OSError, NotImplementedError):
+            return []
+        return sorted({str(name).rstrip("/").rpartition("/")[2] for name in listed})
+
+    def exists(self) -> bool:
+        """Whether there is anything at the location."""
+        system, folder = self._system
+        try:
+            return bool(system.exists(folder))
+        except (OSError, NotImplementedError):
+            return False
+
+    def array(self, path: str) -> zarr.Array:
+        """An array, to read."""
+        store = FsspecStore.from_url(self.location, storage_options=self._options, read_only=True)
+        return zarr.open_array(store, path=path, mode="r")
+
+    def place(self, path: str) -> str:
+        """The URL of a file of the store."""
+        head, separator, tail = self.location.partition("::")
+        return f"{head.rstrip('/')}/{path}{separator}{tail}"
+
+
+def open_files(location: str | Path, storage_options: Mapping[str, Any] | None = None) -> StoreFiles:
+    """The files of a store at a path or URL."""
+    text = str(location)
+    if text.startswith("file://"):
+        return LocalFiles(Path(text.removeprefix("file://")))
+    if isinstance(location, str) and ("://" in text or "::" in text):
+        return RemoteFiles(text, storage_options)
+    return LocalFiles(Path(location))
+
+
+def missing_file(path: str, location: str) -> MissingFile:
+    """The error for a file that a manifest needs and that is not there."""
+    return MissingFile(
+        f"{path} is missing in the store {location}",
+        "every file that the manifest names",
+        "Run `tactiledata check` to see what else is missing; restore it from a copy.",
+        path=path,
+    )

@@ -1,0 +1,211 @@
+"""Images of a store, found and decoded in batches; safe to use after a fork."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import FrameFlag
+from tactiledata.errors import StoreError
+from tactiledata.store.files import Span, StoreFiles, missing_file
+from tactiledata.store.layout import heap_path, rgb_path
+from tactiledata.store.manifest import settings_of
+from tactiledata.store.shards import Entries, index_bytes, parse_index, unpack_frame
+
+COLUMNS = ("camera", "encoding", "height", "width", "offset", "length", "crc32c", "flags")
+MOST_THREADS = 16
+
+Picture = NDArray[np.uint8]
+
+
+class Pictures:
+    """Where the images of a store lie, and what they show.
+
+    tensorstore would read shards as fast, but ends the process when it is used on both sides of a fork, which is how PyTorch
+    starts its workers; a shard's index and frames are read here instead (`shards`).
+
+    Parameters
+    ----------
+    files : StoreFiles
+    manifest : dict
+    frames : callable
+        Gives columns of the frames table.
+    """
+
+    def __init__(
+        self, files: StoreFiles, manifest: Mapping[str, Any], frames: Callable[[Sequence[str]], pa.Table]
+    ) -> None:
+        self._files, self._settings, self._frames = files, settings_of(manifest), frames
+        self._columns: dict[str, NDArray[Any]] = {}
+        self._cameras: list[str] = []
+        self._encodings: list[str] = []
+        self._indexes: dict[str, Entries] = {}
+        self._pool: tuple[int, int, ThreadPoolExecutor] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_columns": {}, "_indexes": {}, "_pool": None}
+
+    def _load(self) -> dict[str, NDArray[Any]]:
+        if not self._columns:
+            table = self._frames(COLUMNS).combine_chunks()
+            columns = {name: table[name].to_numpy() for name in COLUMNS[2:]}
+            for name in ("camera", "encoding"):
+                chunks = table[name].chunks
+                columns[name] = np.asarray(chunks[0].indices) if chunks else np.empty(0, np.int32)
+                setattr(self, f"_{name}s", chunks[0].dictionary.to_pylist() if chunks else [])
+            self._columns = columns
+        return self._columns
+
+    def facts(self, row: int) -> tuple[str, str, int, int]:
+        """Camera, encoding, height and width of a frame."""
+        columns = self._load()
+        camera, encoding = self._cameras[columns["camera"][row]], self._encodings[columns["encoding"][row]]
+        return camera, encoding, int(columns["height"][row]), int(columns["width"][row])
+
+    def _span(self, row: int) -> tuple[str, Span | None]:
+        """A frame's encoding, and where its bytes lie; ``None`` where there are none."""
+        columns = self._load()
+        camera, encoding, height, width = self.facts(row)
+        offset, length = int(columns["offset"][row]), int(columns["length"][row])
+        if encoding == "missing":
+            return encoding, None
+        if encoding == "raw":
+            capacity = self._settings.frames_per_shard(height, width)
+            path = f"{rgb_path(camera, height, width)}/c.{offset // capacity}.0.0.0"
+            start, size = self._index(path, capacity, offset % capacity)[offset % capacity]
+            return encoding, (path, start, start + size)
+        chunk = self._settings.heap_chunk_bytes
+        start = offset % chunk
+        return encoding, (f"{heap_path(camera)}/c.{offset // chunk}", start, start + length) if length else None
+
+    def _index(self, path: str, capacity: int, position: int) -> Entries:
+        """A shard's index; read again where a frame was appended since."""
+        entries = self._indexes.get(path)
+        if entries is None or entries[position][1] >= 2**63:
+            forget = getattr(self._files, "forget", None)
+            if entries is not None and forget:
+                forget(path)
+            content = self._fetch([(path, -index_bytes(capacity), 0)])[0]
+            entries = self._indexes[path] = parse_index(content, capacity, path)
+        if entries[position][1] >= 2**63:
+            raise StoreError(f"shard {path} holds no frame at {position}", "every frame that the manifest names")
+        return entries
+
+    def _fetch(self, spans: Sequence[Span]) -> list[bytes]:
+        try:
+            return self._files.spans(spans)
+        except FileNotFoundError as error:
+            raise missing_file(str(error.filename or error), self._files.location) from error
+
+    def payloads(self, rows: Sequence[int]) -> list[bytes | None]:
+        """The bytes of frames as kept: JPEG or PNG files, raw RGB unpacked, ``None`` where no image was recorded."""
+        found = [self._span(row) for row in rows]
+        contents = iter(self._fetch([span for _, span in found if span]))
+        payloads: list[bytes | None] = []
+        for row, (encoding, span) in zip(rows, found, strict=True):
+            if encoding == "missing":
+                payloads.append(None)
+                continue
+            content = next(contents) if span else b""
+            payloads.append(self._unpacked(row, content).tobytes() if encoding == "raw" else content)
+        return payloads
+
+    def crc32c(self, rows: Sequence[int]) -> list[int]:
+        """CRC-32C of payloads, as the frames table has them."""
+        return self._load()["crc32c"][list(rows)].tolist()
+
+    def pictures(
+        self, rows: Sequence[int], threads: int | None, when_missing: Literal["error", "zeros"]
+    ) -> list[Picture] | Picture:
+        """Decoded frames: one array (n, H, W, 3) where they all have one size, else a list of (H, W, 3)."""
+        columns = self._load()
+        if not len(rows):
+            return []
+        heights, widths = columns["height"][list(rows)], columns["width"][list(rows)]
+        same = bool((heights == heights[0]).all() and (widths == widths[0]).all())
+        out: list[Picture] | Picture
+        if same:
+            out = np.empty((len(rows), int(heights[0]), int(widths[0]), 3), np.uint8)
+        else:
+            sizes = zip(heights.tolist(), widths.tolist(), strict=True)
+            out = [np.empty((height, width, 3), np.uint8) for height, width in sizes]
+        found = [self._span(row) for row in rows]
+        contents = iter(self._fetch([span for _, span in found if span]))
+        jobs = [
+            (row, encoding, next(contents) if span else b"", out[index])
+            for index, (row, (encoding, span)) in enumerate(zip(rows, found, strict=True))
+        ]
+
+        def run(part: list[tuple[int, str, bytes, Picture]]) -> None:
+            for row, encoding, content, target in part:
+                self._decode(row, encoding, content, target, when_missing)
+
+        n_threads = min(threads or default_threads(), len(jobs), MOST_THREADS)
+        if n_threads == 1:
+            run(jobs)
+        else:
+            list(self._threads(n_threads).map(run, [jobs[first::n_threads] for first in range(n_threads)]))
+        return out
+
+    def _threads(self, count: int) -> ThreadPoolExecutor:
+        if self._pool is None or self._pool[0] != os.getpid() or self._pool[1] < count:
+            self._pool = os.getpid(), count, ThreadPoolExecutor(count, thread_name_prefix="pictures")
+        return self._pool[2]
+
+    def _decode(self, row: int, encoding: str, content: bytes, target: Picture, when_missing: str) -> None:
+        if encoding == "missing":
+            if when_missing != "zeros":
+                raise StoreError(
+                    f"frame {row} has no image: the recording says that it was not kept",
+                    "frames with an image",
+                    "Leave such frames out (flag MISSING), or ask with missing='zeros'.",
+                    row=row,
+                )
+            target[...] = 0
+        elif encoding == "raw":
+            self._unpacked(row, content, target)
+        else:
+            target[...] = self._decoded(row, content, target.shape)
+
+    def _decoded(self, row: int, content: bytes, shape: tuple[int, ...]) -> Picture:
+        try:
+            picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR_RGB) if content else None
+        except cv2.error:
+            picture = None
+        if picture is None or picture.shape != shape:
+            known = bool(self._load()["flags"][row] & FrameFlag.BROKEN)
+            what = f"decodes to {picture.shape}" if picture is not None else "does not decode"
+            raise StoreError(
+                f"the image of frame {row} ({len(content)} bytes) {what}"
+                + (" (the store marks it as broken)" if known else ""),
+                f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels",
+                "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks them.",
+                row=row,
+            )
+        return picture
+
+    def _unpacked(self, row: int, content: bytes, target: Picture | None = None) -> Picture:
+        _, _, height, width = self.facts(row)
+        picture = np.empty((height, width, 3), np.uint8) if target is None else target
+        try:
+            unpack_frame(content, picture)
+        except ValueError as error:
+            raise StoreError(
+                f"the raw image of frame {row} is damaged: {error}",
+                "an intact shard",
+                "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks them.",
+                row=row,
+            ) from error
+        return picture
+
+
+def default_threads() -> int:
+    """Threads that decode a batch where the caller does not say: the processor cores that this process may use."""
+    return max(1, min(8, len(os.sched_getaffinity(0))))

@@ -1,0 +1,338 @@
+"""A store to read: tables, signals, values and images, bounded by what the manifest named when it was opened."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import ArrayLike, NDArray
+
+from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA, Reference
+from tactiledata.errors import StoreError, UnknownName
+from tactiledata.store.files import StoreFiles, missing_file, open_files
+from tactiledata.store.layout import (
+    MANIFEST,
+    SENSORS,
+    aligned_path,
+    folder_name,
+    frame_values_path,
+    reference_path,
+    signal_path,
+    table_folder,
+)
+from tactiledata.store.manifest import Manifest, not_a_store, parse_manifest
+from tactiledata.store.pictures import Picture, Pictures
+from tactiledata.store.rows import Rows, checked_rows
+from tactiledata.store.sensors_table import Facts, parse_sensors
+
+SCHEMAS = {
+    "frames": FRAME_SCHEMA,
+    "trajectories": TRAJECTORY_SCHEMA,
+    "sources": SOURCE_SCHEMA,
+    "findings": FINDING_SCHEMA,
+}
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What columns of numbers mean.
+
+    Parameters
+    ----------
+    columns, units : tuple of str
+    frame : str
+        The frame in which vectors are expressed, as the recording names it.
+    attributes : dict
+        Of the first recording that brought them; ``sources()`` has each recording's own in ``contents``.
+    statistics : dict
+        ``count``, ``mean``, ``m2``, ``min``, ``max`` of each column, over all finite values of the store.
+    """
+
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    frame: str
+    attributes: Mapping[str, Any]
+    statistics: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> Meaning:
+        """From an entry of the manifest."""
+        columns, units = tuple(facts["columns"]), tuple(facts["units"])
+        return cls(columns, units, facts["frame"], facts["attributes"], facts["statistics"])
+
+
+class SignalRows:
+    """A signal at its native rate; ``signal_rows`` of a trajectory are ranges of its rows."""
+
+    def __init__(self, files: StoreFiles, name: str, facts: Mapping[str, Any]) -> None:
+        self.name = name
+        self.meaning = Meaning.of(facts)
+        self.n_rows: int = facts["rows"]
+        arrays = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
+        self._rows = {array: Rows(files, signal_path(name, array), self.n_rows) for array in arrays}
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return self.meaning.columns
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the columns."""
+        return self.meaning.units
+
+    @property
+    def frame(self) -> str:
+        """The frame in which vectors are expressed."""
+        return self.meaning.frame
+
+    @property
+    def attributes(self) -> Mapping[str, Any]:
+        """Clock, rate and the like of the first recording that brought it."""
+        return self.meaning.attributes
+
+    def t_ns(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Times (n,) of rows [start, stop), host clock, ns."""
+        return self._rows["t_ns"].span(start, stop)
+
+    def values(self, start: int, stop: int) -> NDArray[np.float64]:
+        """Values (n, k) of rows [start, stop), SI units; read-only."""
+        return self._rows["value"].span(start, stop)
+
+    def stamps(self, kind: Literal["log", "publish", "header"], start: int, stop: int) -> NDArray[np.int64]:
+        """Time stamps (n,) as recorded, ns; -1 where the recording has none."""
+        return self._rows[f"{kind}_ns"].span(start, stop)
+
+
+class Store:
+    """A store at a path or URL; cheap to open, picklable, safe to use after a fork.
+
+    It shows what the manifest named when it was opened: what others append later does not appear, and does not disturb.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from tactiledata.store.commit import create
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = create(folder)
+    ...     Store.open(folder).n_frames
+    0
+    """
+
+    def __init__(self, files: StoreFiles, manifest: Manifest) -> None:
+        self._files = files
+        self.manifest = manifest
+        self._pictures = Pictures(files, manifest, self.frames)
+        self._signals: dict[str, SignalRows] = {}
+        self._values: dict[str, Rows] = {}
+
+    @classmethod
+    def open(cls, location: str | Path, storage_options: Mapping[str, Any] | None = None) -> Store:
+        """The store at a local path or any fsspec URL (``memory://``, ``http://``, ``zip::…``).
+
+        Raises
+        ------
+        MissingFile
+            There is nothing at the location.
+        StoreError
+            Not a store, or written by a newer version.
+        """
+        files = open_files(location, storage_options)
+        try:
+            content = files.read(MANIFEST)
+        except (FileNotFoundError, NotADirectoryError, KeyError) as error:
+            raise not_a_store(str(location), files.exists()) from error
+        except OSError as error:
+            raise StoreError(
+                f"the store {location} cannot be read: {error}",
+                "a store that may be read",
+                "Check the place and your rights.",
+            ) from error
+        return cls(files, parse_manifest(content, f"{location}/{MANIFEST}"))
+
+    def __repr__(self) -> str:
+        return f"Store({self.location!r}, {self.n_frames} frames)"
+
+    # -- what there is -----------------------------------------------------------------------------------------------
+
+    @property
+    def location(self) -> str:
+        """Path or URL."""
+        return self._files.location
+
+    @property
+    def digest(self) -> str:
+        """Digest of the content of all sources, in order."""
+        return self.manifest["digest"]
+
+    @property
+    def n_frames(self) -> int:
+        """Number of frames."""
+        return self.manifest["rows"]["frames"]
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """Names of the image streams."""
+        return tuple(sorted(self.manifest["cameras"]))
+
+    @property
+    def signal_names(self) -> tuple[str, ...]:
+        """Signals at native rate."""
+        return tuple(sorted(self.manifest["signals"]))
+
+    @property
+    def aligned_names(self) -> tuple[str, ...]:
+        """Values at the moments of the frames."""
+        return tuple(sorted(self.manifest["aligned"]))
+
+    @property
+    def frame_value_names(self) -> tuple[str, ...]:
+        """Values that corpora annotate image by image."""
+        return tuple(sorted(self.manifest["frame_values"]))
+
+    # -- tables ------------------------------------------------------------------------------------------------------
+
+    def _table(self, table: str, columns: Sequence[str] | None) -> pa.Table:
+        schema = SCHEMAS[table]
+        for column in columns or ():
+            if column not in schema.names:
+                raise UnknownName(f"column of {table}", column, schema.names)
+        wanted = pa.schema([schema.field(name) for name in (schema.names if columns is None else columns)])
+        pieces = [wanted.empty_table()]
+        for part in self.manifest["index"][table]:
+            path = f"{table_folder(table)}/{part['file']}"
+            try:
+                content = pa.BufferReader(self._files.read(path)) if not self._is_local else self._files.place(path)
+                piece = (
+                    pq.read_table(content, columns=wanted.names, partitioning=None).select(wanted.names).cast(wanted)
+                )
+            except FileNotFoundError as error:
+                raise missing_file(path, self.location) from error
+            except (pa.ArrowException, OSError, KeyError) as error:
+                raise StoreError(
+                    f"the part {path} of the store {self.location} is damaged: {error}",
+                    "a parquet file that fits the manifest",
+                    "Run `tactiledata check` on the store; restore the file from a copy.",
+                ) from error
+            if len(piece) != part["rows"]:
+                raise StoreError(f"{path} has {len(piece)} rows", f"the {part['rows']} rows that the manifest names")
+            pieces.append(piece)
+        return pa.concat_tables(pieces).unify_dictionaries()
+
+    @property
+    def _is_local(self) -> bool:
+        return isinstance(self._files.place(MANIFEST), Path)
+
+    def frames(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """The frames table (``FRAME_SCHEMA``), or some of its columns; the row is the frame's number everywhere."""
+        return self._table("frames", columns)
+
+    def trajectories(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """The trajectories table (``TRAJECTORY_SCHEMA``), or some of its columns."""
+        return self._table("trajectories", columns)
+
+    def sources(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """The sources table (``SOURCE_SCHEMA``), or some of its columns."""
+        return self._table("sources", columns)
+
+    def findings(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """The findings table (``FINDING_SCHEMA``), or some of its columns."""
+        return self._table("findings", columns)
+
+    # -- numbers -----------------------------------------------------------------------------------------------------
+
+    def signal(self, name: str) -> SignalRows:
+        """A signal at its native rate."""
+        if name not in self._signals:
+            self._signals[name] = SignalRows(self._files, name, self._facts("signals", "signal", name))
+        return self._signals[name]
+
+    def aligned(self, name: str, rows: ArrayLike | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Values (n, k) at the moments of frames, NaN where there are none, and gaps (n,) in ns, -1 where there are none."""
+        facts = self._facts("aligned", "aligned value", name)
+        values = self._rows(aligned_path(name, "value"), facts["rows"])
+        return values.take(rows), self._rows(aligned_path(name, "gap_ns"), facts["rows"]).take(rows)
+
+    def frame_values(self, name: str, rows: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Annotated values (n, k) of frames, NaN where there are none."""
+        return self._rows(frame_values_path(name), self._facts("frame_values", "frame value", name)["rows"]).take(rows)
+
+    def meaning(self, kind: Literal["signals", "aligned", "frame_values"], name: str) -> Meaning:
+        """Columns, units, frame, attributes and statistics of values."""
+        return Meaning.of(self._facts(kind, kind.rstrip("s").replace("_", " "), name))
+
+    def _facts(self, kind: str, word: str, name: str) -> Mapping[str, Any]:
+        known = self.manifest[kind]
+        if name not in known:
+            raise UnknownName(word, name, known)
+        return known[name]
+
+    def _rows(self, path: str, length: int) -> Rows:
+        if path not in self._values:
+            self._values[path] = Rows(self._files, path, length)
+        return self._values[path]
+
+    # -- images ------------------------------------------------------------------------------------------------------
+
+    def encoded(self, rows: ArrayLike) -> list[bytes | None]:
+        """Payloads as kept: the bytes of JPEG and PNG files, raw frames as RGB bytes, ``None`` where no image was recorded."""
+        return self._pictures.payloads(checked_rows(rows, self.n_frames, "the frames").tolist())
+
+    def images(
+        self, rows: ArrayLike, threads: int | None = None, missing: Literal["error", "zeros"] = "error"
+    ) -> list[Picture] | Picture:
+        """RGB pictures, uint8: one array (n, H, W, 3) where all have one size, else a list of (H, W, 3).
+
+        Parameters
+        ----------
+        rows : row numbers of frames, or a mask over all frames
+        threads : int, optional
+            Threads that decode; one a core by default. Say 1 inside worker processes.
+        missing : "error" or "zeros"
+            What to do for captured moments without an image.
+
+        Raises
+        ------
+        StoreError
+            An image that is damaged or missing; names the row, also in ``facts['row']``.
+        """
+        return self._pictures.pictures(checked_rows(rows, self.n_frames, "the frames").tolist(), threads, missing)
+
+    # -- sensors and splits ------------------------------------------------------------------------------------------
+
+    def sensors(self) -> Facts:
+        """What is known of each sensor, by serial."""
+        try:
+            content = self._files.read(SENSORS) if self.manifest["sensors"] else None
+        except FileNotFoundError as error:
+            raise missing_file(SENSORS, self.location) from error
+        return parse_sensors(content, self.manifest, f"{self.location}/{SENSORS}")
+
+    def references(self) -> dict[str, Reference]:
+        """Pictures without contact, by sensor."""
+        found = {}
+        for sensor in sorted(self.manifest["references"]):
+            array = self._files.array(reference_path(sensor))
+            facts = {name: str(array.attrs.get(name, "")) for name in ("origin", "licence", "model")}
+            found[sensor] = Reference(np.asarray(array[...], dtype=np.uint8), **facts)
+        return found
+
+    def split_names(self) -> list[str]:
+        """Names of the splits that were made of this store."""
+        return [name.removesuffix(".json") for name in self._files.names("splits") if name.endswith(".json")]
+
+    def split_path(self, name: str, suffix: str = ".parquet") -> Path | str:
+        """Where a split's file lies (``.parquet`` or ``.json``): a path, or a URL for a remote store."""
+        return self._files.place(f"splits/{folder_name(name)}{suffix}")
+
+    def read_file(self, path: str) -> bytes:
+        """A file of the store as bytes, wherever the store lies."""
+        try:
+            return self._files.read(path)
+        except FileNotFoundError as error:
+            raise missing_file(path, self.location) from error

@@ -1,0 +1,155 @@
+"""What a killed writer left behind is removed, so that the store is what its manifest says and nothing else."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from tactiledata.store.arrays import clear_rows, drop_chunks, set_length
+from tactiledata.store.images import ShardAppender, cut_chunk
+from tactiledata.store.layout import (
+    ALIGNED_ARRAYS,
+    COMMITTING,
+    SIGNAL_ARRAYS,
+    STAGING,
+    TABLES,
+    aligned_path,
+    frame_values_path,
+    heap_path,
+    reference_path,
+    rgb_path,
+    signal_path,
+    table_folder,
+)
+from tactiledata.store.manifest import Manifest, settings_of
+from tactiledata.store.sensors_table import read_sensors, write_sensors
+from tactiledata.store.writer import find_staged
+
+KINDS = ("streams", "signals", "aligned", "frame_values", "reference")
+
+
+def row_arrays(manifest: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
+    """Paths of all arrays of numbers that a manifest names, with their lengths."""
+    for name, facts in manifest["signals"].items():
+        yield from ((signal_path(name, array), facts["rows"]) for array in SIGNAL_ARRAYS)
+    for name, facts in manifest["aligned"].items():
+        yield from ((aligned_path(name, array), facts["rows"]) for array in ALIGNED_ARRAYS)
+    for name, facts in manifest["frame_values"].items():
+        yield frame_values_path(name), facts["rows"]
+
+
+def heaps(manifest: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
+    """Paths of all heaps that a manifest names, with their bytes in use."""
+    for camera, facts in manifest["cameras"].items():
+        if facts["heap_bytes"]:
+            yield heap_path(camera), facts["heap_bytes"]
+
+
+def raw_arrays(manifest: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, int], int]]:
+    """Paths of all arrays of raw frames that a manifest names, with frame size and number of frames."""
+    for camera, facts in manifest["cameras"].items():
+        for size, count in facts["rgb"].items():
+            height, width = (int(side) for side in size.split("x"))
+            yield rgb_path(camera, height, width), (height, width), count
+
+
+def array_paths(manifest: Mapping[str, Any]) -> set[str]:
+    """Paths of all arrays that a manifest names."""
+    paths = {path for path, _ in row_arrays(manifest)} | {path for path, _ in heaps(manifest)}
+    paths |= {path for path, _, _ in raw_arrays(manifest)}
+    return paths | {reference_path(sensor) for sensor in manifest["references"]}
+
+
+def foreign_arrays(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
+    """Folders of arrays and groups that the manifest does not name."""
+    named = array_paths(manifest)
+    groups = {str(Path(path).parent) for path in named}
+    strangers = []
+    for kind in KINDS:
+        for group in sorted((store_path / kind).glob("*/")):
+            if f"{kind}/{group.name}" not in groups:
+                strangers.append(group)
+                continue
+            strangers += [
+                array for array in sorted(group.glob("*/")) if f"{kind}/{group.name}/{array.name}" not in named
+            ]
+    return strangers
+
+
+def foreign_parts(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
+    """Parts of tables that the manifest does not name."""
+    strangers = []
+    for table in TABLES:
+        named = {part["file"] for part in manifest["index"][table]}
+        folder = store_path / table_folder(table)
+        strangers += [place for place in sorted(folder.glob("*.parquet")) if place.name not in named]
+    return strangers
+
+
+def temporary_files(store_path: Path) -> Iterator[Path]:
+    """Files that a killed process was writing, outside the staging folder."""
+    for folder, folders, names in os.walk(store_path):
+        if STAGING in folders:
+            folders.remove(STAGING)
+        yield from (Path(folder) / name for name in names if name.startswith(".") and name.endswith(".part"))
+
+
+def stale_staging(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
+    """Folders of takes that are half staged, or committed already."""
+    whole = set(find_staged(store_path)) - set(manifest["sources"])
+    return [place for place in sorted((store_path / STAGING).glob("*")) if place.is_dir() and place.name not in whole]
+
+
+def clean(store_path: Path, manifest: Manifest, thorough: bool) -> None:
+    """Leftovers removed.
+
+    Parameters
+    ----------
+    thorough : bool
+        Also what an interrupted commit leaves in arrays and tables; otherwise only stale staging folders.
+    """
+    for folder in stale_staging(store_path, manifest):
+        shutil.rmtree(folder)
+    if not thorough:
+        return
+    for place in temporary_files(store_path):
+        place.unlink(missing_ok=True)
+    for folder in foreign_arrays(store_path, manifest):
+        shutil.rmtree(folder)
+    for place in foreign_parts(store_path, manifest):
+        place.unlink()
+    _shorten(store_path, manifest)
+    facts = read_sensors(store_path, manifest)
+    if facts or (store_path / "sensors.json").exists():
+        write_sensors(store_path, facts)
+
+
+def _shorten(store_path: Path, manifest: Manifest) -> None:
+    settings = settings_of(manifest)
+    for path, length in row_arrays(manifest):
+        clear_rows(store_path, path, length)
+    for path, used in heaps(manifest):
+        chunk = settings.heap_chunk_bytes
+        set_length(store_path, path, used)
+        drop_chunks(store_path / path, -(-used // chunk))
+        if used % chunk:
+            descriptor = os.open(store_path / path / f"c.{used // chunk}", os.O_WRONLY)
+            try:
+                cut_chunk(descriptor, used % chunk, chunk)
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+    for path, size, count in raw_arrays(manifest):
+        capacity = settings.frames_per_shard(*size)
+        set_length(store_path, path, count)
+        drop_chunks(store_path / path, -(-count // capacity))
+        if count % capacity:
+            ShardAppender(store_path / path, capacity, count).rewrite_tail()
+
+
+def is_interrupted(store_path: Path) -> bool:
+    """Whether a commit began and did not end."""
+    return (store_path / STAGING / COMMITTING).exists()

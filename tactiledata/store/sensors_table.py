@@ -1,0 +1,101 @@
+"""Sensors of a store: their facts, their pictures without contact, and what happens when recordings disagree."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import google_crc32c
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.records import Finding, Reference
+from tactiledata.errors import StoreError
+from tactiledata.store.layout import SENSORS
+
+PASSING = ("power_on_ns",)
+"""Facts that belong to a recording, not to a sensor; they stay in the source's description."""
+
+SAME_GEL_LEVELS = 6.0
+"""Mean absolute difference, of 255 levels, up to which two pictures show the same sensor. The two most alike of 18 DIGITs
+(the backgrounds of data/NOTICE.md) differ by 7.2, the median pair by 17.7; one sensor's exposure drifts by a few levels."""
+
+Facts = dict[str, dict[str, Any]]
+
+
+def merged_facts(
+    known: Mapping[str, Mapping[str, Any]], stated: Mapping[str, Mapping[str, Any]]
+) -> tuple[Facts, list[Finding]]:
+    """Facts of all sensors after a recording stated some: what was known stays, gaps are filled, contradictions are said."""
+    facts = {sensor: dict(values) for sensor, values in known.items()}
+    findings = []
+    for sensor, values in sorted(stated.items()):
+        mine = facts.setdefault(sensor, {})
+        for key, value in sorted(values.items()):
+            if key in PASSING or value in (None, "", {}, []):
+                continue
+            if key not in mine:
+                mine[key] = value
+            elif mine[key] != value:
+                findings.append(_conflict(sensor, f"{key} is {value!r} here and {mine[key]!r} in the store"))
+    return facts, findings
+
+
+def reference_conflict(sensor: str, known: NDArray[np.uint8], stated: NDArray[np.uint8]) -> Finding | None:
+    """A finding where two pictures without contact cannot be of the same sensor."""
+    if known.shape != stated.shape:
+        return _conflict(
+            sensor, f"the picture without contact is {stated.shape[:2]} here and {known.shape[:2]} in the store"
+        )
+    difference = float(np.abs(known.astype(np.int16) - stated).mean())
+    if difference <= SAME_GEL_LEVELS:
+        return None
+    return _conflict(
+        sensor, f"the picture without contact differs from the store's by {difference:.1f} levels in the mean"
+    )
+
+
+def _conflict(sensor: str, what: str) -> Finding:
+    message = f"sensor {sensor}: {what}; the store keeps what came first. Two sensors with one serial?"
+    return Finding("sensor-conflict", "warning", message, stream=sensor)
+
+
+def image_crc(image: NDArray[np.uint8]) -> int:
+    """CRC-32C of a picture's bytes, as the manifest keeps it."""
+    return google_crc32c.value(np.ascontiguousarray(image).tobytes())
+
+
+def reference_attributes(reference: Reference) -> dict[str, str]:
+    """What is kept beside a picture without contact."""
+    return {"origin": reference.origin, "licence": reference.licence, "model": reference.model}
+
+
+def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str) -> Facts:
+    """Facts of the sensors that a manifest names, from the content of ``sensors.json``."""
+    if not manifest["sensors"]:
+        return {}
+    try:
+        facts = json.loads(content or b"")
+        return {sensor: facts[sensor] for sensor in manifest["sensors"]}
+    except (ValueError, KeyError, TypeError) as error:
+        raise StoreError(
+            f"{where} does not hold the sensors that the manifest names: {error}",
+            f"facts of {', '.join(sorted(manifest['sensors']))}",
+            "Restore the file from a copy of the store.",
+        ) from error
+
+
+def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
+    """Facts of the sensors of a local store."""
+    place = store_path / SENSORS
+    return parse_sensors(place.read_bytes() if place.is_file() else None, manifest, str(place))
+
+
+def write_sensors(store_path: Path, facts: Facts) -> dict[str, str]:
+    """Facts on disk; returns their digests for the manifest."""
+    write_json_atomic(store_path / SENSORS, facts)
+    return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}

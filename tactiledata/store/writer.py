@@ -1,0 +1,252 @@
+"""Staged takes: a source turned into files that wait for their commit, a marker written last."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import google_crc32c
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from tactiledata.contract.atomic import sync_folder, write_atomic
+from tactiledata.contract.provenance import json_bytes
+from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, TRAJECTORY_SCHEMA, Stamps, Take
+from tactiledata.store.layout import STAGING, staging_folder
+from tactiledata.store.lock import unwritable
+from tactiledata.store.spool import Spool
+from tactiledata.store.take_checks import check_take
+
+__all__ = ["StagedTake", "find_staged", "stage", "staging_folder"]
+
+MARKER = "take.json"
+ARRAYS = "arrays.bin"
+TABLE_SCHEMAS = {"frames": FRAME_SCHEMA, "trajectories": TRAJECTORY_SCHEMA, "findings": FINDING_SCHEMA}
+
+
+@dataclass(frozen=True)
+class StagedTake:
+    """A take on disk, ready to be committed.
+
+    Parameters
+    ----------
+    folder : Path
+    sha256 : str
+        Digest of the source.
+    n_frames, n_bytes : int
+        What decides the borders of commit groups.
+    document : dict
+        Content of the marker: all of the take that is neither a table nor an array.
+    """
+
+    folder: Path
+    sha256: str
+    n_frames: int
+    n_bytes: int
+    document: Mapping[str, Any]
+
+    def table(self, name: str) -> pa.Table:
+        """``frames``, ``trajectories`` or ``findings``, rows local to the take."""
+        return pq.read_table(self.folder / f"{name}.parquet", schema=TABLE_SCHEMAS[name])
+
+    def array(self, entry: Mapping[str, Any]) -> NDArray[Any]:
+        """An array that the document describes, mapped from the disk."""
+        if not np.prod(entry["shape"]):
+            return np.empty(entry["shape"], entry["dtype"])
+        return np.memmap(self.folder / ARRAYS, entry["dtype"], "r", entry["offset"], tuple(entry["shape"]))
+
+
+def stage(store_path: Path | str, spool: Spool, take: Take, content: str | None = None) -> StagedTake:
+    """A take as files under the store's staging folder; the marker is written last.
+
+    Parameters
+    ----------
+    store_path : Path
+        A store, or where one will be.
+    spool : Spool
+        Where the take's images went; its files are moved (best it was made in ``staging_folder(store_path, sha256)``).
+    take : Take
+    content : str, optional
+        Digest of the take's content, where it is known already (merging); computed otherwise.
+
+    Raises
+    ------
+    StoreError
+        The take does not fit together, or the disk is full.
+    """
+    check_take(take, spool)
+    folder = staging_folder(store_path, take.sha256)
+    try:
+        spool.close(durable=True)
+        if spool.folder != folder:
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            shutil.move(spool.folder, folder)
+        spool_bytes = sum(place.stat().st_size for place in folder.iterdir())
+        for name, table in (("frames", take.frames), ("trajectories", take.trajectories), ("findings", take.findings)):
+            pq.write_table(table.cast(TABLE_SCHEMAS[name]), folder / f"{name}.parquet", compression="lz4")
+        with (folder / ARRAYS).open("wb") as stream:
+            document = _document(take, _Arrays(stream))
+        document["n_bytes"] = spool_bytes + (folder / ARRAYS).stat().st_size
+        document["content"] = content or content_digest(take, document)
+        for place in folder.iterdir():
+            _sync(place)
+        write_atomic(folder / MARKER, json_bytes(document))
+        sync_folder(folder.parent)
+    except OSError as error:
+        raise unwritable(store_path, error) from error
+    return _staged(folder, document)
+
+
+def find_staged(store_path: Path | str) -> dict[str, StagedTake]:
+    """Takes that are staged whole, by the digest of their source."""
+    folders = sorted((Path(store_path) / STAGING).glob("*/" + MARKER))
+    found = {}
+    for marker in folders:
+        try:
+            document = json.loads(marker.read_bytes())
+            found[document["sha256"]] = _staged(marker.parent, document)
+        except (ValueError, KeyError):
+            continue  # not whole: `recover` drops it
+    return {sha256: staged for sha256, staged in found.items() if staged.folder.name == sha256}
+
+
+def _staged(folder: Path, document: Mapping[str, Any]) -> StagedTake:
+    return StagedTake(folder, document["sha256"], document["n_frames"], document["n_bytes"], document)
+
+
+def _sync(place: Path) -> None:
+    descriptor = os.open(place, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+class _Arrays:
+    """One file of arrays, one after another: a file each would cost a sync each."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def add(self, values: NDArray[Any], dtype: str) -> dict[str, Any]:
+        """The entry that finds the array again, with its CRC-32C."""
+        self._stream.write(b"\0" * (-self._stream.tell() % 16))
+        entry: dict[str, Any] = {"offset": self._stream.tell(), "dtype": dtype, "shape": list(values.shape)}
+        crc = 0
+        for block in _blocks(values):
+            content = np.ascontiguousarray(block, dtype=dtype).tobytes()
+            crc = google_crc32c.extend(crc, content)
+            self._stream.write(content)
+        return {**entry, "crc32c": crc}
+
+
+def _blocks(values: NDArray[Any], rows: int = 65_536) -> Iterator[NDArray[Any]]:
+    for start in range(0, len(values), rows):
+        yield values[start : start + rows]
+
+
+def _document(take: Take, arrays: _Arrays) -> dict[str, Any]:
+    source = take.source
+    return {
+        "sha256": take.sha256,
+        "key": source.key,
+        "format": source.format,
+        "status": take.status,
+        "description": dict(take.description),
+        "provenance": dict(take.provenance),
+        "n_frames": len(take.frames),
+        "n_trajectories": len(take.trajectories),
+        "signals": {
+            name: {
+                **_facts(signal),
+                "attributes": dict(signal.attributes),
+                "arrays": {
+                    "t_ns": arrays.add(signal.t_ns, "<i8"),
+                    "value": arrays.add(signal.values, "<f8"),
+                    **{
+                        f"{kind}_ns": arrays.add(_stamp(signal.stamps, kind), "<i8")
+                        for kind in ("log", "publish", "header")
+                    },
+                },
+            }
+            for name, signal in sorted(take.signals.items())
+        },
+        "aligned": {
+            name: {
+                **_facts(signal),
+                "attributes": {"method": signal.method},
+                "arrays": {"value": arrays.add(signal.values, "<f8"), "gap_ns": arrays.add(signal.gap_ns, "<i8")},
+            }
+            for name, signal in sorted(take.aligned.items())
+        },
+        "frame_values": {
+            name: {
+                "columns": list(values.columns),
+                "units": list(values.units),
+                "frame": "",
+                "attributes": {"note": values.note},
+                "arrays": {"value": arrays.add(values.values, "<f8")},
+            }
+            for name, values in sorted(take.frame_values.items())
+        },
+        "references": {
+            sensor: {
+                "attributes": {"origin": reference.origin, "licence": reference.licence, "model": reference.model},
+                "arrays": {"image": arrays.add(reference.image, "|u1")},
+            }
+            for sensor, reference in sorted(take.references.items())
+        },
+        "sensors": {sensor: dict(facts) for sensor, facts in sorted(take.sensors.items())},
+    }
+
+
+def _facts(signal: Any) -> dict[str, Any]:
+    return {"columns": list(signal.columns), "units": list(signal.units), "frame": signal.frame}
+
+
+def _stamp(stamps: Stamps, kind: str) -> NDArray[np.int64]:
+    values = getattr(stamps, kind)
+    return np.full(len(stamps), -1, dtype=np.int64) if values is None else values
+
+
+PLACE_COLUMNS = ("source", "offset", "length", "parent_frame")
+"""Columns of frames that say where something lies, not what it is."""
+
+
+def content_digest(take: Take, document: Mapping[str, Any]) -> str:
+    """SHA-256 of what a take holds, wherever its bytes lie: the same when it is staged from another store."""
+    total = hashlib.sha256()
+    what = {name: value for name, value in document.items() if name not in ("n_bytes", "content")}
+    total.update(json_bytes(json.loads(json_bytes(what), object_hook=_without_offset)))
+    for table, schema in (
+        (take.frames, FRAME_SCHEMA),
+        (take.trajectories, TRAJECTORY_SCHEMA),
+        (take.findings, FINDING_SCHEMA),
+    ):
+        for column in table.cast(schema).combine_chunks().itercolumns():
+            name = schema.names[0]
+            schema = schema.remove(0)
+            if name not in PLACE_COLUMNS:
+                total.update(f"\n{name}\n".encode() + _column_bytes(column))
+    return total.hexdigest()
+
+
+def _without_offset(entry: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in entry.items() if not (key == "offset" and "dtype" in entry)}
+
+
+def _column_bytes(column: pa.ChunkedArray) -> bytes:
+    if pa.types.is_dictionary(column.type):
+        column = column.cast(pa.string())
+    if pa.types.is_string(column.type):
+        return json_bytes(column.to_pylist())
+    return column.is_null().to_numpy().tobytes() + column.fill_null(0).to_numpy().tobytes()
