@@ -24,18 +24,19 @@ class Pyramid(ParametricIndenter):
     length: float = 0.006
 
     def signed_distance(self, points: Array) -> Array:
-        half = self.width / 2
+        # in units of half the width: closest_point compares products of four lengths with an absolute tolerance
+        half, top = self.width / 2, 2 * self.length / self.width
         # the body has eight mirror images of one wedge: only the flank towards +x and the base can be nearest there
-        folded = np.abs(points[:, :2])
-        across, aside, z = folded.max(axis=1), folded.min(axis=1), points[:, 2]
-        flank = np.array([[0.0, 0.0, 0.0], [half, -half, self.length], [half, half, self.length]])
+        folded = np.abs(points[:, :2]) / half
+        across, aside, z = folded.max(axis=1), folded.min(axis=1), points[:, 2] / half
+        flank = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, top], [1.0, 1.0, top]])
         here = np.column_stack([across, aside, z])
         nearest = trimesh.triangles.closest_point(np.broadcast_to(flank, (len(here), 3, 3)), here)
         to_flank = np.linalg.norm(here - nearest, axis=1)
-        beyond = np.hypot(np.maximum(across - half, 0.0), np.maximum(aside - half, 0.0))
-        to_base = np.hypot(beyond, z - self.length)
-        is_inside = (z <= self.length) & (z >= across * self.length / half)
-        return np.where(is_inside, -1.0, 1.0) * np.minimum(to_flank, to_base)
+        beyond = np.hypot(np.maximum(across - 1.0, 0.0), np.maximum(aside - 1.0, 0.0))
+        to_base = np.hypot(beyond, z - top)
+        is_inside = (z <= top) & (z >= across * top)
+        return np.where(is_inside, -half, half) * np.minimum(to_flank, to_base)
 
     def mesh(self) -> trimesh.Trimesh:
         half = self.width / 2
