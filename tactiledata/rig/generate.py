@@ -25,7 +25,8 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
     drawn: list[Touch] = []
     for index in range(plan.count):
         rng = np.random.default_rng([scenario.seed, STREAM, index])
-        # sensors change fastest; the rotation by rounds lets every sensor meet every indenter when counts share a factor
+        # sensors change fastest; the shift by rounds lets every sensor meet every indenter, also when counts share
+        # a factor
         sensor = sensors[index % len(sensors)]
         rounds = index if plan.paired else index // len(sensors) + index % len(sensors)
         touch = _draw(plan, rng, f"t{index:05d}", sensor, indenters[rounds % len(indenters)])
@@ -40,16 +41,15 @@ def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, inde
     speed = _log_uniform(rng, plan.speed)
     settle = _log_uniform(rng, plan.settle)
     depth = round(_log_uniform(rng, plan.depth) / plan.step) * plan.step
-    common = {"speed": speed, "settle": settle}
-    steps = [Step("press", depth=max(depth, plan.step), step=plan.step, **common)]
+    steps = [Step("press", depth=max(depth, plan.step), step=plan.step, speed=speed, settle=settle)]
     if plan.dwell[1] > 0:
         steps.append(Step("dwell", time=_log_uniform(rng, plan.dwell)))
     if rng.random() < plan.shear_share:
         length = _log_uniform(rng, plan.shear) * rng.choice([-1.0, 1.0])
         by = (length, 0.0) if rng.random() < 0.5 else (0.0, length)
-        steps.append(Step("shear", by=by, step=plan.shear_step, **common))
+        steps.append(Step("shear", by=by, step=plan.shear_step, speed=speed, settle=settle))
         if rng.random() < plan.reverse_share:
-            steps.append(Step("reverse", step=plan.shear_step, **common))
+            steps.append(Step("reverse", step=plan.shear_step, speed=speed, settle=settle))
     steps.append(Step("retreat", speed=2 * speed))
     tilt = rng.uniform(*plan.tilt)
     direction = rng.uniform(0.0, 2 * np.pi)

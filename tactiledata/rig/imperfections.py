@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from tactiledata.rig.scenario import ClockSetup, Imperfections
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 Times = NDArray[np.int64]
 
 TORQUE_PER_FORCE = 0.02
@@ -39,7 +41,7 @@ def arrival_times(host_ns: Times, clock: ClockSetup, rng: np.random.Generator) -
 
 
 def coloured_noise(count: int, scale: Array, rate: float, setup: Imperfections, rng: np.random.Generator) -> Array:
-    """White noise plus a first-order autoregressive part, (count, k), standard deviations ``scale`` (k,) of the white."""
+    """White noise of standard deviations ``scale`` (k,) plus a first-order autoregressive part, (count, k)."""
     white = rng.standard_normal((count, len(scale)))
     memory = float(np.exp(-1.0 / (rate * setup.correlation_time)))
     drive = rng.standard_normal((count, len(scale))) * np.sqrt(1.0 - memory**2)

@@ -1,8 +1,8 @@
 """Quasi-static contact of a rigid indenter with a flat elastic layer bonded to a rigid base, first form.
 
-Normal force: the stiffness of a touch at depth d is that of a flat punch on the layer, whose area is that of the contact;
-for a ball the closed form of Dimitriadis et al. serves instead. Pressure is shared as by an elastic foundation, in
-proportion to the local indentation, which gives centre of pressure and torques.
+Normal force: the stiffness of a touch at depth d is that of a flat punch on the layer, whose area is that of the
+contact; for a ball the closed form of Dimitriadis et al. serves instead. Pressure is shared as by an elastic
+foundation, in proportion to the local indentation, which gives centre of pressure and torques.
 Tangential force: a spring per contact, Coulomb stick-slip, depending on the path.
 
 Sources: E. K. Dimitriadis et al., Biophys. J. 82 (2002), eq. 11-13, bonded; P. D. Garcia and R. Garcia, Biophys. J. 114
@@ -15,6 +15,7 @@ Assumptions: small strain, no adhesion, no rolling or twisting, indenter inside 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from tactiledata.indenters.base import Indenter
 from tactiledata.rig.footprint import CEILING, Footprint
 from tactiledata.rig.scenario import Material
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 TABLE = 601
 """Depths at which the law of one contact is tabulated, from 0 to ``CEILING``: every 5 µm."""
@@ -157,7 +158,7 @@ def _foundation(print_: Footprint, depth: Array) -> tuple[Array, Array, list[Arr
     ones = running(np.ones(len(heights)))
     volume = np.maximum(depth * ones - running(heights), 0.0)
     square = np.maximum(depth**2 * ones - 2 * depth * running(heights) + running(heights**2), 0.0)
-    moments = []
+    moments: list[Array] = []
     for coordinate in (x[near][order], y[near][order]):
         moments.append(depth * running(coordinate) - running(coordinate * heights))
     return volume, square, moments

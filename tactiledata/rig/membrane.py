@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.rig.footprint import Footprint
 
-Map = NDArray[np.float32]
+Map = NDArray[Any]
+"""float32; OpenCV's annotations say less."""
 
 COARSE = 2
 """The smooth parts are computed on every second point of the grid."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from tactiledata.rig.scenario import Step, Touch
 from tactiledata.transforms import Transform
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 CLEARANCE = 2e-3
 """m between gel and indenter before and after a touch."""
@@ -115,9 +116,9 @@ def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int =
             _stepwise(recorder, to, step, frames_per_step)
         elif step.kind == "shear":
             last_shear = step.by
-            _stepwise(recorder, here + [*step.by, 0.0], step, frames_per_step)
+            _stepwise(recorder, here + np.array([*step.by, 0.0]), step, frames_per_step)
         elif step.kind == "reverse":
-            _stepwise(recorder, here - [*last_shear, 0.0], step, frames_per_step)
+            _stepwise(recorder, here - np.array([*last_shear, 0.0]), step, frames_per_step)
         elif step.kind == "dwell":
             _dwell(recorder, step)
         else:
@@ -196,7 +197,7 @@ def base_from_tcp(
 
 
 def transit(start: Array, end: Array, share: Array, lift: float = 0.02) -> Array:
-    """Poses (n, 4, 4) on the way between two touches: away from the table, over, and down, at shares (n,) of the time."""
+    """Poses (n, 4, 4) between two touches, up from the table, over and down, at shares (n,) of the time."""
     smooth = share * share * (3.0 - 2.0 * share)
     poses = np.tile(np.eye(4), (len(share), 1, 1))
     poses[:, :3, 3] = start[:3, 3] + smooth[:, None] * (end[:3, 3] - start[:3, 3])

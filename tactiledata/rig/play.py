@@ -19,7 +19,7 @@ from tactiledata.rig.membrane import surface
 from tactiledata.rig.scenario import Scenario, Touch
 from tactiledata.transforms import Transform
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 Times = NDArray[np.int64]
 
 CONTACT_RATE = 500.0

@@ -26,8 +26,8 @@ def record(
 ) -> list[Path]:
     """The logs of a scenario, in order: files (``mcap``) or folders (``folder``) in ``out``.
 
-    Each log is there whole or not at all, and the same scenario gives the same bytes. ``out/truth`` holds, per log, what
-    only the rig knows; the toolkit never reads it.
+    Each log is there whole or not at all, and the same scenario gives the same bytes. ``out/truth`` holds, per log,
+    what only the rig knows; the toolkit never reads it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""ROS 2 messages as CDR bytes, many at a time: rosbags serialises one of a kind, the rest differ in its numbers only."""
+"""ROS 2 messages as CDR bytes, many at a time: rosbags makes one of a kind, the others differ in its numbers."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_typestore
 
 from tactiledata.rig.ur5e import JOINT_NAMES
+
+Array = NDArray[np.floating[Any]]
 
 STAMP_AT = 4
 """Byte of the header's stamp: behind the four bytes of encapsulation, before everything else."""
@@ -49,7 +51,7 @@ def _header(stamp_ns: int, frame: str) -> Any:
     return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame)
 
 
-def _message(stream: str, stamp_ns: int, row: NDArray[np.float64]) -> Any:
+def _message(stream: str, stamp_ns: int, row: Array) -> Any:
     """One message of a stream of numbers, from a row as `wire_values` gives it."""
     types = typestore().types
     header = _header(stamp_ns, FRAMES[stream])
@@ -72,7 +74,7 @@ def _message(stream: str, stamp_ns: int, row: NDArray[np.float64]) -> Any:
     return types[KINDS[stream]](header=header, wrench=wrench)
 
 
-def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: Array) -> Array:
     """The numbers of each message in the order of its fields: joints in the driver's order, with their velocities."""
     if stream != "joints" or not len(values):
         return values
@@ -82,12 +84,12 @@ def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: NDArray[np.flo
     return np.concatenate([values[:, order], velocity[:, order]], axis=1)
 
 
-def serialise_slowly(stream: str, stamp_ns: int, row: NDArray[np.float64]) -> bytes:
+def serialise_slowly(stream: str, stamp_ns: int, row: Array) -> bytes:
     """One message by rosbags itself: the obvious twin of `serialise`."""
     return bytes(typestore().serialize_cdr(_message(stream, stamp_ns, row), KINDS[stream]))
 
 
-def serialise(stream: str, stamp_ns: NDArray[np.int64], values: NDArray[np.float64]) -> Callable[[int], bytes]:
+def serialise(stream: str, stamp_ns: NDArray[np.int64], values: Array) -> Callable[[int], bytes]:
     """The messages of a stream: a function from row number to CDR bytes."""
     rows = wire_values(stream, stamp_ns, values)
     # numbers that occur nowhere else mark the places of the fields in a message made by rosbags

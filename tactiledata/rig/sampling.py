@@ -21,7 +21,7 @@ from tactiledata.rig.tape import Samples, Shot, Tape
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.transforms import matrix_poses, move_wrench
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 GRAVITY = 9.81
 """m/s², along -z of the base frame."""
 TARE_DELAY_NS = 100_000_000
@@ -113,7 +113,7 @@ def _wrench(scenario: Scenario, performance: Performance, tares: list[int], rng:
     loads = np.empty((len(moments), 6))
     loads[order] = load_on_ft(scenario, performance, moments[order])
     loads += imperfections.bias_over_time((moments - performance.start_ns) * 1e-9, setup, rng)
-    reading = loads[: len(host)].copy()
+    reading: Array = loads[: len(host)].copy()
     for tare_ns, zero in zip(tares, loads[len(host) :], strict=True):
         reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
     scale = np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])

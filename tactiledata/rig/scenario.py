@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -289,8 +289,9 @@ def _robot(entry: Mapping[str, Any]) -> Robot:
         value = entry[item.name]
         to, _, source = item.name.partition("_from_")
         chosen[item.name] = Transform.from_document(to, source, value) if source else value
-    robot = Robot(**chosen)
-    return replace(robot, centre_of_gravity=tuple(robot.centre_of_gravity))
+    if "centre_of_gravity" in chosen:
+        chosen["centre_of_gravity"] = tuple(chosen["centre_of_gravity"])
+    return Robot(**chosen)
 
 
 def _touch(entry: Mapping[str, Any]) -> Touch:

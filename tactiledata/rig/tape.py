@@ -30,7 +30,7 @@ class Samples:
 
     host_ns: NDArray[np.int64]
     stamp_ns: NDArray[np.int64]
-    values: NDArray[np.float64]
+    values: NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)

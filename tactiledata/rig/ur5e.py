@@ -7,13 +7,14 @@ The closed form follows K. P. Hawkins, "Analytic Inverse Kinematics for the Univ
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactiledata.errors import UsageError
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 DH_A = (0.0, -0.425, -0.3922, 0.0, 0.0, 0.0)
 DH_D = (0.1625, 0.0, 0.0, 0.1333, 0.0997, 0.0996)
