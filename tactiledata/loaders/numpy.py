@@ -1,0 +1,283 @@
+"""The store as arrays: frames or whole trajectories of one part of a split, without torch."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.provenance import digest_of
+from tactiledata.errors import StoreError, UnknownName, UsageError
+from tactiledata.loaders.index import build_index
+from tactiledata.loaders.normalise import Normaliser, normalisers
+from tactiledata.loaders.order import Order
+from tactiledata.loaders.selection import LoadReport, Selection, select
+from tactiledata.loaders.streams import Stream, Unit, find_streams, values_at_frames
+from tactiledata.store.reader import Store
+
+Item = dict[str, Any]
+IMAGE_DTYPES = ("float32", "uint8")
+TIMES = "_t_ns"
+"""Added to a signal's name: the key of its sample times."""
+
+
+class TactileArrays:
+    """One part of a split as numpy arrays; it can be pickled, and every process opens the store for itself.
+
+    Parameters
+    ----------
+    location : str or Path
+        A store, local or any fsspec URL.
+    split : str
+        ``"<split>/<part>"``; there is no default. ``"all"`` only with ``allow_leaks``.
+    streams : sequence of str
+        A camera (pictures), a signal (in frame mode its values at the moments of the frames, in trajectory mode its
+        samples at their native rate, their times under ``<name>_t_ns``), ``"background"`` (the sensor's picture without
+        contact), or values that a corpus annotates image by image. Values that were not recorded are NaN.
+    unit : "frame" or "trajectory"
+        What an item is. A trajectory has all its readable frames; ``in_split`` marks those that the split's contact
+        filter takes.
+    normalise : bool or sequence of str
+        Streams to scale to mean 0 and standard deviation 1, by the train part of the split; ``True``: all streams of
+        numbers.
+    image_dtype : "float32" or "uint8"
+        float32 in [0, 1], or the bytes as stored.
+    allow_leaks : bool
+    threads : int, optional
+        Threads that decode images; by default the store chooses.
+    storage_options : dict, optional
+        For fsspec.
+
+    Attributes
+    ----------
+    report : LoadReport
+        What it holds, and what it leaves out and why.
+    normalisers : dict of Normaliser, by stream
+    fingerprint : str
+        The same for the same items of the same store.
+
+    Raises
+    ------
+    MissingSplit, UnknownName, UsageError, StoreError, LeakError
+    """
+
+    def __init__(
+        self,
+        location: str | os.PathLike[str],
+        split: str | None = None,
+        streams: Sequence[str] | str = ("digit", "wrench"),
+        unit: Unit = "frame",
+        *,
+        normalise: bool | Sequence[str] = False,
+        image_dtype: str = "float32",
+        allow_leaks: bool = False,
+        threads: int | None = None,
+        storage_options: Mapping[str, Any] | None = None,
+    ) -> None:
+        if image_dtype not in IMAGE_DTYPES:
+            raise UnknownName("image_dtype", str(image_dtype), IMAGE_DTYPES)
+        self.location = os.fspath(location)
+        self.unit = unit
+        self.image_dtype = image_dtype
+        self.threads = threads
+        self._storage_options = dict(storage_options or {})
+        self._process = -1
+        store = self.store
+        self.streams = find_streams(store, streams, unit)
+        camera = next((stream.name for stream in self.streams if stream.kind == "image"), None)
+        selection = select(store, split, camera, whole=unit == "trajectory", allow_leaks=allow_leaks)
+        self.index = build_index(store, selection, unit)
+        self._require_references()
+        self._require_one_size(camera)
+        self.normalisers, note = self._find_normalisers(selection, normalise)
+        self.report: LoadReport = selection.report.noted(note)
+        self.fingerprint = digest_of([store.digest, selection.report.split, unit, self._rows_digest()])
+
+    def _rows_digest(self) -> str:
+        return digest_of([len(self.index), int(self.index.rows.sum()), self.index.starts[-1:].tolist()])
+
+    @property
+    def store(self) -> Store:
+        """The store, opened by this process: handles and threads do not survive a fork."""
+        if self._process != os.getpid():
+            self._store = Store.open(self.location, self._storage_options or None)
+            self._references: dict[str, NDArray[np.uint8]] = {}
+            self._process = os.getpid()
+        return self._store
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in vars(self).items() if name not in ("_store", "_references")}
+        return {**kept, "_process": -1}
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+    def __getitem__(self, item: int) -> Item:
+        if not -len(self) <= item < len(self):
+            raise IndexError(f"item {item} of {len(self)}")
+        return self.items([item % len(self)])[0]
+
+    def __iter__(self) -> Iterator[Item]:
+        return (self[item] for item in range(len(self)))
+
+    def items(self, numbers: Sequence[int]) -> list[Item]:
+        """Items, read together.
+
+        Returns
+        -------
+        list of dict
+            In frame mode, for each frame ``sensor``, ``indenter``, ``trajectory`` (uid), ``frame`` (row in the store),
+            ``t_ns``, and each stream: pictures (H, W, 3), values (k,). In trajectory mode ``frame``, ``t_ns`` and
+            ``in_split`` are (n,), pictures of a camera (n, H, W, 3), signals (m, k) with times (m,).
+        """
+        if self.unit == "trajectory":
+            return [self._finished(item) for item in self.read_trajectories(numbers)]
+        batch = self.batch(numbers)
+        return [{name: value[place] for name, value in batch.items()} for place in range(len(numbers))]
+
+    def batch(self, numbers: Sequence[int]) -> Item:
+        """Frames stacked, each entry with the frames along its first axis; names are lists. Frame mode only."""
+        return self._finished(self.read_frames(numbers))
+
+    def batches(
+        self, batch_size: int, *, seed: int = 0, shuffle: bool = True, drop_last: bool = False
+    ) -> Iterator[Item | list[Item]]:
+        """One epoch in batches: stacked frames, or lists of trajectories."""
+        order = Order(len(self), seed=seed, shuffle=shuffle, batch_size=batch_size, drop_last=drop_last)
+        read = self.batch if self.unit == "frame" else self.items
+        return (read(numbers) for numbers in order)
+
+    def _finished(self, item: Item) -> Item:
+        pictures = {
+            stream.name: self._as_float(stream.name, item[stream.name]) for stream in self.streams if stream.is_picture
+        }
+        return item if self.image_dtype == "uint8" else {**item, **pictures}
+
+    def _as_float(self, name: str, pictures: NDArray[np.uint8]) -> NDArray[np.float32]:
+        scaled = pictures.astype(np.float32)
+        scaled /= 255
+        return self.normalisers[name].apply(scaled) if name in self.normalisers else scaled
+
+    def read_frames(self, numbers: Sequence[int]) -> Item:
+        """As `batch`, pictures as stored: uint8, neither scaled nor normalised."""
+        if self.unit != "frame":
+            raise UsageError("frames of a dataset of trajectories", "unit='frame'", "Use `items` for trajectories.")
+        places = np.asarray(numbers, np.int64)
+        rows, facts = self.index.rows[places], self._facts(places)
+        for stream in self.streams:
+            facts[stream.name] = self._at_frames(stream, rows, facts["sensor"])
+        return facts
+
+    def _facts(self, places: NDArray[np.int64]) -> Item:
+        index = self.index
+        trajectory = index.trajectory[places]
+        return {
+            "sensor": index.sensors[places].tolist(),
+            "indenter": index.indenters[trajectory].tolist(),
+            "trajectory": index.uids[trajectory].tolist(),
+            "frame": index.rows[places],
+            "t_ns": index.t_ns[places],
+        }
+
+    def read_trajectories(self, numbers: Sequence[int]) -> list[Item]:
+        """As `items` in trajectory mode, pictures as stored: uint8, neither scaled nor normalised."""
+        if self.unit != "trajectory":
+            raise UsageError("trajectories of a dataset of frames", "unit='trajectory'", "Use `batch` for frames.")
+        index = self.index
+        places = index.places(np.asarray(numbers, np.int64))
+        ends = np.cumsum([index.starts[number + 1] - index.starts[number] for number in numbers])
+        facts = self._facts(places)
+        whole = {
+            **{name: facts[name] for name in ("frame", "t_ns")},
+            "in_split": index.in_split[places],
+            **{
+                stream.name: self._at_frames(stream, facts["frame"], facts["sensor"])
+                for stream in self.streams
+                if stream.kind in ("image", "frame_value")
+            },
+        }
+        items: list[Item] = []
+        for start, stop in zip([0, *ends[:-1]], ends, strict=True):
+            names = {name: facts[name][start] for name in ("sensor", "indenter", "trajectory")}
+            item = {**names, **{name: value[start:stop] for name, value in whole.items()}}
+            self._add_native(item, int(index.trajectory[places[start]]))
+            items.append(item)
+        return items
+
+    def _add_native(self, item: Item, trajectory: int) -> None:
+        for stream in self.streams:
+            if stream.kind == "background":
+                item[stream.name] = self._reference(item["sensor"])
+            elif stream.kind == "signal":
+                start, stop = self.index.segment(trajectory, stream.name)
+                signal = self.store.signal(stream.name)
+                item[stream.name] = self._scaled(stream.name, signal.values(start, stop))
+                item[stream.name + TIMES] = signal.t_ns(start, stop).copy()  # the store's own is read-only
+
+    def _at_frames(self, stream: Stream, rows: NDArray[np.int64], sensors: Sequence[str]) -> NDArray[Any]:
+        if stream.kind == "image":
+            return np.asarray(self.store.images(rows, threads=self.threads))
+        if stream.kind == "background":
+            return np.stack([self._reference(sensor) for sensor in sensors])
+        return self._scaled(stream.name, values_at_frames(self.store, stream, rows))
+
+    def _scaled(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float32]:
+        return (
+            self.normalisers[name].apply(values) if name in self.normalisers else values.astype(np.float32)
+        )  # a copy: the store's values are read-only
+
+    def _reference(self, sensor: str) -> NDArray[np.uint8]:
+        store = self.store
+        if not self._references:
+            self._references = {name: reference.image for name, reference in store.references().items()}
+        return self._references[sensor]
+
+    def _require_references(self) -> None:
+        if any(stream.kind == "background" for stream in self.streams):
+            lacking = sorted(set(self.index.sensors.tolist()) - set(self.store.manifest["references"]))
+            if lacking:
+                names = ", ".join(map(repr, lacking))
+                raise StoreError(
+                    f"the store {self.location} has no picture without contact of sensor {names}",
+                    "a background for every sensor",
+                    "Add it with `tactiledata sensors add NAME --background FILE`.",
+                    sensors=lacking,
+                )
+
+    def _require_one_size(self, camera: str | None) -> None:
+        if camera is not None:
+            frames = self.store.frames(["height", "width"]).take(self.index.rows)
+            sizes = frames.group_by(["height", "width"]).aggregate([([], "count_all")]).to_pylist()
+            if len(sizes) > 1:
+                listed = ", ".join(f"{size['count_all']} of {size['height']} x {size['width']}" for size in sizes)
+                raise UsageError(
+                    f"the frames of camera {camera!r} have several sizes: {listed}",
+                    "one size, so that they can be stacked",
+                    "Give sensors with other pictures another camera name in the mapping, and ingest again.",
+                )
+
+    def _find_normalisers(
+        self, selection: Selection, normalise: bool | Sequence[str]
+    ) -> tuple[dict[str, Normaliser], str]:
+        by_name = {stream.name: stream for stream in self.streams}
+        if isinstance(normalise, bool):
+            names = [name for name, stream in by_name.items() if normalise and not stream.is_picture]
+        else:
+            names = [normalise] if isinstance(normalise, str) else list(normalise)
+        for name in names:
+            if name not in by_name:
+                raise UnknownName("stream to normalise", name, by_name)
+            if by_name[name].is_picture and self.image_dtype == "uint8":
+                raise UsageError(f"normalise names {name!r} with image_dtype='uint8'", "float32 for scaled pictures")
+        if not names:
+            return {}, ""
+        if selection.split is None:
+            raise UsageError(
+                "normalise with split='all'",
+                "a split, whose train part mean and spread are taken from",
+                "Name a split.",
+            )
+        return normalisers(self.store, selection.split, [by_name[name] for name in names])
