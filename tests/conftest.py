@@ -1,4 +1,4 @@
-"""Settings for every test."""
+"""Settings and worlds for every test."""
 
 import os
 
@@ -17,3 +17,36 @@ def pytest_runtest_makereport(item, call):
     report = outcome.get_result()
     if report.skipped and os.environ.get("TACTILE_REQUIRE_ALL") and "could not import" in str(report.longrepr):
         report.outcome = "failed"
+
+
+def tiny_world(folder, form):
+    from tactiledata.rig.record import record
+    from tactiledata.rig.scenario import load_scenario
+    from tactiledata.rig.worlds import find_scenario
+
+    return record(load_scenario(find_scenario("tiny")), folder, form)
+
+
+@pytest.fixture(scope="session")
+def tiny_mcaps(tmp_path_factory):
+    """Two MCAP files of the bundled tiny world, and truth/ beside them; read only."""
+    return tiny_world(tmp_path_factory.mktemp("tiny-mcap"), "mcap")
+
+
+@pytest.fixture(scope="session")
+def tiny_folders(tmp_path_factory):
+    """The same world as two folder logs; read only."""
+    return tiny_world(tmp_path_factory.mktemp("tiny-folder"), "folder")
+
+
+@pytest.fixture(scope="session")
+def tiny_store(tiny_mcaps, tmp_path_factory):
+    """A store of the tiny world with a split called default; read only."""
+    from tactiledata.ingest.pipeline import ingest
+    from tactiledata.splits.make import make_split
+    from tactiledata.store.reader import Store
+
+    place = tmp_path_factory.mktemp("tiny-store") / "ds.zarr"
+    ingest(tiny_mcaps, place)
+    make_split(Store.open(place), hold_out="none")
+    return place

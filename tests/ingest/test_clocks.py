@@ -54,7 +54,7 @@ def test_a_stated_offset_wins_over_the_estimate():
 
 
 def test_an_explicit_preference_is_obeyed():
-    """log and publish are taken when asked for."""
+    """Log and publish are taken when asked for."""
     stamps = Stamps(LOG, LOG - 1, LOG - 2)
     assert (choose_clock("a", stamps, "log").t_ns == LOG).all()
     assert (choose_clock("a", stamps, "publish").t_ns == LOG - 1).all()

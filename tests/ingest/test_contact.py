@@ -91,7 +91,7 @@ def test_wrong_weight_leaves_its_trace():
 
 def test_unknown_frames_are_said():
     """Without transforms the norm is right, the frame is called ft, and a finding says so."""
-    t_ns, truth, wrench, tcp = planted(np.random.default_rng(2), bias=0.0)
+    _, _, wrench, tcp = planted(np.random.default_rng(2), bias=0.0)
     bare = LogDescription.checked(
         {"format": "tactiledata-log/1", "sensors": {"D1": {"model": "digit"}}, "wrench": {"gravity": "compensated"}},
         "test",
