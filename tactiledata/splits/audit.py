@@ -141,10 +141,12 @@ def _audit_images(
     rows = np.flatnonzero(taken_frames(frames, split.force))
     where = part[frames["trajectory"].to_numpy()[rows]]
     rows, where = rows[where >= 0], where[where >= 0]
-    prints = np.empty((len(rows), CELLS), np.float32)
+    prints = np.full((len(rows), CELLS), np.nan, np.float32)
+    unreadable: list[int] = []
     for start in range(0, len(rows), BATCH):
-        for offset, image in enumerate(store.images(rows[start : start + BATCH])):
-            prints[start + offset] = fingerprint(np.asarray(image))
+        for offset, image in enumerate(_readable(store, rows[start : start + BATCH], unreadable)):
+            if image is not None:
+                prints[start + offset] = fingerprint(image)
         if progress is not None:
             progress(min(start + BATCH, len(rows)), len(rows))
     pairs = near_pairs(prints, where)
@@ -164,8 +166,22 @@ def _audit_images(
             f"{len(pairs)} pairs of images across parts look alike; the nearest {MAX_PAIRS} were compared in detail"
         )
         found.append(Finding("near-pairs-not-compared", "warning", message, count=left))
-    blank = int(np.isnan(prints[:, 0]).sum())
+    if unreadable:
+        message = f"{len(unreadable)} images do not decode, first frame {unreadable[0]}: run `tactiledata check`"
+        found.append(Finding("unreadable-image", "warning", message, count=len(unreadable)))
+    blank = int(np.isnan(prints[:, 0]).sum()) - len(unreadable)
     if blank:
         message = f"{blank} images are of one grey: whether they are copies cannot be told"
         found.append(Finding("blank-image", "warning", message, count=blank))
     return found, {"images": len(rows), "near pairs": min(len(pairs), MAX_PAIRS)}
+
+
+def _readable(store: Store, rows: NDArray[np.int64], unreadable: list[int]) -> list[NDArray[np.uint8] | None]:
+    """The images of rows; ``None`` for those that do not decode, which are noted."""
+    try:
+        return [np.asarray(image) for image in store.images(rows)]
+    except StoreError:
+        if len(rows) == 1:
+            unreadable.append(int(rows[0]))
+            return [None]
+    return [image for row in rows for image in _readable(store, np.array([row]), unreadable)]

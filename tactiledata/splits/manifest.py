@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import fsspec
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -19,9 +18,9 @@ from numpy.typing import NDArray
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
-from tactiledata.errors import LeakError, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
+from tactiledata.errors import LeakError, MissingFile, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
 from tactiledata.splits.assign import SPLIT_SCHEMA
-from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions, check_name
+from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
 from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 
@@ -125,27 +124,18 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
     SchemaError
         It is not JSON, or does not fit ``schemas/split.json``.
     """
-    table_path = str(store.split_path(check_name(name)))
-    where = table_path.removesuffix(".parquet") + ".json"
-    content = _read_bytes(where)
-    if content is None:
-        return None
+    place = f"splits/{check_name(name)}.json"
+    where = f"{store.location}/{place}"
     try:
-        document = json.loads(content)
-    except ValueError as error:
+        document = json.loads(store.read_file(place))
+    except MissingFile:
+        return None
+    except (ValueError, RecursionError) as error:
         raise SchemaError(
             f"{where} is not JSON ({error})", "the document of a split", _again(name), path="$", file=where
         ) from error
     check_document(document, "split", where)
     return document
-
-
-def _read_bytes(where: str) -> bytes | None:
-    try:
-        with fsspec.open(where, "rb") as stream:
-            return stream.read()
-    except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
-        return None
 
 
 def _again(name: str) -> str:
@@ -164,7 +154,7 @@ def read_split(store: Store, name: str) -> Split:
     """
     document = read_split_document(store, name)
     if document is None:
-        names = list(store.split_names())
+        names = [known for known in store.split_names() if NAME_PATTERN.fullmatch(known)]
         if not names:
             raise MissingSplit(
                 f"the store {store.location} has no split",
@@ -173,12 +163,13 @@ def read_split(store: Store, name: str) -> Split:
                 name=name,
             )
         raise UnknownName("split", name, names, f"Run `tactiledata split --name {name}` to make it.")
-    where = str(store.split_path(name))
-    content = _read_bytes(where)
-    if content is None:
+    where = f"{store.location}/splits/{name}.parquet"
+    try:
+        content = store.read_file(f"splits/{name}.parquet")
+    except MissingFile as error:
         raise StoreError(
             f"the split's table {where} is missing", "a table beside the document", _again(name), path=where
-        )
+        ) from error
     digest = hashlib.sha256(content).hexdigest()
     if digest != document["table"]["sha256"]:
         raise StoreError(

@@ -19,7 +19,7 @@ EXCLUDED = "excluded"
 """In no partition: a derived trajectory that carries a held-out unit while its parent does not."""
 FRACTION_TOLERANCE = 1e-6
 """How far the fractions' sum may be from 1: typed decimals, not a missing tenth."""
-NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 FRAME_WORDS = {"frame", "frames", "image", "images", "row", "rows", "time"}
 
 
@@ -218,12 +218,12 @@ def check_name(name: str) -> str:
     Raises
     ------
     UsageError
-        Anything else: paths, spaces, leading dots.
+        Anything else: paths, spaces, dots (other files about a split carry its name and a dot).
     """
-    if not isinstance(name, str) or not NAME_PATTERN.fullmatch(name) or ".." in name:
+    if not isinstance(name, str) or not NAME_PATTERN.fullmatch(name):
         raise UsageError(
             f"the split name {name!r} cannot be a file name",
-            "letters, digits, '_', '-' and '.', at most 64, starting with a letter or digit",
+            "letters, digits, '_' and '-', at most 64, starting with a letter or digit",
             "For example --name default.",
             name=name,
         )
