@@ -64,28 +64,42 @@ def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> Array:
     """
     poses = np.asarray(base_from_flange, dtype=float).reshape(-1, 4, 4)
     home = np.asarray(near, dtype=float)
-    best: Array | None = None
-    least = np.inf
-    for shoulder, wrist, elbow in itertools.product((1.0, -1.0), repeat=3):
-        with np.errstate(invalid="ignore"):
-            joints = _solution(poses, shoulder, wrist, elbow)
-        if not np.isfinite(joints).all():
-            continue
-        joints = home + np.mod(joints - home + np.pi, 2 * np.pi) - np.pi
-        distance = float(np.abs(joints[0] - home).sum())
-        if distance < least:
-            best, least = joints, distance
-    if best is None:
+    ways = list(itertools.product((1.0, -1.0), repeat=3))
+    starts = np.concatenate([_solution(poses[:1], *way) for way in ways])
+    distances = np.abs(_nearest_turn(starts, home) - home).sum(axis=1)
+    joints = _solution(poses, *ways[int(np.argmin(np.where(np.isfinite(distances), distances, np.inf)))])
+    if not np.isfinite(joints).all():
+        place = poses[int(np.argmin(np.isfinite(joints).all(axis=1))), :3, 3]
         raise UsageError(
-            f"a pose at {np.round(poses[0, :3, 3], 3).tolist()} m is out of the UR5e's reach",
+            f"a flange pose at {np.round(place, 3).tolist()} m is out of the UR5e's reach",
             "poses within 0.85 m of the base, away from its axis",
             "Move base_from_indenter in the scenario.",
+            xyz=place.tolist(),
         )
-    return np.unwrap(best, axis=0)
+    return np.unwrap(_nearest_turn(joints, home), axis=0)
+
+
+def _nearest_turn(joints: Array, home: Array) -> Array:
+    """The same angles within half a turn of ``home``."""
+    return home + np.mod(joints - home + np.pi, 2 * np.pi) - np.pi
+
+
+def _rigid_inverse(poses: Array) -> Array:
+    """Inverses (n, 4, 4) of rigid transforms."""
+    inverse = np.zeros_like(poses)
+    inverse[:, :3, :3] = np.swapaxes(poses[:, :3, :3], 1, 2)
+    inverse[:, :3, 3] = -np.einsum("nij,nj->ni", inverse[:, :3, :3], poses[:, :3, 3])
+    inverse[:, 3, 3] = 1.0
+    return inverse
 
 
 def _solution(poses: Array, shoulder: float, wrist: float, elbow: float) -> Array:
     """One of the eight closed-form solutions (n, 6); NaN where a pose is out of reach."""
+    with np.errstate(invalid="ignore"):
+        return _angles(poses, shoulder, wrist, elbow)
+
+
+def _angles(poses: Array, shoulder: float, wrist: float, elbow: float) -> Array:
     rotation, position = poses[:, :3, :3], poses[:, :3, 3]
     # joint 1 from the wrist centre, which lies d4 beside the plane of the arm
     centre = position - DH_D[5] * rotation[:, :, 2]
@@ -100,11 +114,11 @@ def _solution(poses: Array, shoulder: float, wrist: float, elbow: float) -> Arra
         side * (rotation[:, 0, 0] * sin - rotation[:, 1, 0] * cos),
     )
     # joints 2, 3, 4 in the plane of the arm
-    inner = np.linalg.inv(_link(0, first)) @ poses @ np.linalg.inv(_link(4, fifth) @ _link(5, sixth))
+    inner = _rigid_inverse(_link(0, first)) @ poses @ _rigid_inverse(_link(4, fifth) @ _link(5, sixth))
     reach = inner[:, :3, 3] + DH_D[3] * inner[:, :3, 1]
     square = (reach[:, :2] ** 2).sum(axis=1)
     third = elbow * np.arccos((square - DH_A[1] ** 2 - DH_A[2] ** 2) / (2 * DH_A[1] * DH_A[2]))
     second = np.arctan2(-reach[:, 1], -reach[:, 0]) - np.arcsin(-DH_A[2] * np.sin(third) / np.sqrt(square))
-    fourth_link = np.linalg.inv(_link(1, second) @ _link(2, third)) @ inner
+    fourth_link = _rigid_inverse(_link(1, second) @ _link(2, third)) @ inner
     fourth = np.arctan2(fourth_link[:, 1, 0], fourth_link[:, 0, 0])
     return np.stack([first, second, third, fourth, fifth, sixth], axis=1)
