@@ -12,12 +12,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import ArrayLike, NDArray
 
-from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA, Reference
+from tactiledata.contract.records import Reference
 from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.files import StoreFiles, missing_file, open_files
 from tactiledata.store.layout import (
     MANIFEST,
     SENSORS,
+    TABLE_SCHEMAS,
     aligned_path,
     folder_name,
     frame_values_path,
@@ -29,13 +30,6 @@ from tactiledata.store.manifest import Manifest, not_a_store, parse_manifest
 from tactiledata.store.pictures import Picture, Pictures
 from tactiledata.store.rows import Rows, checked_rows
 from tactiledata.store.sensors_table import Facts, parse_sensors
-
-SCHEMAS = {
-    "frames": FRAME_SCHEMA,
-    "trajectories": TRAJECTORY_SCHEMA,
-    "sources": SOURCE_SCHEMA,
-    "findings": FINDING_SCHEMA,
-}
 
 
 @dataclass(frozen=True)
@@ -198,7 +192,7 @@ class Store:
     # -- tables ------------------------------------------------------------------------------------------------------
 
     def _table(self, table: str, columns: Sequence[str] | None) -> pa.Table:
-        schema = SCHEMAS[table]
+        schema = TABLE_SCHEMAS[table]
         for column in columns or ():
             if column not in schema.names:
                 raise UnknownName(f"column of {table}", column, schema.names)
@@ -253,7 +247,7 @@ class Store:
         return self._signals[name]
 
     def aligned(self, name: str, rows: ArrayLike | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Values (n, k) at the moments of frames, NaN where there are none, and gaps (n,) in ns, -1 where there are none."""
+        """Values (n, k) at the moments of frames, NaN where there are none, and gaps (n,) in ns, -1 likewise."""
         facts = self._facts("aligned", "aligned value", name)
         values = self._rows(aligned_path(name, "value"), facts["rows"])
         return values.take(rows), self._rows(aligned_path(name, "gap_ns"), facts["rows"]).take(rows)
@@ -280,7 +274,7 @@ class Store:
     # -- images ------------------------------------------------------------------------------------------------------
 
     def encoded(self, rows: ArrayLike) -> list[bytes | None]:
-        """Payloads as kept: the bytes of JPEG and PNG files, raw frames as RGB bytes, ``None`` where no image was recorded."""
+        """Payloads as kept: JPEG and PNG files, raw frames as RGB bytes, ``None`` where no image was recorded."""
         return self._pictures.payloads(checked_rows(rows, self.n_frames, "the frames").tolist())
 
     def images(
@@ -324,7 +318,10 @@ class Store:
 
     def split_names(self) -> list[str]:
         """Names of the splits that were made of this store."""
-        return [name.removesuffix(".json") for name in self._files.names("splits") if name.endswith(".json")]
+        # a split is a table and its document; other documents there (normalisation) have no table
+        files = self._files.names("splits")
+        stems = [name.removesuffix(".json") for name in files if name.endswith(".json")]
+        return [stem for stem in stems if f"{stem}.parquet" in files]
 
     def split_path(self, name: str, suffix: str = ".parquet") -> Path | str:
         """Where a split's file lies (``.parquet`` or ``.json``): a path, or a URL for a remote store."""
