@@ -101,11 +101,10 @@ def split_tables(
         )
     taken = taken_frames(frames, options.force)
     notes = check_force_filter(frames, taken, options.force)
-    if kept is None:
-        held_out, why = choose_held_out(trajectories, options)
-    else:
-        held_out = {kind: tuple(names) for kind, names in kept.items()}
-        why = [f"held-out units are kept from the split that exists: {describe_held(held_out)}"]
+    held_out, why = choose_held_out(trajectories, options)
+    if kept is not None and (before := {kind: tuple(names) for kind, names in kept.items()}) != held_out:
+        why = [f"held out as before: {describe_held(before)}; this store alone would give {describe_held(held_out)}"]
+        held_out = before
     counted = frames_per_trajectory(frames, taken, trajectories.num_rows)
     table = assign(trajectories, options, held_out, counted)
     counts, strata = count_parts(table), count_strata(table, options.strata)
