@@ -40,9 +40,11 @@ bag/metadata.yaml              a rosbag2 folder: its files are one recording
 bag/bag_0.mcap, bag_1.mcap …"""
 
     def sniff(self, path: Path) -> bool:
+        """Whether a file is an MCAP (or a bag that must become one), or a folder a bag or a collection of bags."""
         return is_bag_folder(path) if path.is_dir() else is_bag_file(path)
 
     def sources(self, path: Path) -> Sequence[Source]:
+        """The bags, in natural order; the files of a split bag are one source."""
         try:
             return bag_sources(path, self.name)
         except OSError as error:
@@ -51,6 +53,15 @@ bag/bag_0.mcap, bag_1.mcap …"""
             ) from error
 
     def read(self, source: Source, sink: ImageSink, mapping: Mapping[str, Any] | None = None) -> Recording:
+        """A bag in one pass, its images into the sink, its signals kept compactly in memory.
+
+        Raises
+        ------
+        BrokenLog
+            Nothing in it is readable as a known stream, or a stream mixes frames and no mapping says which is meant.
+        SchemaError
+            A mapping, or a document beside the bag, does not fit.
+        """
         inventories, findings = _surveys(source, mapping)
         path = Path(source.path)
         description, said = description_of(path, inventories, mapping)
@@ -83,6 +94,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
         )
 
     def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
+        """All topics with a message of each, whether they have a role or not; reads the whole bag."""
         inventories, findings = _surveys(source, mapping)
         description, said = description_of(Path(source.path), inventories, mapping)
         decoders = _Decoders()
