@@ -34,18 +34,28 @@ def draw_gallery(path: Path, solids: Mapping[str, Indenter] | None = None) -> No
 
     shown = {name: INDENTERS[name]() for name in INDENTERS} if solids is None else dict(solids)
     rows = -(-len(shown) // COLUMNS)
-    figure = Figure(figsize=(2.5 * COLUMNS, 4.0 * rows + 0.4), dpi=110, facecolor="white")
+    height = 4.0 * rows + 0.5  # inches
+    figure = Figure(figsize=(2.5 * COLUMNS, height), dpi=110, facecolor="white")
     FigureCanvasAgg(figure)
     parts = [0.55, 1.75, 1.1]  # heights of caption, solid and footprint
     grid = figure.add_gridspec(
-        3 * rows, COLUMNS, height_ratios=parts * rows, left=0.01, right=0.99, top=0.995, bottom=0.035, hspace=0.14
+        3 * rows,
+        COLUMNS,
+        height_ratios=parts * rows,
+        left=0.01,
+        right=0.99,
+        top=0.995,
+        bottom=0.45 / height,
+        hspace=0.14,
     )
     for index, (name, solid) in enumerate(shown.items()):
         row, column = divmod(index, COLUMNS)
         _write_caption(figure.add_subplot(grid[3 * row, column]), name, solid)
         _draw_solid(figure.add_subplot(grid[3 * row + 1, column], projection="3d"), solid)
         image = _draw_footprint(figure.add_subplot(grid[3 * row + 2, column]), solid)
-    scale = figure.colorbar(image, cax=figure.add_axes((0.68, 0.04, 0.27, 0.009)), orientation="horizontal")
+    scale = figure.colorbar(
+        image, cax=figure.add_axes((0.68, 0.5 / height, 0.27, 0.11 / height)), orientation="horizontal"
+    )
     scale.set_label("rigid footprint of a 1 mm press: depth [mm] over x, y [mm]", fontsize=8)
     scale.ax.tick_params(labelsize=7)
     figure.savefig(path, metadata={"Software": None})

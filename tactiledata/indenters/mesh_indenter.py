@@ -139,10 +139,11 @@ def load_mesh_indenter(entry: Mapping[str, Any], folder: Path | None, where: str
     if folder is None:
         raise SchemaError(f"{where} names the mesh {name!r} in a document without a folder", "a shape", path=where)
     path = path_inside(folder, name, where)
-    surface = _read(path, where)
-    _check_surface(surface, path, where)
-    surface.apply_scale(metres(1.0, unit))
-    _check_size(surface, unit, path, where)
+    with np.errstate(over="ignore", invalid="ignore"):  # absurd numbers are what the checks are for
+        surface = _read(path, where)
+        _check_surface(surface, path, where)
+        surface.apply_scale(metres(1.0, unit))
+        _check_size(surface, unit, path, where)
     return MeshIndenter(surface, name, unit)
 
 

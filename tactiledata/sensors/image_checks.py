@@ -20,8 +20,9 @@ LAYOUT_CELLS = (8, 6)
 """Rows and columns of the coarse map of colours; 4 x 3 already separates all units but one, 16 x 12 no better."""
 LAYOUT_CERTAIN = 0.25
 """Correlation from which on the order of channels is named; see ``channel_order`` for the errors that this gives."""
-LAYOUT_COLOURLESS = 1.0
-"""Grey levels of red minus blue, root mean square over the cells, below which a picture has no colours to compare."""
+LAYOUT_COLOURLESS = 4.0
+"""Grey levels of red minus blue, root mean square over the cells, below which a picture has no colours to compare: the
+palest bundled picture has 17, pure noise over all levels 2.6."""
 CONTACT_LEVELS = 15.0
 """Grey levels of change that count as touched: twice what one pixel of shift gives; see ``shows_contact``."""
 CONTACT_AREA = 0.005
