@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactiledata.rig.scenario import Generate, Scenario, Step, Touch
+from tactiledata.rig.scenario import Scenario
+from tactiledata.rig.touch import Generate, Step, Touch
 
 STREAM = 1
 """Number of this part's random stream beside the seed: each part draws from its own, so that none disturbs another."""

@@ -29,7 +29,7 @@ Array = NDArray[np.floating[Any]]
 TABLE = 601
 """Depths at which the law of one contact is tabulated, from 0 to ``CEILING``: every 5 µm."""
 WIDEST = 2.0
-"""Contact radius over thickness up to which the punch series is used; beyond it the tangent continues it."""
+"""Contact size over thickness up to which the series are used."""
 
 
 def _bonded_coefficients(poisson_ratio: float) -> tuple[float, float]:
@@ -40,35 +40,38 @@ def _bonded_coefficients(poisson_ratio: float) -> tuple[float, float]:
     return alpha, beta
 
 
+def _thickness_factor(chi: Array, alpha: float, beta: float, third: float, fourth: float) -> Array:
+    """How much stiffer a layer is than a half-space, at contact size over thickness ``chi`` (n,).
+
+    A series of fourth order, whose last two terms differ by shape in the weights of ``beta``; beyond ``WIDEST``, where
+    it would turn down, its tangent.
+    """
+    series = np.polynomial.Polynomial(
+        [
+            1.0,
+            -2 * alpha / np.pi,
+            4 * alpha**2 / np.pi**2,
+            -8 / np.pi**3 * (alpha**3 + third * beta),
+            16 * alpha / np.pi**4 * (alpha**3 + fourth * beta),
+        ]
+    )
+    inside = np.minimum(chi, WIDEST)
+    return series(inside) + series.deriv()(WIDEST) * (chi - inside)
+
+
 def sphere_force(depth: Array, radius: float, thickness: float, material: Material) -> Array:
     """Normal force (n,), N, of a ball on a bonded layer; Hertz's law times a series in sqrt(R d) / h."""
     alpha, beta = _bonded_coefficients(material.poisson_ratio)
     chi = np.sqrt(radius * depth) / thickness
-    series = (
-        1
-        - 2 * alpha / np.pi * chi
-        + 4 * alpha**2 / np.pi**2 * chi**2
-        - 8 / np.pi**3 * (alpha**3 + 4 * np.pi**2 / 15 * beta) * chi**3
-        + 16 * alpha / np.pi**4 * (alpha**3 + 3 * np.pi**2 / 5 * beta) * chi**4
-    )
+    factor = _thickness_factor(chi, alpha, beta, 4 * np.pi**2 / 15, 3 * np.pi**2 / 5)
     modulus = material.youngs_modulus / (1 - material.poisson_ratio**2)
-    return 4 / 3 * modulus * np.sqrt(radius) * depth**1.5 * series
+    return 4 / 3 * modulus * np.sqrt(radius) * depth**1.5 * factor
 
 
 def punch_stiffness(radius: Array, thickness: float, material: Material) -> Array:
     """Normal stiffness (n,), N/m, of a flat round punch of radius (n,) on a bonded layer."""
     alpha, beta = _bonded_coefficients(material.poisson_ratio)
-    terms = (
-        1.0,
-        -2 * alpha / np.pi,
-        4 * alpha**2 / np.pi**2,
-        -8 / np.pi**3 * (alpha**3 + np.pi**2 / 3 * beta),
-        16 * alpha / np.pi**4 * (alpha**3 + 2 * np.pi**2 / 3 * beta),
-    )
-    series = np.polynomial.Polynomial(terms)
-    chi = radius / thickness
-    inside = np.minimum(chi, WIDEST)
-    factor = series(inside) + series.deriv()(WIDEST) * (chi - inside)
+    factor = _thickness_factor(radius / thickness, alpha, beta, np.pi**2 / 3, 2 * np.pi**2 / 3)
     return 2 * material.youngs_modulus / (1 - material.poisson_ratio**2) * radius * factor
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from tactiledata.rig.scenario import Step, Touch
+from tactiledata.rig.touch import Step, Touch
 from tactiledata.transforms import Transform
 
 Array = NDArray[np.floating[Any]]
@@ -112,6 +112,10 @@ def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int =
         since = recorder.times[-1]
         here = recorder.positions[-1]
         if step.kind == "press":
+            if here[2] < 0:
+                # after a retreat: through the air at once, then step by step
+                here = np.array([here[0], here[1], 0.0])
+                recorder.move(here, APPROACH_SPEED)
             to = np.array([here[0], here[1], min(step.depth, limit)])
             _stepwise(recorder, to, step, frames_per_step)
         elif step.kind == "shear":

@@ -16,7 +16,8 @@ from tactiledata.rig import motion
 from tactiledata.rig.footprint import Footprint, GelGrid, footprint
 from tactiledata.rig.layer_contact import ContactHistory, ContactLaw, contact_law, press_along
 from tactiledata.rig.membrane import surface
-from tactiledata.rig.scenario import Scenario, Touch
+from tactiledata.rig.scenario import Scenario
+from tactiledata.rig.touch import Touch
 from tactiledata.transforms import Transform
 
 Array = NDArray[np.floating[Any]]
@@ -30,6 +31,8 @@ TABLE_CORNER = (-0.02, -0.42, 0.12)
 """m, base frame: where the first indenter's tip stands; the others in a grid beside it."""
 SPACING = 0.05
 PER_ROW = 4
+DEEPEST = 0.5
+"""Share of the gel's thickness beyond which nobody presses."""
 MOUNTS, OFFSETS = 3, 4
 """Numbers of the random streams."""
 
@@ -179,7 +182,7 @@ class Stage:
         law = contact_law(indenter, print_, gel.thickness, scenario.material)
         # the limit speaks of the whole force, friction included
         shear_margin = float(np.hypot(1.0, scenario.material.friction)) if _shears(touch) else 1.0
-        deepest = partial(_deepest, law, shear_margin)
+        deepest = partial(_deepest, law, shear_margin, DEEPEST * gel.thickness)
         images = scenario.images
         path = motion.plan(touch, deepest, images.frames_per_step, images.free_air_frames)
         seconds = np.arange(0.0, path.duration + 1.0 / CONTACT_RATE, 1.0 / CONTACT_RATE)
@@ -188,8 +191,8 @@ class Stage:
         return Play(touch, start_ns, end_ns, path, offset, law, print_, history, gel.thickness, mount)
 
 
-def _deepest(law: ContactLaw, shear_margin: float, force: float) -> float:
-    return law.depth_at(force / shear_margin)
+def _deepest(law: ContactLaw, shear_margin: float, deepest: float, force: float) -> float:
+    return min(law.depth_at(force / shear_margin), deepest)
 
 
 def _shears(touch: Touch) -> bool:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal
 
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
 from tactiledata.rig.generate import touches
 from tactiledata.rig.play import Stage
 from tactiledata.rig.sampling import sample
-from tactiledata.rig.scenario import Scenario, Touch
+from tactiledata.rig.scenario import Scenario
+from tactiledata.rig.touch import Touch
 from tactiledata.rig.truth import write_truth
 from tactiledata.rig.write_folder import write_folder
 from tactiledata.rig.write_mcap import write_mcap
@@ -42,28 +44,36 @@ def record(
     ------
     UnknownName
         No such form.
+    SchemaError, MissingFile, UnsafeContent
+        An indenter or a background that is none, names that collide.
     UsageError
         A pose out of the arm's reach, no place to write.
     """
     if form not in ("mcap", "folder"):
         raise UnknownName("form of a log", form, ("folder", "mcap"))
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(
-            f"{out} cannot be made: {error.strerror}", "a folder to write to", "Name another with --out."
-        ) from error
+    groups = log_groups(scenario)
     stage = Stage(scenario)
     counter = _Counter(progress)
     paths = []
-    for index, (name, group) in enumerate(log_groups(scenario)):
-        start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-        tape = sample(stage, name, index, stage.perform(group, index, start_ns))
-        counter.total += sum(not shot.dropped for shot in tape.shots)
-        path = out / (f"{name}.mcap" if form == "mcap" else name)
-        (write_mcap if form == "mcap" else write_folder)(tape, path, counter.add)
-        write_truth(tape, out / TRUTH)
-        paths.append(path)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for index, (name, group) in enumerate(groups):
+            start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
+            tape = sample(stage, name, index, stage.perform(group, index, start_ns))
+            counter.total += sum(not shot.dropped for shot in tape.shots)
+            path = out / (f"{name}.mcap" if form == "mcap" else name)
+            (write_mcap if form == "mcap" else write_folder)(tape, path, counter.add)
+            write_truth(tape, out / TRUTH)
+            paths.append(path)
+    except OSError as error:
+        if isinstance(error, TactileDataError):
+            raise
+        raise UsageError(
+            f"{error.filename or out} cannot be written: {error.strerror}",
+            "a folder to write to, with room in it and names that its file system takes",
+            "Name another with --out. Logs that are there are whole.",
+            written=[str(path) for path in paths],
+        ) from error
     return paths
 
 
@@ -81,25 +91,45 @@ class _Counter:
             self.progress(self.done, self.total)
 
 
-def log_groups(scenario: Scenario) -> Iterator[tuple[str, Sequence[Touch]]]:
+def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
     """Name and touches of each log, as ``recordings`` groups them.
 
     Touches keep the scenario's order within an indenter, and indenters are mounted one after the other.
+
+    Raises
+    ------
+    SchemaError
+        Two logs, or two trajectories of a log, would have one name.
     """
     setup = scenario.recordings
-    keys: dict[str, list[Touch]] = {}
+    keys: dict[tuple[str, ...], list[Touch]] = {}
     for touch in touches(scenario):
         key = {
-            "sensor": touch.sensor,
-            "sensor_indenter": f"{touch.sensor}-{touch.indenter}",
-            "all": "recording",
-            "each": touch.name,
+            "sensor": (touch.sensor,),
+            "sensor_indenter": (touch.sensor, touch.indenter),
+            "all": ("recording",),
+            "each": (touch.name,),
         }[setup.group]
         keys.setdefault(key, []).append(touch)
     order = {name: place for place, name in enumerate(scenario.indenters)}
+    groups: list[tuple[str, Sequence[Touch]]] = []
     for key, members in keys.items():
+        _distinct([touch.name for touch in members], "trajectories of one log")
         members = sorted(members, key=lambda touch: order[touch.indenter])
         parts = range(0, len(members), setup.trajectories_per_log)
         for number, first in enumerate(parts):
-            name = key if len(parts) == 1 else f"{key}-{number:03d}"
-            yield name, members[first : first + setup.trajectories_per_log]
+            name = "-".join(key) if len(parts) == 1 else f"{'-'.join(key)}-{number:03d}"
+            groups.append((name, members[first : first + setup.trajectories_per_log]))
+    _distinct([TRUTH, *(name for name, _ in groups)], "logs, or a log and the folder of the truth,")
+    return groups
+
+
+def _distinct(names: Sequence[str], what: str) -> None:
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise SchemaError(
+            f"two {what} would have the name {twice[0]!r}",
+            "names of their own",
+            "Rename a sensor, an indenter or a trajectory in the scenario.",
+            path="$",
+        )

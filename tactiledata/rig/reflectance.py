@@ -75,7 +75,7 @@ class Optics:
         drawn = {
             "leds": tuple(_draw_led(rng, azimuth, channel) for channel, azimuth in enumerate((np.pi, 0.0, np.pi / 2))),
             "gamma": float(rng.uniform(1.9, 2.4)),
-            "ambient": float(rng.uniform(0.25, 0.5)),
+            "ambient": float(rng.uniform(0.12, 0.3)),
             "pixel": float(5.9e-5 * rng.uniform(0.97, 1.03)),
             "centre": tuple(float(value) for value in rng.normal(0.0, 2e-4, 2)),
             "turn": float(rng.normal(0.0, 0.015)),
@@ -97,7 +97,7 @@ def _draw_led(rng: np.random.Generator, azimuth: float, channel: int) -> Led:
     colour[channel] = 1.0
     return Led(
         float(azimuth + rng.normal(0.0, 0.12)),
-        float(rng.uniform(0.45, 0.75)),
+        float(rng.uniform(0.3, 0.55)),
         (float(colour[0]), float(colour[1]), float(colour[2])),
     )
 

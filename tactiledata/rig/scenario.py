@@ -9,11 +9,8 @@ from typing import Any
 
 from tactiledata.contract.schema import check_document, read_document
 from tactiledata.errors import SchemaError
+from tactiledata.rig.touch import Generate, Step, Touch
 from tactiledata.transforms import Transform
-
-Range = tuple[float, float]
-LONGEST_NAME = 200
-"""Characters; names become names of files."""
 
 
 @dataclass(frozen=True)
@@ -136,66 +133,6 @@ class Recordings:
 
 
 @dataclass(frozen=True)
-class Step:
-    """One part of a touch.
-
-    ``press`` to ``depth``, ``shear`` by ``by``, ``reverse`` (the last shear backwards): in steps of ``step`` at mean
-    ``speed``, each followed by ``settle`` seconds and a capture. ``dwell``: ``time`` seconds with ``captures``
-    pictures. ``retreat``: out of the gel.
-    """
-
-    kind: str
-    depth: float = 0.0
-    by: tuple[float, float] = (0.0, 0.0)
-    step: float = 1e-4
-    speed: float = 1e-3
-    settle: float = 0.15
-    time: float = 0.0
-    captures: int = 2
-
-
-@dataclass(frozen=True)
-class Touch:
-    """One trajectory: which indenter touches which sensor where, at which angle, and the steps.
-
-    ``position``: m, gel frame, of the indenter's tip at first touch; ``tilt`` about gel x and y and ``yaw`` about gel
-    z: rad, of the indenter relative to head-on. ``group`` names the touch that several sensors share.
-    """
-
-    name: str
-    sensor: str
-    indenter: str
-    steps: tuple[Step, ...]
-    position: tuple[float, float] = (0.0, 0.0)
-    tilt: tuple[float, float] = (0.0, 0.0)
-    yaw: float = 0.0
-    force_limit: float = 13.0
-    group: str = ""
-
-
-@dataclass(frozen=True)
-class Generate:
-    """Touches drawn at random; ranges as [least, most]."""
-
-    count: int
-    paired: bool = False
-    sensors: tuple[str, ...] = ()
-    indenters: tuple[str, ...] = ()
-    depth: Range = (0.0006, 0.0013)
-    force_limit: float = 13.0
-    step: float = 1e-4
-    settle: Range = (0.1, 0.2)
-    speed: Range = (0.5e-3, 2e-3)
-    dwell: Range = (0.2, 0.6)
-    tilt: Range = (0.0, 0.12)
-    position: tuple[float, float] = (0.0025, 0.0040)
-    shear: Range = (0.0003, 0.0008)
-    shear_share: float = 0.5
-    reverse_share: float = 0.4
-    shear_step: float = 1e-4
-
-
-@dataclass(frozen=True)
 class Scenario:
     """A world to record, checked; ``folder`` is where the paths in it begin."""
 
@@ -314,11 +251,14 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
         if touch.name in names:
             raise _fault(where, f"{path}.name", f"the name {touch.name!r} is given twice", "a name of its own")
         names.add(touch.name)
+        _on_pad(touch.position, scenario.sensors[touch.sensor].gel, f"{path}.position", where)
     if scenario.generate is not None:
         for index, name in enumerate(scenario.generate.sensors):
             _known(name, scenario.sensors, f"$.generate.sensors[{index}]", where)
         for index, name in enumerate(scenario.generate.indenters):
             _known(name, scenario.indenters, f"$.generate.indenters[{index}]", where)
+        for sensor in scenario.sensors.values():
+            _on_pad(scenario.generate.position, sensor.gel, "$.generate.position", where)
         for key, value in document["generate"].items():
             if key in ("depth", "settle", "speed", "dwell", "tilt", "shear") and value[0] > value[1]:
                 raise _fault(where, f"$.generate.{key}", f"the range {list(value)} is upside down", "[least, most]")
@@ -327,6 +267,14 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
     for name in ("tcp", "wrench"):
         if getattr(scenario.streams, name) <= 0:
             raise _fault(where, f"$.streams.{name}", f"stream {name} at 0 Hz", "a rate above 0")
+
+
+def _on_pad(position: tuple[float, float], gel: Gel, path: str, where: str) -> None:
+    if any(abs(place) > side / 2 for place, side in zip(position, gel.outline, strict=True)):
+        half = [side / 2 for side in gel.outline]
+        raise _fault(
+            where, path, f"the position {list(position)} m is off the pad", f"at most {half} m from its middle"
+        )
 
 
 def _known(name: str, table: Mapping[str, Any], path: str, where: str) -> None:

@@ -18,8 +18,8 @@ from tactiledata.rig.encode import encoded, raw_bytes, turned
 from tactiledata.rig.imperfections import arrival_times
 from tactiledata.rig.tape import Shot, Tape
 
-Message = tuple[int, int, int, int, Callable[[], bytes]]
-"""Log time, stream number, sequence, stamp, and the bytes when they are needed."""
+Message = tuple[int, int, int, Callable[[], bytes]]
+"""Log time, stream number, sequence, and the bytes when they are needed."""
 OTHER_ORDER = {"rgb8": "bgr8", "bgr8": "rgb8"}
 PROFILE = "ros2"
 LIBRARY = "tactiledata rig"
@@ -70,9 +70,7 @@ def _write(tape: Tape, stream: Any, progress: Callable[[int], None]) -> None:
     for serial in sorted({shot.sensor for shot in tape.shots}):
         number = add_channel(*_image_channel(tape, serial))
         streams.append(_image_messages(tape, serial, number, progress))
-    for log_ns, number, sequence, stamp_ns, make in tape.disordered(heapq.merge(*streams), purpose=1):
-        # the sender publishes before the recorder writes; a stamp of another clock says nothing about that
-        del stamp_ns
+    for log_ns, number, sequence, make in tape.disordered(heapq.merge(*streams), purpose=1):
         writer.add_message(channels[number], log_ns, make(), log_ns, sequence)
     if setup.describe:
         _describe(tape, writer)
@@ -83,8 +81,8 @@ def _signal_messages(tape: Tape, name: str, number: int) -> Iterator[Message]:
     samples = tape.signals[name]
     arrivals = arrival_times(samples.host_ns, tape.clock(name), tape.rng(10 + number))
     message = ros2_messages.serialise(name, samples.stamp_ns, samples.values)
-    for index, (log_ns, stamp_ns) in enumerate(zip(arrivals.tolist(), samples.stamp_ns.tolist(), strict=True)):
-        yield log_ns, number, index, stamp_ns, partial(message, index)
+    for index, log_ns in enumerate(arrivals.tolist()):
+        yield log_ns, number, index, partial(message, index)
 
 
 def _image_channel(tape: Tape, serial: str) -> tuple[str, str]:
@@ -100,7 +98,7 @@ def _image_messages(tape: Tape, serial: str, number: int, progress: Callable[[in
     host = np.array([shot.host_ns for shot in shots], dtype=np.int64)
     arrivals = arrival_times(host, tape.clock("frames"), tape.rng(10 + number))
     for index, (shot, log_ns) in enumerate(zip(shots, arrivals.tolist(), strict=True)):
-        yield log_ns, number, index, shot.stamp_ns, partial(_image_message, tape, shot, progress)
+        yield log_ns, number, index, partial(_image_message, tape, shot, progress)
 
 
 def _image_message(tape: Tape, shot: Shot, progress: Callable[[int], None]) -> bytes:
