@@ -1,4 +1,4 @@
-"""Zarr arrays that grow by rows: every file is written whole and synced, so that a kill leaves the old or the new one."""
+"""Zarr arrays that grow by rows: every file is written whole and synced, so that a kill leaves the old or the new."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tactiledata.store.layout import FORMAT
 ZSTD_LEVEL = 1
 """Camera noise does not compress: level 3 takes 1.6 times as long for 1 % fewer bytes (320x240 DIGIT frames)."""
 
-SEPARATOR: Mapping[str, Any] = {"name": "default", "configuration": {"separator": "."}}
+SEPARATOR: dict[str, Any] = {"name": "default", "configuration": {"separator": "."}}
 """Chunk files lie flat in the array's folder (``c.0.0``), not in a folder each."""
 
 
@@ -136,14 +136,19 @@ def _parent(root: zarr.Group, path: str) -> zarr.Group:
 def set_length(store_path: Path, path: str, length: int) -> None:
     """An array's number of rows; data beyond are not touched.
 
-    zarr's own ``resize`` would delete whole chunks where a killed commit had left a longer shape; here shrinking and growing
-    are the same rewrite of one file.
+    zarr's own ``resize`` would delete whole chunks where a killed commit had left a longer shape; here shrinking and
+    growing are the same rewrite of one file.
     """
     place = store_path / path / "zarr.json"
     document = json.loads(place.read_bytes())
     if document["shape"][0] != length:
         document["shape"][0] = length
         write_atomic(place, json.dumps(document, indent=2).encode())
+
+
+def open_rows(store_path: Path, path: str) -> zarr.Array:
+    """An array of a local store, to read and write."""
+    return zarr.open_array(DurableStore(store_path), path=path, mode="r+")
 
 
 def append_rows(store_path: Path, path: str, start: int, stop: int, blocks: Iterable[NDArray[Any]]) -> None:
@@ -157,7 +162,7 @@ def append_rows(store_path: Path, path: str, start: int, stop: int, blocks: Iter
     set_length(store_path, path, stop)
     if start == stop:
         return
-    array = zarr.open_array(DurableStore(store_path), path=path, mode="r+")
+    array = open_rows(store_path, path)
     chunk = array.chunks[0]
     row = start
     waiting: list[NDArray[Any]] = []
@@ -175,12 +180,12 @@ def append_rows(store_path: Path, path: str, start: int, stop: int, blocks: Iter
 
 def clear_rows(store_path: Path, path: str, length: int) -> None:
     """An array without any trace of rows beyond ``length``, as if they had never been written."""
-    array = zarr.open_array(DurableStore(store_path), path=path, mode="r+")
+    array = open_rows(store_path, path)
     chunk = array.chunks[0]
     last = -(-length // chunk)
     if length % chunk and array.shape[0] > length:
         set_length(store_path, path, last * chunk)
-        tail = zarr.open_array(DurableStore(store_path), path=path, mode="r+")
+        tail = open_rows(store_path, path)
         tail[length:] = tail.fill_value
     set_length(store_path, path, length)
     drop_chunks(store_path / path, last)

@@ -19,8 +19,11 @@ LINES_SHOWN = 40
 
 
 def write_card(store_path: Path, manifest: Mapping[str, Any]) -> None:
-    """README.md of a store."""
-    write_atomic(store_path / CARD, card(store_path, manifest).encode(errors="replace"))
+    """README.md of a store, written where it differs."""
+    content = card(store_path, manifest).encode(errors="replace")
+    place = store_path / CARD
+    if not place.is_file() or place.read_bytes() != content:
+        write_atomic(place, content)
 
 
 def card(store_path: Path, manifest: Mapping[str, Any]) -> str:

@@ -66,7 +66,7 @@ def _refuse_foreign(folder: Path) -> None:
     strangers = sorted(place.name for place in folder.iterdir() if place.name not in ours and place.suffix != ".part")
     if strangers:
         raise StoreError(
-            f"the folder {folder} holds {', '.join(strangers[:3])}{' …' if len(strangers) > 3 else ''} but no {MANIFEST}",
+            f"the folder {folder} holds {', '.join(strangers[:3])}{' …' * (len(strangers) > 3)} but no {MANIFEST}",
             "a store, an empty folder or a new name",
             "Choose another name; nothing was changed.",
             path=str(folder),
@@ -115,8 +115,14 @@ class _store_errors:
             raise unwritable(self._folder, error) from error
 
 
-def commit(store_path: Path | str, staged: Sequence[StagedTake]) -> Manifest:
+def commit(store_path: Path | str, staged: Sequence[StagedTake], with_card: bool = True) -> Manifest:
     """The manifest after one atomic group of takes, in their order; a source that the store holds already is skipped.
+
+    Parameters
+    ----------
+    with_card : bool
+        Whether the dataset card is brought up to date; it counts the whole store, so many commits in a row leave it to
+        the last.
 
     Raises
     ------
@@ -130,7 +136,10 @@ def commit(store_path: Path | str, staged: Sequence[StagedTake]) -> Manifest:
         manifest = read_manifest(folder)
         if is_interrupted(folder):
             _recover(folder, manifest)
-        return _commit(folder, manifest, staged)
+        manifest = _commit(folder, manifest, staged)
+        if with_card:
+            write_card(folder, manifest)
+        return manifest
 
 
 def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Manifest:
@@ -143,7 +152,6 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Man
         for take in fresh:
             appender.add(take)
         appender.finish()
-        write_card(folder, manifest)
         write_manifest(folder, manifest)
         marker.unlink()
     else:
@@ -155,7 +163,8 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Man
 
 def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[StagedTake], list[StagedTake]]:
     known = set(manifest["sources"])
-    fresh, skipped = [], []
+    fresh: list[StagedTake] = []
+    skipped: list[StagedTake] = []
     for take in staged:
         (skipped if take.sha256 in known else fresh).append(take)
         known.add(take.sha256)
@@ -165,18 +174,20 @@ def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[S
 def commit_groups(store_path: Path | str, staged: Iterable[StagedTake]) -> Manifest:
     """The manifest after takes were committed in their order, in groups whose borders depend on their content only.
 
-    So an ingest that was killed and runs again ends with the same manifest, byte for byte. ``staged`` is drawn from while
-    groups are committed: it may be a generator that waits for workers.
+    So an ingest that was killed and runs again ends with the same manifest, byte for byte. ``staged`` is drawn from
+    while groups are committed: it may be a generator that waits for workers.
     """
     folder = Path(store_path)
     manifest = read_manifest(folder)
     for group in groups(staged, set(manifest["sources"])):
-        manifest = commit(folder, group)
+        manifest = commit(folder, group, with_card=False)
+    with _store_errors(folder), writing_lock(folder):
+        write_card(folder, manifest)
     return manifest
 
 
 def groups(staged: Iterable[StagedTake], known: set[str]) -> Iterator[list[StagedTake]]:
-    """Takes in groups that end where bytes, frames or number of takes reach their limit; known sources count nothing."""
+    """Takes in groups that end where bytes, frames or takes reach their limit; known sources count nothing."""
     group: list[StagedTake] = []
     fresh: list[StagedTake] = []
     for take in staged:

@@ -39,9 +39,9 @@ def place_payloads(lengths: Sequence[int], start: int, chunk: int) -> NDArray[np
 class HeapAppender:
     """Appends to the chunk files of a heap in place.
 
-    Bytes beyond the manifest's length mean nothing to readers, so the tail chunk need not be rewritten; it is cut to that
-    length first, so that nothing of a killed commit stays, and always stretched to its nominal size (sparse), so that other
-    Zarr readers can read it.
+    Bytes beyond the manifest's length mean nothing to readers, so the tail chunk need not be rewritten; it is cut to
+    that length first, so that nothing of a killed commit stays, and always stretched to its nominal size (sparse), so
+    that other Zarr readers can read it.
 
     Parameters
     ----------

@@ -6,8 +6,9 @@ import hashlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote, unquote
+from urllib.parse import quote
 
+from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA
 from tactiledata.errors import UsageError
 
 FORMAT_NAME = "tactiledata-store"
@@ -22,7 +23,13 @@ LOCK = ".lock"
 COMMITTING = "committing"
 """Marker in the staging folder: a commit has begun and has not ended."""
 
-TABLES = ("frames", "trajectories", "sources", "findings")
+TABLE_SCHEMAS = {
+    "frames": FRAME_SCHEMA,
+    "trajectories": TRAJECTORY_SCHEMA,
+    "sources": SOURCE_SCHEMA,
+    "findings": FINDING_SCHEMA,
+}
+TABLES = tuple(TABLE_SCHEMAS)
 SIGNAL_ARRAYS = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
 ALIGNED_ARRAYS = ("value", "gap_ns")
 
@@ -67,8 +74,8 @@ class Settings:
 def folder_name(name: str) -> str:
     """The folder under which something named by a recording is kept: safe on every file system, one to one.
 
-    Letters, digits, ``_``, ``-``, ``~`` and inner dots stay; all else is percent-encoded; a very long name is cut and gets
-    its digest.
+    Letters, digits, ``_``, ``-``, ``~``, ``@`` and inner dots stay; all else is percent-encoded; a very long name is
+    cut and gets its digest.
 
     Examples
     --------
@@ -85,11 +92,6 @@ def folder_name(name: str) -> str:
     if len(encoded) > LONGEST_NAME:
         encoded = f"{encoded[:LONGEST_NAME]}+{hashlib.sha256(name.encode(errors='surrogatepass')).hexdigest()[:16]}"
     return encoded
-
-
-def original_name(folder: str) -> str:
-    """The name that `folder_name` encoded, for messages; a cut name stays cut."""
-    return unquote(folder)
 
 
 def heap_path(camera: str) -> str:
@@ -125,11 +127,6 @@ def reference_path(sensor: str) -> str:
 def table_folder(table: str) -> str:
     """The folder of a table's parts."""
     return f"index/{table}.parquet"
-
-
-def part_path(table: str, number: int) -> str:
-    """One part of a table."""
-    return f"{table_folder(table)}/part-{number:05d}.parquet"
 
 
 def staging_folder(store_path: Path | str, sha256: str) -> Path:

@@ -28,8 +28,8 @@ Picture = NDArray[np.uint8]
 class Pictures:
     """Where the images of a store lie, and what they show.
 
-    tensorstore would read shards as fast, but ends the process when it is used on both sides of a fork, which is how PyTorch
-    starts its workers; a shard's index and frames are read here instead (`shards`).
+    tensorstore would read shards as fast, but ends the process when it is used on both sides of a fork, which is how
+    PyTorch starts its workers; a shard's index and frames are read here instead (`shards`).
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ class Pictures:
                 "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks them.",
                 row=row,
             )
-        return picture
+        return picture.astype(np.uint8, copy=False)
 
     def _unpacked(self, row: int, content: bytes, target: Picture | None = None) -> Picture:
         _, _, height, width = self.facts(row)

@@ -9,20 +9,26 @@ from typing import Any
 
 import google_crc32c
 import numpy as np
+import zarr
 from numpy.typing import NDArray
 
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import digest_of
-from tactiledata.contract.records import Finding, Reference
+from tactiledata.contract.records import Finding
 from tactiledata.errors import StoreError
-from tactiledata.store.layout import SENSORS
+from tactiledata.store.arrays import open_rows, write_image
+from tactiledata.store.layout import SENSORS, reference_path
+from tactiledata.store.manifest import Manifest
+from tactiledata.store.writer import StagedTake
 
 PASSING = ("power_on_ns",)
 """Facts that belong to a recording, not to a sensor; they stay in the source's description."""
 
 SAME_GEL_LEVELS = 6.0
-"""Mean absolute difference, of 255 levels, up to which two pictures show the same sensor. The two most alike of 18 DIGITs
-(the backgrounds of data/NOTICE.md) differ by 7.2, the median pair by 17.7; one sensor's exposure drifts by a few levels."""
+"""Mean absolute difference, of 255 levels, up to which two pictures show the same sensor.
+
+The two most alike of 18 DIGITs (the backgrounds of data/NOTICE.md) differ by 7.2, the median pair by 17.7; one sensor's
+exposure drifts by a few levels."""
 
 Facts = dict[str, dict[str, Any]]
 
@@ -30,7 +36,7 @@ Facts = dict[str, dict[str, Any]]
 def merged_facts(
     known: Mapping[str, Mapping[str, Any]], stated: Mapping[str, Mapping[str, Any]]
 ) -> tuple[Facts, list[Finding]]:
-    """Facts of all sensors after a recording stated some: what was known stays, gaps are filled, contradictions are said."""
+    """Facts of all sensors after a recording stated some: what was known stays, gaps are filled, conflicts are said."""
     facts = {sensor: dict(values) for sensor, values in known.items()}
     findings = []
     for sensor, values in sorted(stated.items()):
@@ -69,11 +75,6 @@ def image_crc(image: NDArray[np.uint8]) -> int:
     return google_crc32c.value(np.ascontiguousarray(image).tobytes())
 
 
-def reference_attributes(reference: Reference) -> dict[str, str]:
-    """What is kept beside a picture without contact."""
-    return {"origin": reference.origin, "licence": reference.licence, "model": reference.model}
-
-
 def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str) -> Facts:
     """Facts of the sensors that a manifest names, from the content of ``sensors.json``."""
     if not manifest["sensors"]:
@@ -99,3 +100,45 @@ def write_sensors(store_path: Path, facts: Facts) -> dict[str, str]:
     """Facts on disk; returns their digests for the manifest."""
     write_json_atomic(store_path / SENSORS, facts)
     return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}
+
+
+class SensorAppender:
+    """Adds the sensors of takes to a store's, whose facts and pictures stay as they came first.
+
+    Parameters
+    ----------
+    store_path : Path
+    root : zarr.Group
+        The store's group, to create arrays in.
+    manifest : dict
+        Changed in place.
+    """
+
+    def __init__(self, store_path: Path, root: zarr.Group, manifest: Manifest) -> None:
+        self._path, self._root, self._manifest = store_path, root, manifest
+        self._facts = read_sensors(store_path, manifest)
+        self._images: dict[str, NDArray[np.uint8]] = {}
+
+    def add(self, take: StagedTake) -> list[Finding]:
+        """One take; where it contradicts what is known."""
+        self._facts, findings = merged_facts(self._facts, take.document["sensors"])
+        known = self._manifest["references"]
+        for sensor, entry in take.document["references"].items():
+            image = np.asarray(take.array(entry["arrays"]["image"]))
+            if sensor not in known:
+                write_image(self._root, reference_path(sensor), image, {"sensor": sensor, **entry["attributes"]})
+                known[sensor] = image_crc(image)
+                self._images[sensor] = image
+            elif conflict := reference_conflict(sensor, self._image(sensor), image):
+                findings.append(conflict)
+        return findings
+
+    def finish(self) -> None:
+        """Facts on disk."""
+        if self._facts:
+            self._manifest["sensors"] = write_sensors(self._path, self._facts)
+
+    def _image(self, sensor: str) -> NDArray[np.uint8]:
+        if sensor not in self._images:
+            self._images[sensor] = np.asarray(open_rows(self._path, reference_path(sensor))[...], np.uint8)
+        return self._images[sensor]

@@ -1,9 +1,9 @@
 """Raw frames in Zarr shards: a frame is compressed once, when it arrives, and afterwards only its bytes are moved.
 
-A shard file is the frames' chunks one after another, then an index of (offset, length) a frame, then the index's CRC-32C;
-a chunk is the zstd frame followed by its CRC-32C. Any Zarr v3 library reads it (codec ``sharding_indexed``). zarr-python
-itself cannot take chunks that are compressed already: it would decompress and compress every raw frame again at commit, and
-whole shards again at every append.
+A shard file is the frames' chunks one after another, then an index of (offset, length) a frame, then the index's
+CRC-32C; a chunk is the zstd frame followed by its CRC-32C. Any Zarr v3 library reads it (codec ``sharding_indexed``).
+zarr-python itself cannot take chunks that are compressed already: it would decompress and compress every raw frame
+again at commit, and whole shards again at every append.
 
 Source: Zarr v3 specification, sharding codec 1.0 and crc32c codec.
 """

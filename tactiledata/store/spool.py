@@ -88,7 +88,7 @@ class Spool:
         Raises
         ------
         StoreError
-            A payload that cannot be kept (larger than a heap's chunk; raw with another size than stated), or a full disk.
+            A payload that cannot be kept (larger than a heap's chunk; raw of another size than stated), or a full disk.
         """
         self._check(image)
         payload = b"" if image.encoding == "missing" else image.payload
@@ -147,8 +147,8 @@ class Spool:
     def columns(self) -> pa.Table:
         """A row for each image, in the order in which they came.
 
-        ``camera, encoding, sensor, trajectory`` (its name), ``offset, length`` (into the spool file), ``crc32c, height, width,
-        log_ns, publish_ns, header_ns``; types as in ``FRAME_SCHEMA``, ``trajectory`` a dictionary of names.
+        ``camera, encoding, sensor, trajectory`` (its name), ``offset, length`` (into the spool file), ``crc32c, height,
+        width, log_ns, publish_ns, header_ns``; types as in ``FRAME_SCHEMA``, ``trajectory`` a dictionary of names.
         """
         columns: dict[str, pa.Array] = {}
         for name in NAMES:

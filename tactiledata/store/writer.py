@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.atomic import sync_folder, write_atomic
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, TRAJECTORY_SCHEMA, Stamps, Take
-from tactiledata.store.layout import STAGING, staging_folder
+from tactiledata.contract.records import Stamps, Take
+from tactiledata.store.layout import STAGING, TABLE_SCHEMAS, staging_folder
 from tactiledata.store.lock import unwritable
 from tactiledata.store.spool import Spool
 from tactiledata.store.take_checks import check_take
@@ -29,7 +29,6 @@ __all__ = ["StagedTake", "find_staged", "stage", "staging_folder"]
 
 MARKER = "take.json"
 ARRAYS = "arrays.bin"
-TABLE_SCHEMAS = {"frames": FRAME_SCHEMA, "trajectories": TRAJECTORY_SCHEMA, "findings": FINDING_SCHEMA}
 
 
 @dataclass(frozen=True)
@@ -227,16 +226,12 @@ def content_digest(take: Take, document: Mapping[str, Any]) -> str:
     total = hashlib.sha256()
     what = {name: value for name, value in document.items() if name not in ("n_bytes", "content")}
     total.update(json_bytes(json.loads(json_bytes(what), object_hook=_without_offset)))
-    for table, schema in (
-        (take.frames, FRAME_SCHEMA),
-        (take.trajectories, TRAJECTORY_SCHEMA),
-        (take.findings, FINDING_SCHEMA),
-    ):
-        for column in table.cast(schema).combine_chunks().itercolumns():
-            name = schema.names[0]
-            schema = schema.remove(0)
-            if name not in PLACE_COLUMNS:
-                total.update(f"\n{name}\n".encode() + _column_bytes(column))
+    for name in ("frames", "trajectories", "findings"):
+        schema = TABLE_SCHEMAS[name]
+        table: pa.Table = getattr(take, name).cast(schema).combine_chunks()
+        for column in schema.names:
+            if column not in PLACE_COLUMNS:
+                total.update(f"\n{name}.{column}\n".encode() + _column_bytes(table[column]))
     return total.hexdigest()
 
 
