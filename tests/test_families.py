@@ -87,7 +87,7 @@ def test_sniffing_is_never_fooled_into_an_error(name, tmp_path):
     (tmp_path / "random.npz").write_bytes(b"PK" + rng.bytes(500))
     (tmp_path / "folder.hdf5").mkdir()
     (tmp_path / "words.yaml").write_text("format: something else\n")
-    (tmp_path / "dangling.mcap").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "dangling.csv").symlink_to(tmp_path / "nowhere")
     for path in [*tmp_path.iterdir(), tmp_path / "nowhere"]:
         assert member.sniff(path) is False, path
 

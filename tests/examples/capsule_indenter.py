@@ -30,7 +30,8 @@ class Capsule(ParametricIndenter):
         level = self.radius + np.where(angle > 0, self.length, 0) + self.radius * np.sin(angle)
         outline = np.stack([self.radius * np.cos(angle), level], axis=1)
         outline[[0, -1], 0] = 0  # the poles lie on the axis, not a rounding error beside it
-        return trimesh.creation.revolve(outline, sections=64)
+        # trimesh merges points closer than 1e-8, which in metres tears small bodies: turned in millimetres
+        return trimesh.creation.revolve(1000 * outline, sections=64).apply_scale(1e-3)
 
     def height(self, x, y):
         """The lower half ball."""
