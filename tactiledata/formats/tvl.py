@@ -97,7 +97,7 @@ ssvtp/{images_tac/image_<n>_tac.jpg, images_rgb/image_<n>_rgb.jpg, text/labels_<
             extra: dict[str, Any] = {"part": name, "captions": json.dumps(sequence.captions, ensure_ascii=False)}
             extra |= {"modality_swapped": 1} if any(_homes(pair) in swapped for pair in sequence.pairs) else {}
             touches.append(Trajectory(touch, *timeline.interval(), sensor, "", extra))
-        references = {} if intake.is_looking else _reference(folder, pairs, sensor, intake)
+        references = {} if intake.is_looking else _reference(folder, pairs, sensor, swapped, intake)
         description = describe(source, mapping, {sensor: "digit"}, f"TVL {name}", self.licence_note)
         return self.finish(source, intake, description, touches, references=references)
 
@@ -330,10 +330,12 @@ def _push(
 
 
 def _reference(
-    folder: Path, pairs: Sequence[_Pair], sensor: str, intake: Intake
+    folder: Path, pairs: Sequence[_Pair], sensor: str, swapped: set[tuple[str, str]], intake: Intake
 ) -> dict[str, tuple[NDArray[np.uint8], str]]:
     """The first background picture that is there; the corpus has one per sequence, a sensor is kept one."""
-    named = list(dict.fromkeys(pair.background for pair in pairs if pair.background))
+    photographs = {home for home, _ in swapped}
+    stated = dict.fromkeys(pair.background for pair in pairs if pair.background)
+    named = [name for name in stated if PurePosixPath(name).parent.as_posix() not in photographs]
     if len(named) > 1:
         found = f"{len(named)} background pictures are named, one per sequence; the first that is there is kept"
         intake.note("several-backgrounds", "info", found, "digit", count=len(named))

@@ -40,7 +40,7 @@ def write(folder, rng, *, objects=OBJECTS, runs=2, frames=12, variant="synced", 
 
 def poses(rng, count):
     """Poses (n, 7) of a slow slide, metres."""
-    path = np.cumsum(rng.normal(scale=0.0005, size=(count, 3)), axis=0) + [0.1, 0.2, 0.3]
+    path = np.array([0.1, 0.2, 0.3]) + np.cumsum(rng.normal(scale=0.0005, size=(count, 3)), axis=0)
     turns = Rotation.from_rotvec(np.cumsum(rng.normal(scale=0.01, size=(count, 3)), axis=0))
     return np.concatenate([path, turns.as_quat()], axis=1)
 
