@@ -65,7 +65,7 @@ class CsvTable:
             raise BrokenLog(
                 f"{self.name} has the columns {listed(self.columns)}; {listed(missing)} missing",
                 f"the columns {listed(columns)}, in any order, named in the first line",
-                remedy or "Name the columns as docs/formats.md lists them.",
+                remedy or "Name the columns as docs/formats-folder.md lists them.",
                 file=self.name,
                 columns=list(self.columns),
                 missing=missing,

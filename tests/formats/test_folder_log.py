@@ -12,8 +12,11 @@ from generators.collect import codes, read
 from generators.folder_log import FATAL, FAULTS, SENSOR, START, STEP, TOUCH, write
 
 from tactiledata import errors
+from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import files_digest
 from tactiledata.formats.folder import FolderFormat
+from tactiledata.formats.folder_parts.files import LogFolder
+from tactiledata.formats.folder_parts.signals import read_signals
 
 FORMAT = FolderFormat()
 
@@ -100,12 +103,12 @@ def test_truncation_at_any_byte_keeps_what_is_before(tmp_path):
     ends = [place for place in range(len(content)) if content[place : place + 1] == b"\n"]
     for cut in range(ends[3] - 40, ends[4] + 2):
         path.write_bytes(content[:cut])
-        recording, _ = read_one(tmp_path / "log")
+        read_back = read_signals(LogFolder(tmp_path / "log"), LogDescription())
         whole = sum(end < cut for end in ends) - 1
-        values = recording.signals["wrench"].values
+        values = read_back.signals["wrench"].values
         np.testing.assert_array_equal(values[:whole], truth["wrench"][:whole])
         if len(values) > whole or not content[:cut].endswith(b"\n"):
-            assert codes(recording) & {"csv-last-line-cut", "csv-last-line-open", "csv-value"}, cut
+            assert codes(read_back) & {"csv-last-line-cut", "csv-last-line-open", "csv-value"}, cut
 
 
 def test_out_of_order_and_repeated_times_are_kept_as_recorded(tmp_path):

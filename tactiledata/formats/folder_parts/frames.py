@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Image, ImageSink, Trajectory
 from tactiledata.formats.backgrounds import read_image_file
+from tactiledata.formats.corpus import stream_name
 from tactiledata.formats.csv_cells import listed, shortened
 from tactiledata.formats.folder_parts.files import LogFolder
 from tactiledata.formats.folder_parts.signals import TIME, ignored_columns, open_table
@@ -70,7 +70,7 @@ class FrameReader:
         table, said = open_table(self.folder, TABLE, "frames")
         if table is None:
             return [*said, *([] if said else self._absence())]
-        table.require((TIME, "file"), f"The table has the columns {listed(COLUMNS)}; docs/formats.md shows one.")
+        table.require((TIME, "file"), f"The table has the columns {listed(COLUMNS)}; docs/formats-folder.md shows one.")
         t_ns, has_time = table.nanoseconds(TIME)
         findings = [*said, *ignored_columns(table, COLUMNS, "frames")]
         findings += table.row_finding("csv-time", ~has_time, f"have a {TIME} that is no integer; left out", "frames")
@@ -144,13 +144,7 @@ class FrameReader:
             return self.cameras[sensor]
         models = {facts.get("model", "") for facts in self.description.sensors.values()}
         known = self.description.sensors.get(sensor, {}).get("model", models.pop() if len(models) == 1 else "")
-        return camera_name(str(known))
-
-
-def camera_name(model: str) -> str:
-    """A stream name that the store takes, from a sensor's model."""
-    name = re.sub(r"[^a-z0-9]+", "_", model.lower()).strip("_")[:60]
-    return name if name[:1].isalpha() else ANY_CAMERA
+        return stream_name(str(known)) if known else ANY_CAMERA
 
 
 def mapped_cameras(description: LogDescription, mapping: Mapping[str, Any]) -> dict[str, str]:

@@ -12,12 +12,12 @@ import numpy as np
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Trajectory
 from tactiledata.formats.csv_cells import CsvTable, free_values, listed, shortened
+from tactiledata.formats.described import KNOWN, described_trajectories
 from tactiledata.formats.folder_parts.files import LogFolder
 from tactiledata.formats.folder_parts.signals import open_table
 
 TABLE = "trajectories.csv"
 REQUIRED = ("trajectory", "start_ns", "end_ns")
-KNOWN = (*REQUIRED, "sensor", "indenter")
 
 
 @dataclass(frozen=True)
@@ -86,24 +86,9 @@ def read_trajectories(folder: LogFolder, description: LogDescription) -> Touches
     return Touches(tuple(trajectories), recorded, (*findings, *faults, *_overlaps(trajectories)))
 
 
-def described_trajectories(description: LogDescription) -> list[Trajectory]:
-    """The trajectories that log.yaml lists itself."""
-    return [
-        Trajectory(
-            entry["trajectory"],
-            int(entry["start_ns"]),
-            int(entry["end_ns"]),
-            str(entry.get("sensor", "")),
-            str(entry.get("indenter", "")),
-            {key: value for key, value in entry.items() if key not in KNOWN},
-        )
-        for entry in description.document.get("trajectories", [])
-    ]
-
-
 def _rows(table: CsvTable) -> tuple[list[Trajectory], list[Finding]]:
     """The trajectories of all rows that read, free columns kept."""
-    table.require(REQUIRED, f"docs/formats.md shows a {TABLE} that works.")
+    table.require(REQUIRED, f"docs/formats-folder.md shows a {TABLE} that works.")
     names = table.text("trajectory")
     starts, has_start = table.nanoseconds("start_ns")
     ends, has_end = table.nanoseconds("end_ns")
