@@ -60,7 +60,7 @@ def demo(
         say(f"   note: {note}")
     with progress("auditing") as tell:
         audited = audit(store, "default", progress=tell)
-    say(f"   audit: {audited.summary}")
+    say(f"   audit: {audited.lines()[0]}")
 
     say("4. Load: a batch from PyTorch")
     _load_batch(store_path)

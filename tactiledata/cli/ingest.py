@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import typer
@@ -60,6 +61,13 @@ def _store_here() -> str:
     return stores[0] if stores else "ds.zarr"
 
 
+def _by_folder(paths: Iterable[str]) -> dict[str, list[str]]:
+    folders: dict[str, list[str]] = {}
+    for path in map(Path, paths):
+        folders.setdefault(str(path.parent), []).append(path.name)
+    return folders
+
+
 def _print(report) -> None:  # type: ignore[no-untyped-def]
     words = {"added": "added", "present": "already there", "failed": "not read"}
     rows = [
@@ -71,7 +79,8 @@ def _print(report) -> None:  # type: ignore[no-untyped-def]
     for source in report.sources:
         if source.error:
             say(f"  not read {source.key}: {source.error}")
-    for path in report.unclaimed:
-        say(f"  left alone {path}: no format claims it")
+    for folder, names in _by_folder(report.unclaimed).items():
+        listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
+        say(f"  left alone in {folder}: {listed}; no format claims them")
     added = sum(source.state == "added" for source in report.sources)
     say(f"{added} recordings added to {report.store}; next: tactiledata split {report.store} --by trajectory,sensor")

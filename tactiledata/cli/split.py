@@ -70,6 +70,6 @@ def audit(
         emit(report.document())
     else:
         findings((split, finding) for finding in report.findings)
-        say(report.summary)
+        say(report.lines()[0])
     if report.leaks:
         raise typer.Exit(1)
