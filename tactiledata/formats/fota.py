@@ -203,6 +203,8 @@ def _members(tar: Path, intake: Intake) -> Iterator[tuple[str, int, int]]:
                 if member.offset_data + member.size > whole:
                     raise tarfile.ReadError(f"{member.name} reaches beyond the end")
                 yield member.name, member.offset_data, member.size
+    except UnsafeContent:  # it is a ValueError, and no damage
+        raise
     except (tarfile.TarError, EOFError, ValueError, OverflowError) as error:
         intake.note("tar-truncated", "damage", f"{tar.name} is cut or damaged: {error}", tar.name)
 

@@ -160,7 +160,7 @@ def _open(files: Sequence[Path], expected: int | None, intake: Intake) -> _Image
 
 def _labels(path: Path) -> Mapping[str, Any]:
     content = load_pickle(path)
-    if not isinstance(content, dict) or "trajectories" not in content:
+    if not isinstance(content, dict) or not isinstance(content.get("trajectories"), dict | list | tuple):
         raise _misshapen(
             path, f"a {type(content).__name__} without trajectories", "a dict with in_contact and trajectories"
         )

@@ -24,7 +24,7 @@ def write(folder, rng, *, sensors=("digit",), trials=2, steps=11, environments=3
                         _environment(home, sensor, environment, trial, step, vertices, rng, faults)
             if faults.get("external"):
                 file["trial_9"] = h5py.ExternalLink(str(faults["external"]), "/trial_0")
-        if faults.get("cut"):
+        if faults.get("cut") is not None:
             content = path.read_bytes()
             path.write_bytes(content[: int(len(content) * faults["cut"])])
     return folder

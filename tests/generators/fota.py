@@ -17,8 +17,7 @@ def write(folder, rng, *, domain="yuan18", sequences=3, frames=8, shard=9, pose=
     """
     home = Path(folder) / domain
     samples = [
-        (key, _jpeg(rng), _label(rng, sequence, frame, pose))
-        for key, sequence, frame in keys(domain, sequences, frames)
+        (key, _jpeg(rng), _label(sequence, frame, pose)) for key, sequence, frame in keys(domain, sequences, frames)
     ]
     order = rng.permutation(len(samples))
     edge = int(0.8 * len(samples))

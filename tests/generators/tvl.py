@@ -2,6 +2,7 @@
 
 import csv
 import json
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -22,26 +23,35 @@ def write(folder, rng, *, parts=("data1",), sequences=3, frames=6, ssvtp=4, swap
     return root
 
 
-def touch_picture(rng, press=0.0):
-    """A picture (320, 240, 3), RGB, like a DIGIT's: three colours from three sides, smooth, a smooth dent."""
+@cache
+def _light():
+    """Three colours from three sides, (320, 240, 3)."""
     y, x = np.mgrid[0:320, 0:240] / 320.0
     centres = ((0.0, 0.37), (0.8, 0.0), (0.8, 0.75))
     field = np.stack([np.exp(-((y - cy) ** 2 + (x - cx) ** 2) / 0.15) for cy, cx in centres], axis=2)
-    at = rng.uniform(0.3, 0.5, size=2)
-    dent = press * np.exp(-((y - at[0]) ** 2 + (x - at[1]) ** 2) / 0.004)
-    picture = 60 + 150 * field + 40 * dent[..., None] + rng.normal(scale=1.0, size=field.shape)
-    return np.clip(picture, 0, 255).astype(np.uint8)
+    return (60 + 150 * field).astype(np.uint8)
+
+
+def touch_picture(rng, press=0.0):
+    """A picture (320, 240, 3), RGB, like a DIGIT's: three colours from three sides, smooth, a smooth dent."""
+    picture = _light().copy()
+    if press:
+        top, left = rng.integers(60, 160), rng.integers(50, 120)
+        window = np.hanning(70)[:, None, None] * np.hanning(70)[None, :, None]
+        patch = picture[top : top + 70, left : left + 70]
+        patch[:] = np.clip(patch + 40 * press * window, 0, 255).astype(np.uint8)
+    return picture + rng.integers(0, 3, picture.shape, dtype=np.uint8)
 
 
 def photograph(rng, size=(240, 426)):
     """A picture like a photograph: grey-brown, edges and texture everywhere, another one every time."""
-    picture = np.full((*size, 3), rng.uniform(60, 160), dtype=np.float64)
+    picture = np.full((*size, 3), rng.integers(60, 160), dtype=np.uint8)
     for _ in range(40):
         corner = rng.integers(0, size)
         extent = rng.integers(5, 90, size=2)
-        colour = rng.uniform(20, 220) * np.array([1.0, 0.95, 0.85])
+        colour = (rng.uniform(20, 200) * np.array([1.0, 0.95, 0.85])).astype(np.uint8)
         picture[corner[0] : corner[0] + extent[0], corner[1] : corner[1] + extent[1]] = colour
-    return np.clip(picture + rng.normal(scale=12, size=picture.shape), 0, 255).astype(np.uint8)
+    return picture + rng.integers(0, 40, picture.shape, dtype=np.uint8)
 
 
 def _hct(home, rng, sequences, frames, swapped, faults):
