@@ -22,6 +22,8 @@ CEILING = 3e-3
 HIT = 1e-6
 """m: a ray this close to the body has met it."""
 MAX_MARCHES = 60
+BELOW = 5e-5
+"""m below the lowest corner of the mesh at which rays start: meshes of round bodies lie inside them."""
 COARSE = 4
 """Every how many rays one is led ahead."""
 
@@ -76,8 +78,10 @@ def footprint(indenter: Indenter, rotation: Array, position: tuple[float, float]
         heights = indenter.height(rotation[0, 0] * x + rotation[1, 0] * y, rotation[0, 1] * x + rotation[1, 1] * y)
         lowest = 0.0
     else:
-        lowest = min(0.0, float((np.asarray(indenter.mesh().vertices) @ rotation[2]).min()))
-        heights = _march(indenter, rotation, x, y, lowest)
+        corner = float((np.asarray(indenter.mesh().vertices) @ rotation[2]).min())
+        heights = _march(indenter, rotation, x, y, corner - BELOW)
+        # a mesh lies a little inside a round body and has the corners that the grid misses
+        lowest = min(corner, float(heights.min()))
     return Footprint(grid, np.clip(heights - lowest, 0.0, CEILING), position, lowest)
 
 

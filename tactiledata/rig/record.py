@@ -38,7 +38,7 @@ def record(
         Made where it is not there.
     form : "mcap" or "folder"
     progress : callable, optional
-        Called as ``progress(pictures done, pictures in all)``; the total grows as logs are planned.
+        Called as ``progress(trajectories done, trajectories in all)``.
 
     Raises
     ------
@@ -53,16 +53,16 @@ def record(
         raise UnknownName("form of a log", form, ("folder", "mcap"))
     groups = log_groups(scenario)
     stage = Stage(scenario)
-    counter = _Counter(progress)
+    meter = _Meter(progress, sum(len(group) for _, group in groups))
     paths = []
     try:
         out.mkdir(parents=True, exist_ok=True)
         for index, (name, group) in enumerate(groups):
             start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
             tape = sample(stage, name, index, stage.perform(group, index, start_ns))
-            counter.total += sum(not shot.dropped for shot in tape.shots)
+            meter.begin(len(group), sum(not shot.dropped for shot in tape.shots))
             path = out / (f"{name}.mcap" if form == "mcap" else name)
-            (write_mcap if form == "mcap" else write_folder)(tape, path, counter.add)
+            (write_mcap if form == "mcap" else write_folder)(tape, path, meter.add)
             write_truth(tape, out / TRUTH)
             paths.append(path)
     except OSError as error:
@@ -77,18 +77,24 @@ def record(
     return paths
 
 
-class _Counter:
-    """Pictures done and planned, passed on to whoever watches."""
+class _Meter:
+    """Trajectories done, counted by their pictures, passed on to whoever watches."""
 
-    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
+    def __init__(self, progress: Callable[[int, int], None] | None, total: int) -> None:
         self.progress = progress
-        self.done = 0
-        self.total = 0
+        self.total = total
+        self.before = self.here = self.pictures = self.drawn = 0
+
+    def begin(self, trajectories: int, pictures: int) -> None:
+        """A log of so many trajectories and pictures begins."""
+        self.before += self.here
+        self.here, self.pictures, self.drawn = trajectories, pictures, 0
 
     def add(self, count: int) -> None:
-        self.done += count
+        """So many pictures more are written."""
+        self.drawn += count
         if self.progress is not None:
-            self.progress(self.done, self.total)
+            self.progress(self.before + self.here * self.drawn // max(self.pictures, 1), self.total)
 
 
 def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
