@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import radius_of
-from tactiledata.indenters.base.surface import circle, revolved_mesh
+from tactiledata.indenters.base.surface import SECTIONS, circle, revolved_mesh
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Torus(ParametricIndenter):
 
     def mesh(self) -> trimesh.Trimesh:
         centre = np.array([self.ring_radius, self.tube_radius])
-        return revolved_mesh(centre + circle(self.tube_radius), is_closed=True)
+        return revolved_mesh(centre + circle(self.tube_radius, SECTIONS // 2), is_closed=True)
 
     def height(self, x: Array, y: Array) -> Array:
         squared = self.tube_radius**2 - (np.hypot(x, y) - self.ring_radius) ** 2
