@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.provenance import json_bytes
 from tactiledata.contract.records import SOURCE_SCHEMA, Finding, findings_table
 from tactiledata.store.arrays import open_root
+from tactiledata.store.batch import Batch
 from tactiledata.store.image_appender import ImageAppender
 from tactiledata.store.layout import TABLE_SCHEMAS, TABLES, table_folder
 from tactiledata.store.manifest import Manifest, extended_digest
@@ -32,21 +31,22 @@ class Appender:
 
     Parameters
     ----------
-    store_path : Path
+    batch : Batch
     manifest : dict
         Changed in place.
     """
 
-    def __init__(self, store_path: Path, manifest: Manifest) -> None:
-        self._path, self._manifest = store_path, manifest
-        root = open_root(store_path)
-        self._images = ImageAppender(store_path, root, manifest)
-        self._values = ValueAppender(store_path, root, manifest)
-        self._sensors = SensorAppender(store_path, root, manifest)
+    def __init__(self, batch: Batch, manifest: Manifest) -> None:
+        self._batch, self._manifest = batch, manifest
+        root = open_root(batch)
+        self._images = ImageAppender(batch, root, manifest)
+        self._values = ValueAppender(batch, root, manifest)
+        self._sensors = SensorAppender(batch, root, manifest)
         self._pieces: dict[str, list[pa.Table]] = {table: [] for table in TABLES}
 
     def add(self, take: StagedTake) -> None:
         """One take: images appended at once, rows kept for the new parts, values noted for `finish`."""
+        take.check()
         document, manifest = take.document, self._manifest
         findings = self._sensors.add(take)
         contents, names, variants = self._values.add(take)
@@ -65,7 +65,7 @@ class Appender:
         manifest["digest"] = extended_digest(manifest["digest"], f"{take.sha256} {document['content']}")
 
     def finish(self) -> None:
-        """Arrays, tables and sensors on disk; the manifest says so, but is not written yet."""
+        """Arrays, tables and sensors written into the batch; the manifest says so, but is not written yet."""
         self._images.finish()
         self._values.finish()
         self._sensors.finish()
@@ -73,7 +73,7 @@ class Appender:
             rows = pa.concat_tables(pieces).unify_dictionaries().combine_chunks()
             if len(rows):
                 self._manifest["index"][table].append(
-                    write_part(self._path, table, f"part-{len(self._manifest['index'][table]):05d}.parquet", rows)
+                    write_part(self._batch, table, f"part-{len(self._manifest['index'][table]):05d}.parquet", rows)
                 )
 
     def _frames(self, take: StagedTake) -> pa.Table:
@@ -138,10 +138,10 @@ def _source_row(document: Mapping[str, Any], contents: Mapping[str, Any]) -> pa.
     return pa.Table.from_pylist([row], schema=SOURCE_SCHEMA)
 
 
-def write_part(store_path: Path, table: str, file: str, rows: pa.Table) -> dict[str, Any]:
-    """A part of a table on disk; returns its entry for the manifest."""
+def write_part(batch: Batch, table: str, file: str, rows: pa.Table) -> dict[str, Any]:
+    """A part of a table in its file; returns its entry for the manifest."""
     sink = pa.BufferOutputStream()
     pq.write_table(rows.cast(TABLE_SCHEMAS[table]), sink, compression="zstd", row_group_size=ROW_GROUP)
     content = sink.getvalue().to_pybytes()
-    write_atomic(store_path / table_folder(table) / file, content)
+    batch.write(f"{table_folder(table)}/{file}", content)
     return {"file": file, "rows": len(rows), "sha256": hashlib.sha256(content).hexdigest()}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -11,11 +10,12 @@ from typing import Any
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.abc.store import ByteRequest
 from zarr.codecs import BytesCodec, Crc32cCodec, ZstdCodec
-from zarr.core.buffer import Buffer
+from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.storage import LocalStore
 
-from tactiledata.contract.atomic import write_atomic
+from tactiledata.store.batch import Batch
 from tactiledata.store.layout import FORMAT
 
 ZSTD_LEVEL = 1
@@ -25,28 +25,52 @@ SEPARATOR: dict[str, Any] = {"name": "default", "configuration": {"separator": "
 """Chunk files lie flat in the array's folder (``c.0.0``), not in a folder each."""
 
 
-class DurableStore(LocalStore):
-    """A Zarr store on the local disk whose files are synced before they take their name, and never half written."""
+class BatchStore(LocalStore):
+    """A Zarr store on the local disk that writes into a batch, so that files appear together, whole and synced."""
+
+    def __init__(self, batch: Batch, *, read_only: bool = False) -> None:
+        super().__init__(batch.root, read_only=read_only)
+        self._batch = batch
+
+    def with_read_only(self, read_only: bool = False) -> BatchStore:
+        """The same store, writable or not."""
+        return BatchStore(self._batch, read_only=read_only)
+
+    async def get(
+        self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
+    ) -> Buffer | None:
+        """The newest value of a key."""
+        return await super().get(self._batch.where(key), prototype, byte_range)
+
+    async def exists(self, key: str) -> bool:
+        """Whether a key has a value."""
+        return await super().exists(self._batch.where(key))
 
     async def set(self, key: str, value: Buffer) -> None:
         """Keep a value under a key."""
         self._check_writable()
-        await asyncio.to_thread(write_atomic, self.root / key, value.to_bytes())
+        self._batch.write(key, value.to_bytes())
 
     async def set_if_not_exists(self, key: str, value: Buffer) -> None:
         """Keep a value under a key that is not taken yet."""
         if not await self.exists(key):
             await self.set(key, value)
 
+    def get_sync(
+        self, key: str, *, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
+    ) -> Buffer | None:
+        """The newest value of a key, without an event loop."""
+        return super().get_sync(self._batch.where(key), prototype=prototype, byte_range=byte_range)
+
     def set_sync(self, key: str, value: Buffer) -> None:
         """Keep a value under a key, without an event loop."""
         self._check_writable()
-        write_atomic(self.root / key, value.to_bytes())
+        self._batch.write(key, value.to_bytes())
 
 
-def open_root(store_path: Path) -> zarr.Group:
+def open_root(batch: Batch) -> zarr.Group:
     """The store's Zarr group, to write into."""
-    return zarr.open_group(DurableStore(store_path), mode="a", zarr_format=3, attributes={"format": FORMAT})
+    return zarr.open_group(BatchStore(batch), mode="a", zarr_format=3, attributes={"format": FORMAT})
 
 
 def create_rows(
@@ -133,25 +157,25 @@ def _parent(root: zarr.Group, path: str) -> zarr.Group:
     return group
 
 
-def set_length(store_path: Path, path: str, length: int) -> None:
+def set_length(batch: Batch, path: str, length: int) -> None:
     """An array's number of rows; data beyond are not touched.
 
     zarr's own ``resize`` would delete whole chunks where a killed commit had left a longer shape; here shrinking and
     growing are the same rewrite of one file.
     """
-    place = store_path / path / "zarr.json"
-    document = json.loads(place.read_bytes())
+    place = f"{path}/zarr.json"
+    document = json.loads(batch.read(place))
     if document["shape"][0] != length:
         document["shape"][0] = length
-        write_atomic(place, json.dumps(document, indent=2).encode())
+        batch.write(place, json.dumps(document, indent=2).encode())
 
 
-def open_rows(store_path: Path, path: str) -> zarr.Array:
+def open_rows(batch: Batch, path: str) -> zarr.Array:
     """An array of a local store, to read and write."""
-    return zarr.open_array(DurableStore(store_path), path=path, mode="r+")
+    return zarr.open_array(BatchStore(batch), path=path, mode="r+")
 
 
-def append_rows(store_path: Path, path: str, start: int, stop: int, blocks: Iterable[NDArray[Any]]) -> None:
+def append_rows(batch: Batch, path: str, start: int, stop: int, blocks: Iterable[NDArray[Any]]) -> None:
     """Rows [start, stop) of an array, written from blocks; each chunk is written once.
 
     Parameters
@@ -159,10 +183,10 @@ def append_rows(store_path: Path, path: str, start: int, stop: int, blocks: Iter
     blocks : iterable of (n, ...) arrays
         Of any length, together stop - start rows; one chunk of rows is kept in memory.
     """
-    set_length(store_path, path, stop)
+    set_length(batch, path, stop)
     if start == stop:
         return
-    array = open_rows(store_path, path)
+    array = open_rows(batch, path)
     chunk = array.chunks[0]
     row = start
     waiting: list[NDArray[Any]] = []
@@ -178,17 +202,17 @@ def append_rows(store_path: Path, path: str, start: int, stop: int, blocks: Iter
         array[row:stop] = np.concatenate(waiting)
 
 
-def clear_rows(store_path: Path, path: str, length: int) -> None:
+def clear_rows(batch: Batch, path: str, length: int) -> None:
     """An array without any trace of rows beyond ``length``, as if they had never been written."""
-    array = open_rows(store_path, path)
+    array = open_rows(batch, path)
     chunk = array.chunks[0]
     last = -(-length // chunk)
     if length % chunk and array.shape[0] > length:
-        set_length(store_path, path, last * chunk)
-        tail = open_rows(store_path, path)
+        set_length(batch, path, last * chunk)
+        tail = open_rows(batch, path)
         tail[length:] = tail.fill_value
-    set_length(store_path, path, length)
-    drop_chunks(store_path / path, last)
+    set_length(batch, path, length)
+    drop_chunks(batch.root / path, last)
 
 
 def drop_chunks(folder: Path, first: int) -> None:

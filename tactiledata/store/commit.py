@@ -11,6 +11,7 @@ from tactiledata.contract.atomic import sync_folder, write_atomic
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.appender import Appender
 from tactiledata.store.arrays import open_root
+from tactiledata.store.batch import Batch
 from tactiledata.store.card import write_card
 from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings
 from tactiledata.store.lock import unwritable, writing_lock
@@ -74,7 +75,9 @@ def _refuse_foreign(folder: Path) -> None:
 
 
 def _start(folder: Path, settings: Settings) -> None:
-    open_root(folder)
+    with Batch(folder) as batch:
+        open_root(batch)
+        batch.publish()
     manifest = empty_manifest(settings)
     write_card(folder, manifest)
     write_manifest(folder, manifest)
@@ -148,10 +151,12 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Man
         manifest = copy.deepcopy(before)
         marker = folder / STAGING / COMMITTING
         write_atomic(marker, b"")
-        appender = Appender(folder, manifest)
-        for take in fresh:
-            appender.add(take)
-        appender.finish()
+        with Batch(folder) as batch:
+            appender = Appender(batch, manifest)
+            for take in fresh:
+                appender.add(take)
+            appender.finish()
+            batch.publish()
         write_manifest(folder, manifest)
         marker.unlink()
     else:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pyarrow as pa
 import zarr
 from numpy.typing import NDArray
 
 from tactiledata.store.arrays import create_frames, create_heap, set_length
+from tactiledata.store.batch import Batch
 from tactiledata.store.images import HeapAppender, ShardAppender
 from tactiledata.store.layout import heap_path, rgb_path
 from tactiledata.store.manifest import Manifest, settings_of
@@ -24,15 +23,15 @@ class ImageAppender:
 
     Parameters
     ----------
-    store_path : Path
+    batch : Batch
     root : zarr.Group
         The store's group, to create arrays in.
     manifest : dict
         Changed in place.
     """
 
-    def __init__(self, store_path: Path, root: zarr.Group, manifest: Manifest) -> None:
-        self._path, self._root = store_path, root
+    def __init__(self, batch: Batch, root: zarr.Group, manifest: Manifest) -> None:
+        self._batch, self._root = batch, root
         self._cameras = manifest["cameras"]
         self._settings = settings_of(manifest)
         self._heaps: dict[str, HeapAppender] = {}
@@ -43,14 +42,14 @@ class ImageAppender:
         encoding = np.array(frames["encoding"].cast(pa.string()).to_pylist(), dtype=object)
         camera = np.array(frames["camera"].cast(pa.string()).to_pylist(), dtype=object)
         height, width = np.asarray(frames["height"]), np.asarray(frames["width"])
-        read_at, n_read = np.asarray(frames["offset"]), np.asarray(frames["length"])
+        read_at, n_read, crc32c = (np.asarray(frames[name]) for name in ("offset", "length", "crc32c"))
         offset, length = np.full(len(frames), -1, dtype=np.int64), np.zeros(len(frames), dtype=np.int64)
         for name in dict.fromkeys(camera.tolist()):
             self._cameras.setdefault(name, {"heap_bytes": 0, "rgb": {}})
             encoded = np.flatnonzero((camera == name) & (encoding != "raw") & (encoding != "missing"))
             if len(encoded):
                 spool = take.folder / spool_name(name, "jpeg", 0, 0)
-                offset[encoded] = self._heap(name).append(spool, read_at[encoded], n_read[encoded])
+                offset[encoded] = self._heap(name).append(spool, read_at[encoded], n_read[encoded], crc32c[encoded])
                 length[encoded] = n_read[encoded]
             raw = np.flatnonzero((camera == name) & (encoding == "raw"))
             for size in dict.fromkeys(zip(height[raw].tolist(), width[raw].tolist(), strict=True)):
@@ -60,15 +59,15 @@ class ImageAppender:
         return offset, length
 
     def finish(self) -> None:
-        """All payloads on disk."""
+        """Heaps and shards closed, lengths set."""
         for camera, heap in self._heaps.items():
             heap.close()
             self._cameras[camera]["heap_bytes"] = heap.end
-            set_length(self._path, heap_path(camera), heap.end)
+            set_length(self._batch, heap_path(camera), heap.end)
         for (camera, height, width), shard in self._shards.items():
             shard.close()
             self._cameras[camera]["rgb"][f"{height}x{width}"] = shard.count
-            set_length(self._path, rgb_path(camera, height, width), shard.count)
+            set_length(self._batch, rgb_path(camera, height, width), shard.count)
 
     def _heap(self, camera: str) -> HeapAppender:
         if camera not in self._heaps:
@@ -76,7 +75,7 @@ class ImageAppender:
             path = heap_path(camera)
             if not used:
                 create_heap(self._root, path, self._settings.heap_chunk_bytes)
-            self._heaps[camera] = HeapAppender(self._path / path, self._settings.heap_chunk_bytes, used)
+            self._heaps[camera] = HeapAppender(self._batch, path, self._settings.heap_chunk_bytes, used)
         return self._heaps[camera]
 
     def _shard(self, camera: str, height: int, width: int) -> ShardAppender:
@@ -87,5 +86,5 @@ class ImageAppender:
             capacity = self._settings.frames_per_shard(height, width)
             if not used:
                 create_frames(self._root, path, (height, width), capacity)
-            self._shards[key] = ShardAppender(self._path / path, capacity, used)
+            self._shards[key] = ShardAppender(self._batch, path, capacity, used)
         return self._shards[key]

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import google_crc32c
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import sync_folder, write_atomic
 from tactiledata.errors import StoreError
-from tactiledata.store.shards import index_bytes, parse_index, shard_bytes
+from tactiledata.store.batch import Batch
+from tactiledata.store.shards import is_whole, shard_bytes, shard_chunks
 
 BLOCK = 8 * 2**20
+
+Rows = NDArray[np.int64]
 
 
 def place_payloads(lengths: Sequence[int], start: int, chunk: int) -> NDArray[np.int64]:
@@ -45,21 +49,30 @@ class HeapAppender:
 
     Parameters
     ----------
-    folder : Path
-        The array's folder.
+    batch : Batch
+        Syncs the chunk files.
+    path : str
+        Of the array in the store.
     chunk : int
         Bytes of a chunk file.
     end : int
         Bytes in use; grows with each append.
     """
 
-    folder: Path
+    batch: Batch
+    path: str
     chunk: int
     end: int
-    _open: dict[int, int] = field(default_factory=dict)
+    _open: tuple[int, int] | None = None
 
-    def append(self, spool: Path, offsets: NDArray[np.int64], lengths: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Where the payloads at ``offsets`` of a spool file came to lie in the heap."""
+    def append(self, spool: Path, offsets: Rows, lengths: Rows, crc32c: NDArray[Any]) -> Rows:
+        """Where the payloads at ``offsets`` of a spool file came to lie in the heap.
+
+        Raises
+        ------
+        StoreError
+            A payload larger than a chunk, or one that does not fit its CRC-32C.
+        """
         if len(lengths) and lengths.max() > self.chunk:
             raise StoreError(
                 f"an image of {lengths.max()} bytes",
@@ -68,43 +81,39 @@ class HeapAppender:
             )
         placed = place_payloads(lengths.tolist(), self.end, self.chunk)
         with spool.open("rb") as stream:
-            for first, last in _runs(offsets, lengths, placed, self.chunk):
-                self._copy(stream.fileno(), int(offsets[first]), int(placed[first]), int(placed[last] + lengths[last]))
+            for first, stop in _runs(offsets, lengths, placed, self.chunk):
+                part = slice(first, stop)
+                content = os.pread(stream.fileno(), int(lengths[part].sum()), int(offsets[first]))
+                _check_payloads(content, lengths[part].tolist(), crc32c[part].tolist(), spool)
+                self._write(content, int(placed[first]))
         if len(placed):
             self.end = max(self.end, int(placed[-1] + lengths[-1]))
         return placed
 
-    def _copy(self, source: int, read_at: int, start: int, stop: int) -> None:
-        if start == stop:
+    def _write(self, content: bytes, start: int) -> None:
+        if not content:
             return
-        target = self._file(start // self.chunk)
-        while start < stop:
-            content = os.pread(source, min(BLOCK, stop - start), read_at)
-            if not content:
-                raise StoreError("a spool file is shorter than its frames say", "a staged take that is whole")
-            written = os.pwrite(target, content, start % self.chunk)
-            start, read_at = start + written, read_at + written
+        descriptor = self._file(start // self.chunk)
+        view, position = memoryview(content), start % self.chunk
+        while view:
+            written = os.pwrite(descriptor, view, position)
+            view, position = view[written:], position + written
 
     def _file(self, chunk_index: int) -> int:
-        if chunk_index not in self._open:
+        if self._open is None or self._open[0] != chunk_index:
             self.close()
-            path = self.folder / f"c.{chunk_index}"
-            descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
-            self._open[chunk_index] = descriptor
-            cut_chunk(descriptor, max(0, self._used(chunk_index)), self.chunk)
-        return self._open[chunk_index]
-
-    def _used(self, chunk_index: int) -> int:
-        return min(self.chunk, self.end - chunk_index * self.chunk)
+            place = self.batch.root / self.path / f"c.{chunk_index}"
+            descriptor = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._open = chunk_index, descriptor
+            self.batch.note(place)
+            cut_chunk(descriptor, max(0, min(self.chunk, self.end - chunk_index * self.chunk)), self.chunk)
+        return self._open[1]
 
     def close(self) -> None:
-        """Everything appended is on disk."""
-        for descriptor in self._open.values():
-            os.fsync(descriptor)
-            os.close(descriptor)
-        if self._open:
-            sync_folder(self.folder)
-        self._open.clear()
+        """No file is open any more."""
+        if self._open is not None:
+            os.close(self._open[1])
+        self._open = None
 
 
 def cut_chunk(descriptor: int, used: int, chunk: int) -> None:
@@ -113,21 +122,42 @@ def cut_chunk(descriptor: int, used: int, chunk: int) -> None:
     os.ftruncate(descriptor, chunk)
 
 
-def _runs(
-    offsets: NDArray[np.int64], lengths: NDArray[np.int64], placed: NDArray[np.int64], chunk: int
-) -> list[tuple[int, int]]:
-    """Ranges [first, last] of payloads that lie side by side in the spool and in one chunk of the heap."""
+def _runs(offsets: Rows, lengths: Rows, placed: Rows, chunk: int) -> Iterator[tuple[int, int]]:
+    """Ranges [first, stop) of payloads that lie side by side in the spool and in one chunk of the heap, of some MiB."""
     if not len(offsets):
-        return []
+        return
     follows = (
         (offsets[1:] == offsets[:-1] + lengths[:-1])
         & (placed[1:] == placed[:-1] + lengths[:-1])
         & (placed[1:] // chunk == placed[:-1] // chunk)
     )
-    breaks = np.flatnonzero(~follows)
-    firsts = np.concatenate([[0], breaks + 1])
-    lasts = np.concatenate([breaks, [len(offsets) - 1]])
-    return list(zip(firsts.tolist(), lasts.tolist(), strict=True))
+    breaks = [*(np.flatnonzero(~follows) + 1).tolist(), len(offsets)]
+    ends = np.cumsum(lengths)
+    first = 0
+    for stop in breaks:
+        while first < stop:
+            enough = int(np.searchsorted(ends, int(ends[first] - lengths[first]) + BLOCK)) + 1
+            yield first, min(stop, enough)
+            first = min(stop, enough)
+
+
+def _check_payloads(content: bytes, lengths: list[int], crc32c: list[int], spool: Path) -> None:
+    position = 0
+    for length, crc in zip(lengths, crc32c, strict=True):
+        payload = content[position : position + length]
+        if len(payload) != length or google_crc32c.value(payload) != crc:
+            raise damaged_spool(spool)
+        position += length
+
+
+def damaged_spool(place: Path) -> StoreError:
+    """The error for a staged take whose files are not what was written."""
+    return StoreError(
+        f"{place.name} of the staged take {place.parent.name[:12]}… is damaged",
+        "the bytes that were staged",
+        f"The recording will be read again: delete {place.parent} and run the same command.",
+        path=str(place),
+    )
 
 
 @dataclass
@@ -136,28 +166,31 @@ class ShardAppender:
 
     Parameters
     ----------
-    folder : Path
-        The array's folder.
+    batch : Batch
+        Takes the shard files.
+    path : str
+        Of the array in the store.
     capacity : int
         Frames of a shard.
     count : int
         Frames in use; grows with each append.
     """
 
-    folder: Path
+    batch: Batch
+    path: str
     capacity: int
     count: int
     _chunks: list[bytes] | None = None
 
-    def append(self, spool: Path, offsets: NDArray[np.int64], lengths: NDArray[np.int64]) -> NDArray[np.int64]:
+    def append(self, spool: Path, offsets: Rows, lengths: Rows) -> Rows:
         """The rows that the frames at ``offsets`` of a spool file got."""
         chunks = self._tail() if self._chunks is None else self._chunks
         first = self.count
         with spool.open("rb") as stream:
             for offset, length in zip(offsets.tolist(), lengths.tolist(), strict=True):
                 content = os.pread(stream.fileno(), length, offset)
-                if len(content) != length:
-                    raise StoreError("a spool file is shorter than its frames say", "a staged take that is whole")
+                if not is_whole(content):
+                    raise damaged_spool(spool)
                 chunks.append(content)
                 self.count += 1
                 if self.count % self.capacity == 0:
@@ -169,30 +202,22 @@ class ShardAppender:
     def _tail(self) -> list[bytes]:
         if self.count % self.capacity == 0:
             return []
-        return read_shard(shard_file(self.folder, self.count // self.capacity), self.capacity)[
-            : self.count % self.capacity
-        ]
+        shard = self.batch.read(shard_file(self.path, self.count // self.capacity))
+        return shard_chunks(shard, self.capacity, self.path)[: self.count % self.capacity]
 
     def _write(self, shard: int, chunks: list[bytes]) -> None:
-        write_atomic(shard_file(self.folder, shard), shard_bytes(chunks, self.capacity))
+        self.batch.write(shard_file(self.path, shard), shard_bytes(chunks, self.capacity))
 
     def rewrite_tail(self) -> None:
         """The last shard without frames beyond ``count``."""
         self._write(self.count // self.capacity, self._tail())
 
     def close(self) -> None:
-        """Everything appended is on disk."""
+        """The last shard is written."""
         if self._chunks:
             self._write(self.count // self.capacity, self._chunks)
 
 
-def shard_file(folder: Path, shard: int) -> Path:
-    """The file of a shard."""
-    return folder / f"c.{shard}.0.0.0"
-
-
-def read_shard(path: Path, capacity: int) -> list[bytes]:
-    """The compressed frames of a shard, in order."""
-    content = path.read_bytes()
-    entries = parse_index(content[-index_bytes(capacity) :], capacity, str(path))
-    return [content[offset : offset + length] for offset, length in entries if length < 2**63]
+def shard_file(path: str, shard: int) -> str:
+    """The file of a shard of an array."""
+    return f"{path}/c.{shard}.0.0.0"

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.store.arrays import clear_rows, drop_chunks, set_length
+from tactiledata.store.batch import Batch
 from tactiledata.store.images import ShardAppender, cut_chunk
 from tactiledata.store.layout import (
     ALIGNED_ARRAYS,
     COMMITTING,
+    SENSORS,
     SIGNAL_ARRAYS,
     STAGING,
     TABLES,
@@ -115,39 +117,41 @@ def clean(store_path: Path, manifest: Manifest, thorough: bool) -> None:
         shutil.rmtree(folder)
     if not thorough:
         return
-    for place in temporary_files(store_path):
-        place.unlink(missing_ok=True)
+    for place in list(temporary_files(store_path)):
+        place.unlink()
     for folder in foreign_arrays(store_path, manifest):
         shutil.rmtree(folder)
     for place in foreign_parts(store_path, manifest):
         place.unlink()
-    _shorten(store_path, manifest)
-    facts = read_sensors(store_path, manifest)
-    if facts or (store_path / "sensors.json").exists():
-        write_sensors(store_path, facts)
+    with Batch(store_path) as batch:
+        _shorten(batch, manifest)
+        facts = read_sensors(store_path, manifest)
+        if facts or (store_path / SENSORS).exists():
+            write_sensors(batch, facts)
+        batch.publish()
 
 
-def _shorten(store_path: Path, manifest: Manifest) -> None:
-    settings = settings_of(manifest)
+def _shorten(batch: Batch, manifest: Manifest) -> None:
+    store_path, settings = batch.root, settings_of(manifest)
     for path, length in row_arrays(manifest):
-        clear_rows(store_path, path, length)
+        clear_rows(batch, path, length)
     for path, used in heaps(manifest):
         chunk = settings.heap_chunk_bytes
-        set_length(store_path, path, used)
+        set_length(batch, path, used)
         drop_chunks(store_path / path, -(-used // chunk))
         if used % chunk:
             descriptor = os.open(store_path / path / f"c.{used // chunk}", os.O_WRONLY)
             try:
                 cut_chunk(descriptor, used % chunk, chunk)
-                os.fsync(descriptor)
+                batch.note(store_path / path / f"c.{used // chunk}")
             finally:
                 os.close(descriptor)
     for path, size, count in raw_arrays(manifest):
         capacity = settings.frames_per_shard(*size)
-        set_length(store_path, path, count)
+        set_length(batch, path, count)
         drop_chunks(store_path / path, -(-count // capacity))
         if count % capacity:
-            ShardAppender(store_path / path, capacity, count).rewrite_tail()
+            ShardAppender(batch, path, capacity, count).rewrite_tail()
 
 
 def is_interrupted(store_path: Path) -> bool:

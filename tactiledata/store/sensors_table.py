@@ -12,11 +12,11 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.errors import StoreError
 from tactiledata.store.arrays import open_rows, write_image
+from tactiledata.store.batch import Batch
 from tactiledata.store.layout import SENSORS, reference_path
 from tactiledata.store.manifest import Manifest
 from tactiledata.store.writer import StagedTake
@@ -90,15 +90,20 @@ def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str
         ) from error
 
 
+def json_document(value: object) -> bytes:
+    """JSON for people to read, in canonical order."""
+    return (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False) + "\n").encode()
+
+
 def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
     """Facts of the sensors of a local store."""
     place = store_path / SENSORS
     return parse_sensors(place.read_bytes() if place.is_file() else None, manifest, str(place))
 
 
-def write_sensors(store_path: Path, facts: Facts) -> dict[str, str]:
-    """Facts on disk; returns their digests for the manifest."""
-    write_json_atomic(store_path / SENSORS, facts)
+def write_sensors(batch: Batch, facts: Facts) -> dict[str, str]:
+    """Facts in their file; returns their digests for the manifest."""
+    batch.write(SENSORS, json_document(facts))
     return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}
 
 
@@ -107,16 +112,16 @@ class SensorAppender:
 
     Parameters
     ----------
-    store_path : Path
+    batch : Batch
     root : zarr.Group
         The store's group, to create arrays in.
     manifest : dict
         Changed in place.
     """
 
-    def __init__(self, store_path: Path, root: zarr.Group, manifest: Manifest) -> None:
-        self._path, self._root, self._manifest = store_path, root, manifest
-        self._facts = read_sensors(store_path, manifest)
+    def __init__(self, batch: Batch, root: zarr.Group, manifest: Manifest) -> None:
+        self._batch, self._root, self._manifest = batch, root, manifest
+        self._facts = read_sensors(batch.root, manifest)
         self._images: dict[str, NDArray[np.uint8]] = {}
 
     def add(self, take: StagedTake) -> list[Finding]:
@@ -134,11 +139,11 @@ class SensorAppender:
         return findings
 
     def finish(self) -> None:
-        """Facts on disk."""
+        """Facts written."""
         if self._facts:
-            self._manifest["sensors"] = write_sensors(self._path, self._facts)
+            self._manifest["sensors"] = write_sensors(self._batch, self._facts)
 
     def _image(self, sensor: str) -> NDArray[np.uint8]:
         if sensor not in self._images:
-            self._images[sensor] = np.asarray(open_rows(self._path, reference_path(sensor))[...], np.uint8)
+            self._images[sensor] = np.asarray(open_rows(self._batch, reference_path(sensor))[...], np.uint8)
         return self._images[sensor]

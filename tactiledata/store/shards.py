@@ -42,13 +42,23 @@ def unpack_frame(chunk: bytes, out: NDArray[np.uint8]) -> None:
     ValueError
         The chunk's CRC-32C does not fit, or it does not hold a frame of this size.
     """
-    packed = chunk[:-4]
-    if len(chunk) < 4 or google_crc32c.value(packed) != CRC.unpack_from(chunk, len(chunk) - 4)[0]:
+    if not is_whole(chunk):
         raise ValueError("the CRC-32C of the compressed frame does not fit")
     try:
-        Zstd().decode(packed, out)
+        Zstd().decode(chunk[:-4], out)
     except RuntimeError as error:
         raise ValueError(f"the compressed frame does not decode: {error}") from error
+
+
+def is_whole(chunk: bytes) -> bool:
+    """Whether a frame's chunk fits its CRC-32C."""
+    return len(chunk) > 4 and google_crc32c.value(chunk[:-4]) == CRC.unpack_from(chunk, len(chunk) - 4)[0]
+
+
+def shard_chunks(content: bytes, capacity: int, where: str) -> list[bytes]:
+    """The chunks of a shard file, in order, as far as there are any."""
+    entries = parse_index(content[-index_bytes(capacity) :], capacity, where)
+    return [content[offset : offset + length] for offset, length in entries if length != ABSENT]
 
 
 def shard_bytes(chunks: Sequence[bytes], capacity: int) -> bytes:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from array import array
 from pathlib import Path
@@ -162,14 +161,11 @@ class Spool:
         """Bytes on disk so far."""
         return sum(self._ends.values())
 
-    def close(self, durable: bool = False) -> None:
-        """All payloads are in their files; with ``durable`` also on the disk."""
+    def close(self) -> None:
+        """All payloads are in their files."""
         try:
             for stream in self._files.values():
                 if not stream.closed:
-                    stream.flush()
-                    if durable:
-                        os.fsync(stream.fileno())
                     stream.close()
         except OSError as error:
             raise unwritable(self.folder, error) from error

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.store.arrays import append_rows, create_rows, set_length
+from tactiledata.store.batch import Batch
 from tactiledata.store.layout import ALIGNED_ARRAYS, SIGNAL_ARRAYS, aligned_path, frame_values_path, signal_path
 from tactiledata.store.manifest import Manifest, settings_of
 from tactiledata.store.statistics import added, no_statistics
@@ -32,18 +32,19 @@ class ValueAppender:
 
     Parameters
     ----------
-    store_path : Path
+    batch : Batch
     root : zarr.Group
         The store's group, to create arrays in.
     manifest : dict
         Changed in place.
     """
 
-    def __init__(self, store_path: Path, root: zarr.Group, manifest: Manifest) -> None:
-        self._path, self._root, self._manifest = store_path, root, manifest
+    def __init__(self, batch: Batch, root: zarr.Group, manifest: Manifest) -> None:
+        self._batch, self._root, self._manifest = batch, root, manifest
         self._chunk_rows = settings_of(manifest).signal_chunk_rows
         self._first_frame: int = manifest["rows"]["frames"]
         self._first_rows = {name: facts["rows"] for name, facts in manifest["signals"].items()}
+        self._known = {(kind, name) for kind in KINDS for name in manifest[kind]}
         self._noted: dict[tuple[str, str], Noted] = {}
 
     def add(self, take: StagedTake) -> tuple[dict[str, Any], dict[str, str], list[Finding]]:
@@ -63,7 +64,7 @@ class ValueAppender:
         return contents, names, findings
 
     def finish(self) -> None:
-        """All values on disk."""
+        """All values written."""
         for (kind, name), noted in self._noted.items():
             if kind == "signals":
                 self._finish_signal(name, noted)
@@ -115,7 +116,7 @@ class ValueAppender:
             if start == 0:
                 self._create(path, array, facts)
             blocks = (take.array(entry["arrays"][array]) for _, take, entry in noted)
-            append_rows(self._path, path, start, facts["rows"], blocks)
+            append_rows(self._batch, path, start, facts["rows"], blocks)
         _count(facts, noted)
 
     def _finish_frame_rows(self, kind: str, name: str, arrays: tuple[str, ...]) -> None:
@@ -125,13 +126,13 @@ class ValueAppender:
         noted = self._noted.get((kind, name), [])
         for array in arrays:
             path = aligned_path(name, array) if kind == "aligned" else frame_values_path(name)
-            if not (self._path / path).exists():
+            if (kind, name) not in self._known:
                 self._create(path, array, facts)
             if noted:
                 width = len(facts["columns"]) if array == "value" else None
-                append_rows(self._path, path, start, stop, _filled(noted, array, width, start, stop))
+                append_rows(self._batch, path, start, stop, _filled(noted, array, width, start, stop))
             else:
-                set_length(self._path, path, stop)
+                set_length(self._batch, path, stop)
         facts["rows"] = stop
         _count(facts, noted)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -17,9 +16,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import sync_folder, write_atomic
-from tactiledata.contract.provenance import json_bytes
+from tactiledata.contract.provenance import file_digest, json_bytes
 from tactiledata.contract.records import Stamps, Take
+from tactiledata.store.images import damaged_spool
 from tactiledata.store.layout import STAGING, TABLE_SCHEMAS, staging_folder
 from tactiledata.store.lock import unwritable
 from tactiledata.store.spool import Spool
@@ -29,6 +28,7 @@ __all__ = ["StagedTake", "find_staged", "stage", "staging_folder"]
 
 MARKER = "take.json"
 ARRAYS = "arrays.bin"
+STAGED_TABLES = ("frames", "trajectories", "findings")
 
 
 @dataclass(frozen=True)
@@ -62,9 +62,39 @@ class StagedTake:
             return np.empty(entry["shape"], entry["dtype"])
         return np.memmap(self.folder / ARRAYS, entry["dtype"], "r", entry["offset"], tuple(entry["shape"]))
 
+    def check(self) -> None:
+        """Nothing, where tables and arrays are what was staged.
+
+        Raises
+        ------
+        StoreError
+            They are not: the disk lost something.
+        """
+        for name, digest in self.document["tables"].items():
+            place = self.folder / f"{name}.parquet"
+            if not place.is_file() or file_digest(place) != digest:
+                raise damaged_spool(place)
+        for kind in ("signals", "aligned", "frame_values", "references"):
+            for entry in self.document[kind].values():
+                for array in entry["arrays"].values():
+                    self._check_array(array)
+
+    def _check_array(self, entry: Mapping[str, Any]) -> None:
+        crc = 0
+        try:
+            for block in _blocks(self.array(entry)):
+                crc = google_crc32c.extend(crc, block.tobytes())
+        except (OSError, ValueError) as error:
+            raise damaged_spool(self.folder / ARRAYS) from error
+        if crc != entry["crc32c"]:
+            raise damaged_spool(self.folder / ARRAYS)
+
 
 def stage(store_path: Path | str, spool: Spool, take: Take, content: str | None = None) -> StagedTake:
     """A take as files under the store's staging folder; the marker is written last.
+
+    Nothing is synced here, which would cost more than all the rest where recordings are small: a commit checks what it
+    takes, and a take that a power cut damaged is read again from its recording.
 
     Parameters
     ----------
@@ -84,22 +114,22 @@ def stage(store_path: Path | str, spool: Spool, take: Take, content: str | None 
     check_take(take, spool)
     folder = staging_folder(store_path, take.sha256)
     try:
-        spool.close(durable=True)
+        spool.close()
         if spool.folder != folder:
             shutil.rmtree(folder, ignore_errors=True)
             folder.parent.mkdir(parents=True, exist_ok=True)
             shutil.move(spool.folder, folder)
         spool_bytes = sum(place.stat().st_size for place in folder.iterdir())
-        for name, table in (("frames", take.frames), ("trajectories", take.trajectories), ("findings", take.findings)):
-            pq.write_table(table.cast(TABLE_SCHEMAS[name]), folder / f"{name}.parquet", compression="lz4")
+        for name in STAGED_TABLES:
+            table = getattr(take, name).cast(TABLE_SCHEMAS[name])
+            pq.write_table(table, folder / f"{name}.parquet", compression="lz4")
         with (folder / ARRAYS).open("wb") as stream:
             document = _document(take, _Arrays(stream))
         document["n_bytes"] = spool_bytes + (folder / ARRAYS).stat().st_size
         document["content"] = content or content_digest(take, document)
-        for place in folder.iterdir():
-            _sync(place)
-        write_atomic(folder / MARKER, json_bytes(document))
-        sync_folder(folder.parent)
+        document["tables"] = {name: file_digest(folder / f"{name}.parquet") for name in STAGED_TABLES}
+        (folder / f"{MARKER}.part").write_bytes(json_bytes(document))
+        (folder / f"{MARKER}.part").replace(folder / MARKER)
     except OSError as error:
         raise unwritable(store_path, error) from error
     return _staged(folder, document)
@@ -120,14 +150,6 @@ def find_staged(store_path: Path | str) -> dict[str, StagedTake]:
 
 def _staged(folder: Path, document: Mapping[str, Any]) -> StagedTake:
     return StagedTake(folder, document["sha256"], document["n_frames"], document["n_bytes"], document)
-
-
-def _sync(place: Path) -> None:
-    descriptor = os.open(place, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 class _Arrays:
@@ -224,9 +246,9 @@ PLACE_COLUMNS = ("source", "offset", "length", "parent_frame")
 def content_digest(take: Take, document: Mapping[str, Any]) -> str:
     """SHA-256 of what a take holds, wherever its bytes lie: the same when it is staged from another store."""
     total = hashlib.sha256()
-    what = {name: value for name, value in document.items() if name not in ("n_bytes", "content")}
+    what = {name: value for name, value in document.items() if name not in ("n_bytes", "content", "tables")}
     total.update(json_bytes(json.loads(json_bytes(what), object_hook=_without_offset)))
-    for name in ("frames", "trajectories", "findings"):
+    for name in STAGED_TABLES:
         schema = TABLE_SCHEMAS[name]
         table: pa.Table = getattr(take, name).cast(schema).combine_chunks()
         for column in schema.names:
