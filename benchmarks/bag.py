@@ -28,9 +28,7 @@ def write_bag(path: Path, seconds: float, n_images: int, *, raw: bool) -> None:
     types = get_typestore(Stores.ROS2_HUMBLE)
     image_type = "sensor_msgs/msg/Image" if raw else "sensor_msgs/msg/CompressedImage"
     image_topic = "/digit/image_raw" if raw else "/digit/image_raw/compressed"
-    streams = [
-        _stamped(name, kind, _messages(types, name, rate, seconds)) for name, (_, kind, rate) in TOPICS.items()
-    ]
+    streams = [_stamped(name, kind, _messages(types, name, rate, seconds)) for name, (_, kind, rate) in TOPICS.items()]
     streams.append(_stamped("image", image_type, _images(types, seconds, n_images, raw=raw)))
     with path.open("wb") as stream:
         writer = Writer(stream, compression=CompressionType.ZSTD)

@@ -1,4 +1,7 @@
-"""Ways in which tactile frames are kept and read at random; each writes the same frames and gives batches of pixels."""
+"""Ways in which tactile frames are kept and read at random; each writes the same frames and gives batches of pixels.
+
+Each imports its library where it uses it, so that a contestant's process holds its own library only.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import h5py
 import numpy as np
-import webdataset
-import zarr
 from numpy.typing import NDArray
 
 Pixels = NDArray[np.uint8]
@@ -23,8 +23,8 @@ SHUFFLE_BUFFER = 256
 
 
 def folder_bytes(folder: Path) -> int:
-    """Bytes of all files in a folder."""
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    """Bytes that all files in a folder take on the disk; holes in sparse files take none."""
+    return sum(path.stat().st_blocks * 512 for path in folder.rglob("*") if path.is_file())
 
 
 def decode(payload: bytes) -> Pixels:
@@ -84,14 +84,18 @@ class LooseFiles(Contestant):
 
 
 class Hdf5Chunked(Contestant):
-    """Decoded frames in an HDF5 dataset, one frame a chunk, gzip, read in a loop (h5py holds one lock for all threads)."""
+    """Decoded frames in an HDF5 dataset, one frame a chunk, gzip, read in a loop: h5py has one lock for all threads."""
 
     def __init__(self, folder: Path) -> None:
+        import h5py
+
         self._frames = h5py.File(folder / "frames.h5", "r")["frames"]
 
     @staticmethod
     def write(folder: Path, pictures: Iterator[tuple[bytes, Pixels]], count: int) -> None:
         """Write the decoded pixels."""
+        import h5py
+
         folder.mkdir()
         first = next(pictures)
         shape = first[1].shape
@@ -111,12 +115,16 @@ class Hdf5Bytes(Contestant):
     """Encoded bytes as variable-length entries of an HDF5 dataset, decoded by OpenCV; a thread pool may decode."""
 
     def __init__(self, folder: Path, threads: int) -> None:
+        import h5py
+
         self._frames = h5py.File(folder / "bytes.h5", "r")["frames"]
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
     @staticmethod
     def write(folder: Path, pictures: Iterator[tuple[bytes, Pixels]], count: int) -> None:
         """Write the encoded bytes."""
+        import h5py
+
         folder.mkdir()
         with h5py.File(folder / "bytes.h5", "w") as file:
             frames = file.create_dataset("frames", (count,), h5py.vlen_dtype(np.uint8))
@@ -130,14 +138,20 @@ class Hdf5Bytes(Contestant):
 
 
 class ZarrPlain(Contestant):
-    """Decoded frames in a Zarr array, one frame a chunk, zstd, read by zarr-python's batch index with its own threads."""
+    """Decoded frames in a Zarr array, one frame a chunk, zstd; zarr-python's batch index has threads of its own."""
 
     def __init__(self, folder: Path) -> None:
+        import zarr
+
         self._frames: Any = zarr.open_array(folder / "frames.zarr", mode="r")
 
     @staticmethod
     def write(folder: Path, pictures: Iterator[tuple[bytes, Pixels]], count: int) -> None:
         """Write the decoded pixels."""
+        import zarr
+
+        from tactiledata.store.arrays import ZSTD_LEVEL
+
         folder.mkdir()
         first = next(pictures)
         shape = first[1].shape
@@ -146,7 +160,7 @@ class ZarrPlain(Contestant):
             shape=(count, *shape),
             chunks=(1, *shape),
             dtype=np.uint8,
-            compressors=zarr.codecs.ZstdCodec(level=3),
+            compressors=zarr.codecs.ZstdCodec(level=ZSTD_LEVEL),
         )
         for row, (_, pixels) in enumerate(itertools.chain([first], pictures)):
             frames[row] = pixels
@@ -157,9 +171,11 @@ class ZarrPlain(Contestant):
 
 
 class WebDatasetShards(Contestant):
-    """Encoded bytes in tar shards, read in sequence through a shuffle buffer: not random access, shown for comparison."""
+    """Encoded bytes in tar shards, read in sequence through a shuffle buffer: no random access, for comparison."""
 
     def __init__(self, folder: Path) -> None:
+        import webdataset
+
         shards = sorted(str(path) for path in folder.glob("*.tar"))
         samples = webdataset.WebDataset(shards, shardshuffle=False, empty_check=False)
         self._stream = iter(samples.shuffle(SHUFFLE_BUFFER, initial=SHUFFLE_BUFFER).repeat())

@@ -20,7 +20,9 @@ NOISE = 1.5
 def backgrounds() -> list[NDArray[np.uint8]]:
     """The real DIGIT backgrounds that the package ships, (320, 240, 3) RGB each."""
     folder = resources.files("tactiledata") / "sensors" / "digit_backgrounds"
-    pictures = sorted((entry for entry in folder.iterdir() if entry.name.endswith(".jpg")), key=lambda entry: entry.name)
+    pictures = sorted(
+        (entry for entry in folder.iterdir() if entry.name.endswith(".jpg")), key=lambda entry: entry.name
+    )
     return [cv2.imdecode(np.frombuffer(entry.read_bytes(), np.uint8), cv2.IMREAD_COLOR_RGB) for entry in pictures]
 
 

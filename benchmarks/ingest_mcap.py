@@ -21,7 +21,7 @@ from bag import write_bag
 from timing import MEGABYTE, Seat, header, interleaved, median_ratio, table, verdict
 
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.layout import ZSTD_LEVEL
+from tactiledata.store.arrays import ZSTD_LEVEL
 
 TARGET = 1.5
 
@@ -87,7 +87,7 @@ def contest(kind: str, seconds: float, n_images: int, repeats: int) -> bool:
         try:
             counts = {name: seat.call("run", str(bag))[1] for name, seat in seats.items()}
             times = interleaved(seats, [("run", (str(bag),))] * repeats)
-            memory = {name: seat.memory() for name, seat in seats.items()}
+            memory = {name: seat.memory("run", str(bag)) for name, seat in seats.items()}
         finally:
             for seat in seats.values():
                 seat.close()
@@ -100,7 +100,12 @@ def contest(kind: str, seconds: float, n_images: int, repeats: int) -> bool:
         ["mcap", "mcap-ros2-support", "zarr", "zstandard"],
     )
     rows = [
-        (name, f"{statistics.median(taken):.2f}", f"{messages / statistics.median(taken):,.0f}", *_megabytes(memory[name]))
+        (
+            name,
+            f"{statistics.median(taken):.2f}",
+            f"{messages / statistics.median(taken):,.0f}",
+            *_megabytes(memory[name]),
+        )
         for name, taken in times.items()
     ]
     table(["way", "seconds", "messages/s", "own MB", "mapped MB"], rows)

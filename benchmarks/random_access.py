@@ -30,7 +30,7 @@ from contestants import (
     folder_bytes,
 )
 from digit_frames import digit_frames, encoded
-from our_store import OurLoader, write_store
+from our_loader import OurLoader
 from timing import MEGABYTE, Seat, header, interleaved, median_ratio, table, verdict
 
 BATCH = 64
@@ -51,6 +51,8 @@ def pictures(kind: str, count: int) -> Iterator[tuple[bytes, Pixels]]:
 
 def build(kind: str, folder: Path, count: int) -> dict[str, tuple[Path, Callable[..., Contestant], tuple[Any, ...]]]:
     """All ways, written: name -> (folder, maker, its arguments)."""
+    from our_store import write_store
+
     extension, word = (".jpg", "JPEG") if kind == "jpeg" else (".png", "PNG")
     loose, chunked, entries, plain, shards = (folder / name for name in ("loose", "h5", "h5bytes", "zarr", "wds"))
     LooseFiles.write(loose, pictures(kind, count), extension)
@@ -97,7 +99,7 @@ def contest(kind: str, count: int, n_batches: int) -> bool:
         try:
             check_pixels(kind, count, seats, batches[:WARM_UP])
             seconds = interleaved(seats, [("read", (rows,)) for rows in batches[WARM_UP:]])
-            memory = {name: seat.memory() for name, seat in seats.items()}
+            memory = {name: seat.memory("read", batches[0]) for name, seat in seats.items()}
         finally:
             for seat in seats.values():
                 seat.close()
@@ -113,9 +115,10 @@ def _show(
     memory: dict[str, dict[str, float]],
     sizes: dict[str, float],
 ) -> bool:
+    n_batches = len(next(iter(seconds.values())))
     header(
-        f"random access, {kind}: {count} frames of 320 x 240, batches of {batch}, median of {len(next(iter(seconds.values())))}",
-        ["opencv-python-headless", "h5py", "zarr", "tensorstore", "webdataset", "numpy"],
+        f"random access, {kind}: {count} frames of 320 x 240, batches of {batch}, median of {n_batches}",
+        ["opencv-python-headless", "h5py", "zarr", "webdataset", "numpy"],
     )
     ours = next(name for name in seconds if name.startswith("tactiledata"))
     rows = [

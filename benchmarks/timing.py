@@ -1,4 +1,4 @@
-"""Fair timing: every contestant in a process of its own, repeats interleaved, medians; and the tables that show them."""
+"""Fair timing: every contestant in a process of its own, repeats interleaved, medians; and tables that show them."""
 
 from __future__ import annotations
 
@@ -43,9 +43,13 @@ class Seat:
         self._ours.send((method, arguments))
         return self._answer(CALL_LIMIT_S)
 
-    def memory(self) -> dict[str, float]:
-        """Peak growth since the contestant was built, bytes: ``own`` (anonymous) and ``mapped`` (files in the page cache)."""
-        return self.call("")[1]
+    def memory(self, method: str, *arguments: Any) -> dict[str, float]:
+        """Peak growth in bytes while a method runs, untimed: ``own`` (anonymous) and ``mapped`` (pages of files).
+
+        Measured from the moment at which the contestant was built.
+        """
+        self._ours.send(("watched", (method, *arguments)))
+        return self._answer(CALL_LIMIT_S)[1]
 
     def _answer(self, limit: float) -> Any:
         if not self._ours.poll(limit):
@@ -61,34 +65,41 @@ class Seat:
         self._process.join()
 
 
-class _Watch(threading.Thread):
-    """Peaks of this process's memory, looked at every 2 ms."""
+class _Watched:
+    """A contestant, and the peaks of this process's memory, looked at every 2 ms while `watched` runs."""
 
-    def __init__(self) -> None:
-        super().__init__(daemon=True)
+    def __init__(self, contestant: Any) -> None:
+        self._contestant = contestant
         self._process = psutil.Process()
-        self.start_own, self.start_mapped = self._look()
-        self.own, self.mapped = self.start_own, self.start_mapped
+        self._start = self._look()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._contestant, name)
 
     def _look(self) -> tuple[int, int]:
         memory = self._process.memory_info()
         return memory.rss - memory.shared, memory.shared
 
-    def run(self) -> None:
-        while True:
-            own, mapped = self._look()
-            self.own, self.mapped = max(self.own, own), max(self.mapped, mapped)
-            time.sleep(0.002)
+    def watched(self, method: str, *arguments: Any) -> dict[str, float]:
+        """Peak growth while a method of the contestant runs."""
+        peaks, done = [self._look()], threading.Event()
 
-    def growth(self) -> dict[str, float]:
-        return {"own": self.own - self.start_own, "mapped": self.mapped - self.start_mapped}
+        def look() -> None:
+            while not done.wait(0.002):
+                peaks.append(self._look())
+
+        watcher = threading.Thread(target=look)
+        watcher.start()
+        getattr(self._contestant, method)(*arguments)
+        done.set()
+        watcher.join()
+        own, mapped = (max(values) - start for values, start in zip(zip(*peaks, strict=True), self._start, strict=True))
+        return {"own": own, "mapped": mapped}
 
 
 def _sit(pipe: Any, build: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     try:
-        contestant = build(*arguments)
-        watch = _Watch()
-        watch.start()
+        contestant = _Watched(build(*arguments))
         pipe.send(("ok", None))
     except Exception as error:  # noqa: BLE001 - whatever it is, the parent must hear of it
         pipe.send(("error", repr(error)))
@@ -100,7 +111,7 @@ def _sit(pipe: Any, build: Callable[..., Any], arguments: tuple[Any, ...]) -> No
             return
         try:
             started = time.perf_counter()
-            result = getattr(contestant, method)(*call_arguments) if method else watch.growth()
+            result = getattr(contestant, method)(*call_arguments)
             pipe.send(("ok", (time.perf_counter() - started, result)))
         except Exception as error:  # noqa: BLE001 - as above
             pipe.send(("error", repr(error)))
@@ -151,5 +162,6 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
 def verdict(what: str, ratio: float, target: float, *, at_most: bool = False) -> bool:
     """Print whether a ratio meets its target, and return it."""
     met = ratio <= target if at_most else ratio >= target
-    print(f"{what}: {ratio:.2f} (target: {'at most' if at_most else 'at least'} {target:.1f}) {'met' if met else 'MISSED'}")
+    bound = "at most" if at_most else "at least"
+    print(f"{what}: {ratio:.2f} (target: {bound} {target:.1f}) {'met' if met else 'MISSED'}")
     return met
