@@ -151,10 +151,10 @@ class TactileArrays:
         return (read(numbers) for numbers in order)
 
     def _finished(self, item: Item) -> Item:
-        pictures = {
-            stream.name: self._as_float(stream.name, item[stream.name]) for stream in self.streams if stream.is_picture
-        }
-        return item if self.image_dtype == "uint8" else {**item, **pictures}
+        if self.image_dtype == "uint8":
+            return item
+        pictures = [stream.name for stream in self.streams if stream.is_picture]
+        return {**item, **{name: self._as_float(name, item[name]) for name in pictures}}
 
     def _as_float(self, name: str, pictures: NDArray[np.uint8]) -> NDArray[np.float32]:
         scaled = pictures.astype(np.float32)
