@@ -84,13 +84,13 @@ def test_links_in_a_tar_are_left_out_and_said(tmp_path):
     assert len(sink.images) == 24
 
 
-@pytest.mark.parametrize("share", [0.3, 0.6, 0.8])
+@pytest.mark.parametrize("share", [0.1, 0.4, 0.7])
 def test_cut_tars_give_what_is_whole(tmp_path, share):
     """A cut tar gives the samples before the cut byte by byte, and both the cut and the count are said."""
     whole = {image.name: image.payload for image in first(tmp_path / "a")[1].images}
     recording, sink = first(tmp_path / "b", cut=share)
     assert {"tar-truncated", "count-mismatch"} & codes(recording)
-    assert 15 < len([image for image in sink.images if image.payload]) <= 24
+    assert 15 <= len([image for image in sink.images if image.payload]) < 24
     for image in sink.images:
         assert image.payload in (b"", whole[image.name])
 
