@@ -33,7 +33,16 @@ def scenario_document(**changes):
         "indenters": {"ball": {"shape": "sphere", "radius": 0.004}, "ring": {"shape": "ring"}},
         "streams": {"joints": 0, "arm_wrench": 0},
         "imperfections": QUIET,
-        "generate": {"count": 2, "shear_share": 1.0, "tilt": [0.05, 0.1], "depth": [0.0004, 0.0005]},
+        "images": {"free_air_frames": 0},
+        "generate": {
+            "count": 2,
+            "tilt": [0.05, 0.1],
+            "depth": [0.0005, 0.0006],
+            "step": 0.0005,
+            "shear_share": 1.0,
+            "shear_step": 0.001,
+            "dwell": [0.0, 0.0],
+        },
     }
     return {**document, **changes}
 

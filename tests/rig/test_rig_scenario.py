@@ -91,7 +91,7 @@ def test_a_background_of_another_size_is_refused(tmp_path):
     import numpy as np
 
     cv2.imwrite(str(tmp_path / "small.png"), np.zeros((240, 320, 3), np.uint8))
-    scenario = load_scenario(changed(sensors={"A": {"background": "small.png"}}), tmp_path)
+    scenario = load_scenario(changed(sensors={"A": {"background": "small.png"}}, generate={"count": 1}), tmp_path)
     with pytest.raises(SchemaError, match="240 rows x 320 columns"):
         record(scenario, tmp_path / "out")
 
