@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from tactiledata.contract.records import Finding
 from tactiledata.errors import SchemaError, StoreError
 from tactiledata.splits import leaks
+from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
+from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
+from tactiledata.splits.groups import codes
 from tactiledata.splits.manifest import Split, coverage_problem, partition_rows, read_split
 from tactiledata.splits.options import PARTITIONS
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
@@ -26,6 +30,8 @@ AUDIT_TRAJECTORY_COLUMNS = ("uid", "trajectory", "source", "sensor", "indenter",
 AUDIT_FRAME_COLUMNS = (*FRAME_COLUMNS, "parent_frame", "length", "crc32c")
 BATCH = 256
 """Images read at a time."""
+NOISE_SAMPLE = 16
+"""Trajectories of a sensor from which its noise is estimated."""
 MAX_PAIRS = 5000
 """Pairs of near images that are compared pixel by pixel, nearest first (some 0.1 s each)."""
 
@@ -134,12 +140,9 @@ def audit_tables(split: Split, trajectories: pa.Table, frames: pa.Table) -> list
 def _audit_images(
     store: Store, frames: pa.Table, split: Split, part: NDArray[np.int64], progress: Progress | None
 ) -> tuple[list[Finding], dict[str, int]]:
-    # scipy and cv2 are of no use to those who only load a split
-    from tactiledata.splits.copies import compare_images
-    from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
-
+    trajectory = frames["trajectory"].to_numpy()
     rows = np.flatnonzero(taken_frames(frames, split.force))
-    where = part[frames["trajectory"].to_numpy()[rows]]
+    where = part[trajectory[rows]]
     rows, where = rows[where >= 0], where[where >= 0]
     prints = np.full((len(rows), CELLS), np.nan, np.float32)
     unreadable: list[int] = []
@@ -150,15 +153,11 @@ def _audit_images(
         if progress is not None:
             progress(min(start + BATCH, len(rows)), len(rows))
     pairs = near_pairs(prints, where)
-    copies: list[tuple[int, int]] = []
-    for one, other in zip(pairs.first[:MAX_PAIRS], pairs.second[:MAX_PAIRS], strict=True):
-        first, second = (np.asarray(image) for image in store.images(rows[[one, other]]))
-        if compare_images(first, second).is_copy:
-            copies.append((int(one), int(other)))
-    cases = (
-        f"frame {rows[one]} ({PARTITIONS[where[one]]}) and frame {rows[other]} ({PARTITIONS[where[other]]})"
-        for one, other in copies
-    )
+    whole = rows[np.isfinite(prints[:, 0])]
+    noise = _noise_by_sensor(store, whole, trajectory, codes(store.frames(["sensor"])["sensor"]))
+    copies = _copies(store, rows[pairs.first[:MAX_PAIRS]], rows[pairs.second[:MAX_PAIRS]], noise)
+    name = dict(zip(rows.tolist(), where.tolist(), strict=True))
+    cases = (f"frame {a} ({PARTITIONS[name[a]]}) and frame {b} ({PARTITIONS[name[b]]})" for a, b in copies)
     found = leaks.leak("near-duplicate-image", "copies of one image are in different parts", cases, len(copies))
     if len(pairs) > MAX_PAIRS:
         left = len(pairs) - MAX_PAIRS
@@ -174,6 +173,36 @@ def _audit_images(
         message = f"{blank} images are of one grey: whether they are copies cannot be told"
         found.append(Finding("blank-image", "warning", message, count=blank))
     return found, {"images": len(rows), "near pairs": min(len(pairs), MAX_PAIRS)}
+
+
+def _noise_by_sensor(
+    store: Store, rows: NDArray[np.int64], trajectory: NDArray[np.int32], sensor: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Noise (n_frames,) of each frame's sensor, grey levels, from frames of different trajectories."""
+    noise = np.zeros(len(sensor))
+    for unit in np.unique(sensor[rows]):
+        own = rows[sensor[rows] == unit]
+        first = np.unique(trajectory[own], return_index=True)[1]
+        spread = own[first[np.linspace(0, len(first) - 1, min(NOISE_SAMPLE, len(first))).astype(int)]]
+        noise[sensor == unit] = sensor_noise([np.asarray(image) for image in store.images(spread)])
+    return noise
+
+
+def _copies(
+    store: Store, first: NDArray[np.int64], second: NDArray[np.int64], noise: NDArray[np.float64]
+) -> list[tuple[int, int]]:
+    """The pairs of frames that are copies of one image."""
+
+    @lru_cache(maxsize=BATCH)
+    def portrait(row: int) -> Portrait:
+        return Portrait(np.asarray(store.images(np.array([row]))[0]))
+
+    pairs = zip(first.tolist(), second.tolist(), strict=True)
+    return [
+        (one, other)
+        for one, other in pairs
+        if compare_images(portrait(one), portrait(other), float(min(noise[one], noise[other]))).is_copy
+    ]
 
 
 def _readable(store: Store, rows: NDArray[np.int64], unreadable: list[int]) -> list[NDArray[np.uint8] | None]:

@@ -10,7 +10,10 @@ about as much as its noise does.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -18,7 +21,6 @@ from numpy.typing import NDArray
 
 from tactiledata.splits.fingerprints import LUMA
 
-Luma = NDArray[np.float32]
 Picture = NDArray[np.uint8]
 
 MARGIN = 16
@@ -26,10 +28,8 @@ MARGIN = 16
 CROP = (192, 144)
 """Rows and columns, at most, of the middle of an image that is compared."""
 JPEG_QUALITY = cv2.IMWRITE_JPEG_QUALITY
-GRAIN_OF_COLOUR = 1.65
-"""Noise of one colour over that of luma's fine grain: luma averages three colours (0.67), blurring takes some too."""
-QUALITIES = range(50, 100)
-"""Qualities that are tried (libjpeg's scale)."""
+QUALITIES = range(50, 97)
+"""Qualities that are tried (libjpeg's scale); above, compression takes less than the rounding of colours does."""
 IDEMPOTENT = 0.35
 """Grey levels: compressing again at an image's own quality changes it by less than this on average (rounding)."""
 TRIFLE = 0.06
@@ -39,10 +39,14 @@ COPY_RATIO = 0.45
 docs/splits.md)."""
 MOST_LOST = 4.0
 """Grey levels that compression at the lowest quality tried takes from a tactile image, and some more."""
-HOPELESS = 2.5
+HOPELESS = 2.0
 """A ratio above which fitting brightness more finely cannot help."""
-NOISE_OF_TWO = 1.5
-"""Two recordings differ by √2 of the noise; the estimate from compressed pixels is somewhat low."""
+SAME_BRIGHTNESS = 0.3
+"""Grey levels, at mid grey: a fitted change below it is none (rounding would have undone it)."""
+HELPS = 0.9
+"""A finer fit that does not get below this share of what was left is not carried on."""
+GRAIN_OF_COLOUR = 1.6
+"""Noise of one colour over the fine grain of luma: luma averages three colours (0.67), blurring takes some too."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,7 @@ class Comparison:
     left : float
         Root-mean-square difference, grey levels, after brightness and compression are accounted for.
     expected : float
-        The same for a second recording with the first's noise.
+        The same for a second recording with the sensor's noise.
     """
 
     left: float
@@ -71,21 +75,68 @@ class Comparison:
         return self.ratio <= COPY_RATIO
 
 
-def compare_images(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> Comparison:
-    """How two images (H, W, 3) uint8 RGB compare, whichever of them is the original."""
+class Portrait:
+    """An image (H, W, 3) uint8 RGB with what comparing it needs, found once."""
+
+    def __init__(self, image: Picture) -> None:
+        self.shape = image.shape
+        self.middle = middle_of(image)
+
+    @cached_property
+    def quality(self) -> int:
+        """The JPEG quality that it was last compressed at, from its pixels; 0 where it was not."""
+        grey = adjusted(self.middle.astype(np.float32) @ LUMA, 1.0, 0.0)
+        change = [float(np.abs(compress(grey, quality).astype(np.int16) - grey).mean()) for quality in QUALITIES]
+        best = int(np.argmin(change))
+        return QUALITIES[best] if change[best] < IDEMPOTENT else 0
+
+    @cached_property
+    def smooth(self) -> NDArray[np.float32]:
+        """Luma (n,) of the middle without fine grain, at every third pixel."""
+        blurred = cv2.GaussianBlur(self.middle.astype(np.float32) @ LUMA, (0, 0), 3.0)
+        return np.ravel(blurred[::3, ::3]).astype(np.float32)
+
+
+def noise_between(one: Picture, other: Picture) -> float:
+    """Standard deviation, grey levels, of the noise of each colour, from two recordings by one sensor.
+
+    Their difference has no fixed pattern (markers, dust, pixels). Its fine grain is taken by the median, so that a
+    contact that covers less than half of the image does not count.
+    """
     if one.shape != other.shape:
-        return Comparison(np.inf, 1.0)
-    first, second = middle_of(one), middle_of(other)
-    forth = _compare(first, second)
-    if forth.is_copy:
+        return 0.0
+    fine = (one.astype(np.float32) - other) @ LUMA
+    fine -= cv2.GaussianBlur(fine, (0, 0), 1.5)
+    return float(GRAIN_OF_COLOUR * 1.4826 * np.median(np.abs(fine)) / np.sqrt(2))
+
+
+def sensor_noise(pictures: Sequence[Picture]) -> float:
+    """Noise of each colour, grey levels, from pictures of different touches; 0 where there is one only."""
+    pairs = [noise_between(one, other) for one, other in pairwise(pictures)]
+    return float(np.median(pairs)) if pairs else 0.0
+
+
+def compare_images(one: Portrait, other: Portrait, noise: float) -> Comparison:
+    """How two images compare, whichever of them is the original.
+
+    Parameters
+    ----------
+    one, other : Portrait
+    noise : float
+        Standard deviation of each colour, grey levels, from `sensor_noise`.
+    """
+    if one.shape != other.shape:
+        return Comparison(np.inf, noise)
+    forth = _compare(one, other, noise)
+    if forth.is_copy or not np.isfinite(forth.left):
         return forth
-    return min(forth, _compare(second, first), key=lambda found: found.ratio)
+    return min(forth, _compare(other, one, noise), key=lambda found: found.ratio)
 
 
 def middle_of(image: Picture) -> Picture:
     """The middle (h, w, 3) of an image, on the grid of compression blocks."""
-    tops = [max(0, (size - crop) // 2) // MARGIN * MARGIN for size, crop in zip(image.shape, CROP, strict=False)]
-    return np.ascontiguousarray(image[tops[0] : tops[0] + CROP[0], tops[1] : tops[1] + CROP[1]])
+    top, left = (max(0, (size - most) // 2) // MARGIN * MARGIN for size, most in zip(image.shape, CROP, strict=False))
+    return np.ascontiguousarray(image[top : top + CROP[0], left : left + CROP[1]])
 
 
 def compress(picture: Picture, quality: int) -> Picture:
@@ -103,34 +154,16 @@ def adjusted(picture: NDArray[np.generic], gain: float, offset: float) -> Pictur
     return np.clip(np.rint(picture.astype(np.float32) * gain + offset), 0, 255).astype(np.uint8)
 
 
-def own_quality(picture: Picture) -> int:
-    """The JPEG quality that a picture was last compressed at, from its pixels; 0 where it was not."""
-    grey = adjusted(picture.astype(np.float32) @ LUMA, 1.0, 0.0)
-    change = [float(np.abs(compress(grey, quality).astype(np.int16) - grey).mean()) for quality in QUALITIES]
-    best = int(np.argmin(change))
-    return QUALITIES[best] if change[best] < IDEMPOTENT else 0
-
-
-def brightness_fit(original: Picture, other: Picture) -> tuple[float, float]:
-    """Gain and offset (grey levels) with which the original is most like the other, outside saturation."""
-    a, b = (
-        cv2.GaussianBlur(picture.astype(np.float32) @ LUMA, (0, 0), 3.0).reshape(-1) for picture in (original, other)
-    )
-    keep = (np.minimum(a, b) > 12) & (np.maximum(a, b) < 243)
-    if keep.sum() < 100 or a[keep].std() < 1.0:
+def brightness_fit(original: NDArray[np.float32], other: NDArray[np.float32]) -> tuple[float, float]:
+    """Gain and offset (grey levels) with which smooth luma (n,) is most like another, outside saturation."""
+    keep = (np.minimum(original, other) > 12) & (np.maximum(original, other) < 243)
+    if keep.sum() < 100 or original[keep].std() < 1.0:
         return 1.0, 0.0
     for _ in range(2):
-        gain, offset = np.polyfit(a[keep], b[keep], 1)
-        off = np.abs(b - (gain * a + offset))
+        gain, offset = np.polyfit(original[keep], other[keep], 1)
+        off = np.abs(other - (gain * original + offset))
         keep &= off <= 3 * np.median(off[keep]) + 0.01
     return float(gain), float(offset)
-
-
-def noise_level(picture: Picture) -> float:
-    """Standard deviation, grey levels, of the fine grain of each colour, by its median: edges do not count."""
-    fine = picture.astype(np.float32) @ LUMA
-    fine -= cv2.GaussianBlur(fine, (0, 0), 1.5)
-    return float(GRAIN_OF_COLOUR * 1.4826 * np.median(np.abs(fine)))
 
 
 def difference(one: Picture, other: Picture) -> float:
@@ -138,35 +171,37 @@ def difference(one: Picture, other: Picture) -> float:
     return float(np.sqrt(np.mean(((one.astype(np.float32) - other) @ LUMA) ** 2)))
 
 
-def _compare(original: Picture, other: Picture) -> Comparison:
-    fitted = brightness_fit(original, other)
-    noise = noise_level(original)
-    if difference(adjusted(original, *fitted), other) > MOST_LOST + 2 * noise:
+def _compare(original: Portrait, other: Portrait, noise: float) -> Comparison:
+    start, end = original.middle, other.middle
+    fitted = brightness_fit(original.smooth, other.smooth)
+    if difference(adjusted(start, *fitted), end) > MOST_LOST + 2 * noise:
         return Comparison(np.inf, noise)
-    quality = own_quality(other)
-    tried = [(_left(original, other, quality, 1.0, 0.0), 1.0, 0.0)]
-    tried.append((_left(original, other, quality, *fitted), *fitted))
-    left, gain, offset = min(tried)
-    grain = np.random.default_rng(0).normal(0, NOISE_OF_TWO * noise, original.shape)
-    again = compress(adjusted(original + grain, gain, offset), quality)
-    expected = difference(again, compress(adjusted(original, gain, offset), quality))
+    trials = ((1.0, 0.0), fitted)
+    left, gain, offset = min((_left(original, other, *trial), *trial) for trial in trials)
+    # the original holds its own noise once; a second recording differs from it by that of two
+    grain = np.random.default_rng(0).normal(0, np.sqrt(2) * noise, start.shape)
+    again = compress(adjusted(start + grain, gain, offset), other.quality)
+    expected = difference(again, compress(adjusted(start, gain, offset), other.quality))
     rough = Comparison(left, expected)
-    if rough.is_copy or rough.ratio > HOPELESS:
+    is_unchanged = abs(fitted[0] - 1) * 128 + abs(fitted[1]) < SAME_BRIGHTNESS
+    if rough.is_copy or rough.ratio > HOPELESS or is_unchanged:
         return rough
-    return Comparison(_finest(original, other, quality, (left, gain, offset)), expected)
+    return Comparison(_finest(original, other, (left, gain, offset)), expected)
 
 
-def _left(original: Picture, other: Picture, quality: int, gain: float, offset: float) -> float:
-    return difference(compress(adjusted(original, gain, offset), quality), other)
+def _left(original: Portrait, other: Portrait, gain: float, offset: float) -> float:
+    return difference(compress(adjusted(original.middle, gain, offset), other.quality), other.middle)
 
 
-def _finest(original: Picture, other: Picture, quality: int, start: tuple[float, float, float]) -> float:
+def _finest(original: Portrait, other: Portrait, start: tuple[float, float, float]) -> float:
     """What is left at the best gain and offset near a first fit; the landscape is rough, so all are tried."""
-    best, middle = start, float(original.mean())
-    for step in (0.004, 0.002, 0.001):
-        _, gain, offset = best
+    best, middle = start, float(original.middle.mean())
+    for step in (0.002, 0.001, 0.0005):
+        before, gain, offset = best
         for turn in (-step, 0.0, step):
             for shift in (-100 * step, 0.0, 100 * step):
                 trial = (gain + turn, offset - turn * middle + shift)
-                best = min(best, (_left(original, other, quality, *trial), *trial))
+                best = min(best, (_left(original, other, *trial), *trial))
+        if best[0] > HELPS * before:
+            break
     return best[0]

@@ -44,7 +44,7 @@ def shared_uids(table: pa.Table) -> list[Finding]:
 
 
 def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Finding]:
-    """Trajectories of one recording and sensor that overlap in time and stand in different partitions.
+    """Recorded trajectories of one recording and sensor that overlap in time and stand in different partitions.
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Find
     part : (n,) int
         Codes of `partition_codes`.
     """
-    rows = np.flatnonzero(part >= 0)
+    recorded = pc.equal(trajectories["parent"], "").to_numpy()
+    rows = np.flatnonzero((part >= 0) & recorded)
     leader = rows[
         overlapping_touches(
             place_of(trajectories)[rows],

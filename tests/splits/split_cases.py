@@ -1,5 +1,6 @@
 """Small stores in memory for the tests of splits."""
 
+import cv2
 import numpy as np
 import pyarrow as pa
 
@@ -105,3 +106,34 @@ def many(n=400, sensors="ABCDE", indenters=("ball", "star", "edge", "cross", "ri
 def parts(table):
     """Partition by uid."""
     return dict(zip(table["uid"].to_pylist(), table["partition"].to_pylist(), strict=True))
+
+
+def background(rng):
+    """A sensor's picture without contact: lights of three colours from three sides, and specks."""
+    rows, columns = np.mgrid[0:320, 0:240] / 240
+    lights = [np.exp(-((rows - r) ** 2 + (columns - c) ** 2) / 0.5) for r, c in ((0, 0.5), (1.3, 0.1), (1.3, 0.9))]
+    specks = cv2.GaussianBlur(rng.normal(0, 12, (320, 240)), (0, 0), 1.2)
+    return 60 + 110 * np.stack(lights, axis=-1) + specks[..., None]
+
+
+def touch(base, place, rng, depth=2.0, radius=28.0, noise=1.0):
+    """A picture (320, 240, 3) uint8 of a round press at (row, column), with the camera's noise."""
+    rows, columns = np.mgrid[0:320, 0:240]
+    square = (rows - place[0]) ** 2 + (columns - place[1]) ** 2
+    height = 20 * depth * np.exp(-square / (2 * radius**2))
+    height += 8 * depth * np.sqrt(np.maximum(1 - square / radius**2, 0))
+    across, along = cv2.Sobel(height, cv2.CV_64F, 1, 0), cv2.Sobel(height, cv2.CV_64F, 0, 1)
+    sides = ((1.0, 0.0), (-0.5, 0.87), (-0.5, -0.87))
+    shading = np.stack([4 * (a * across + b * along) for a, b in sides], axis=-1)
+    return levels(base + shading + rng.normal(0, noise, base.shape))
+
+
+def levels(picture):
+    """Rounded to grey levels."""
+    return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+
+def jpeg(picture, quality):
+    """The picture after JPEG at a quality."""
+    _, payload = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
+    return cv2.imdecode(payload, cv2.IMREAD_COLOR_RGB)
