@@ -83,4 +83,6 @@ def _print(report) -> None:  # type: ignore[no-untyped-def]
         listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
         say(f"  left alone in {folder}: {listed}; no format claims them")
     added = sum(source.state == "added" for source in report.sources)
-    say(f"{added} recordings added to {report.store}; next: tactiledata split {report.store} --by trajectory,sensor")
+    say(f"{added} recordings added to {report.store}")
+    if added:
+        say(f"next: tactiledata split {report.store} --by trajectory,sensor")

@@ -104,7 +104,7 @@ def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, 
         return []
     background = reference.image if stated and reference is not None else None
     verdicts: list[str] = [
-        str(channel_order(image, background))
+        channel_order(image, background).verdict
         for image in images
         if background is None or image.shape == background.shape
     ]
