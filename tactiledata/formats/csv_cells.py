@@ -24,6 +24,8 @@ Mask = NDArray[np.bool_]
 SHOWN = 5
 """Faulty lines that a message names."""
 
+_PLAIN_FLOAT = r"^-?\d+(\.\d*)?([eE][+-]?\d{1,3})?$"
+_PLAIN_INTEGER = r"^-?\d{1,18}$"
 _DECIMAL_POINT = re.compile(r"^\s*[+-]?\d*\.\d*([eE][+-]?\d+)?\s*$|^\s*[+-]?\d+[eE][+-]?\d+\s*$")
 
 
@@ -65,7 +67,7 @@ class CsvTable:
             raise BrokenLog(
                 f"{self.name} has the columns {listed(self.columns)}; {listed(missing)} missing",
                 f"the columns {listed(columns)}, in any order, named in the first line",
-                remedy or "Name the columns as docs/formats-folder.md lists them.",
+                remedy or "Name the columns as `tactiledata formats` lists them.",
                 file=self.name,
                 columns=list(self.columns),
                 missing=missing,
@@ -75,9 +77,10 @@ class CsvTable:
         """Values (n, k) float64 of columns, and a mask (n,) of the rows in which all of them are finite numbers."""
         values = np.empty((len(self), len(columns)))
         for index, column in enumerate(columns):
-            values[:, index] = _cast(self.cells.column(column), pa.float64(), _float, np.float64(np.nan))[0]
-        is_finite: Mask = np.isfinite(values).all(axis=1)
-        return values, is_finite
+            values[:, index] = _cast(self.cells.column(column), pa.float64(), _PLAIN_FLOAT, _float, np.float64(np.nan))[
+                0
+            ]
+        return values, np.asarray(np.isfinite(values).all(axis=1))
 
     def nanoseconds(self, column: str) -> tuple[Times, Mask]:
         """Times (n,) int64 of a column of integer nanoseconds, exact, and a mask (n,) of the readable ones.
@@ -88,7 +91,7 @@ class CsvTable:
             Most cells have a decimal point or an exponent: seconds, or nanoseconds that went through floats.
         """
         cells = self.cells.column(column)
-        times, is_readable = _cast(cells, pa.int64(), _integer, np.int64(0))
+        times, is_readable = _cast(cells, pa.int64(), _PLAIN_INTEGER, _integer, np.int64(0))
         if (~is_readable).sum() * 2 > len(self):
             faulty = [cells[int(row)].as_py() for row in np.flatnonzero(~is_readable)]
             floats = [value for value in faulty if _DECIMAL_POINT.match(value)]
@@ -152,12 +155,19 @@ def shortened(text: str, limit: int = 120) -> str:
     return text if len(text) <= limit else text[: limit - 1] + "…"
 
 
-def _cast(cells: pa.ChunkedArray, kind: pa.DataType, read: Callable[[str], Any], fill: Any) -> tuple[Any, Mask]:
-    """All cells at once; where one does not read, one by one."""
+def _cast(
+    cells: pa.ChunkedArray, kind: pa.DataType, pattern: str, read: Callable[[str], Any], fill: Any
+) -> tuple[Any, Mask]:
+    """All cells at once; where one does not read, those that fit the pattern at once and the others one by one."""
     try:
         return np.array(pc.cast(cells, kind)), np.ones(len(cells), bool)
     except pa.ArrowInvalid:
-        return _one_by_one(cells, read, fill)
+        is_plain = pc.match_substring_regex(cells, pattern)
+    values, is_readable = np.full(len(cells), fill), np.array(is_plain, bool)
+    values[is_readable] = np.array(pc.cast(cells.filter(is_plain), kind))
+    others = np.flatnonzero(~is_readable)
+    values[others], is_readable[others] = _one_by_one(cells.take(others), read, fill)
+    return values, is_readable
 
 
 def _one_by_one(cells: pa.ChunkedArray, read: Callable[[str], Any], fill: Any) -> tuple[Any, Mask]:

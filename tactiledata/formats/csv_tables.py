@@ -58,7 +58,8 @@ def read_csv_table(path: Path, stream: str = "", separators: str = ",") -> CsvTa
     """
     text = _Text(path.name, stream, _content(path))
     _check_is_text(text)
-    header, rest = [*re.split(rb"\r\n|\n|\r", text.body, maxsplit=1), b""][:2]
+    end = re.search(rb"\r\n|\n|\r", text.body)
+    header, rest = (text.body, b"") if end is None else (text.body[: end.start()], text.body[end.end() :])
     separator = _separator(text.name, header, separators)
     if separator == " ":
         header, rest = (re.sub(rb"(?m)^ +| +(?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", part)) for part in (header, rest))
@@ -81,7 +82,7 @@ def _content(path: Path) -> bytes:
         raise BrokenLog(
             f"{path} cannot be read ({error.strerror})", "a readable CSV file", "Check its permissions.", file=str(path)
         ) from error
-    if not content.strip():
+    if not content or content.isspace():
         raise BrokenLog(
             f"{path} is empty ({len(content)} bytes)",
             "a CSV file whose first line names its columns",
@@ -137,7 +138,7 @@ def _columns(name: str, header: bytes, separator: str) -> tuple[str, ...]:
 def _parse(text: _Text, columns: tuple[str, ...], separator: str) -> tuple[pa.Table, int, list[int]]:
     """Cells, number of rows in the file, and the lines of the rows of another length."""
     schema = dict.fromkeys(columns, pa.string())
-    if not text.body.strip():
+    if not text.body or text.body.isspace():
         return pa.table({column: pa.array([], pa.string()) for column in columns}), 0, []
     if b'"' in text.body:
         return _parse_quoted(text, columns, separator)
@@ -185,7 +186,7 @@ def _parse_quoted(text: _Text, columns: tuple[str, ...], separator: str) -> tupl
 
 
 def _report_row_lengths(text: _Text, faulty: list[int], total: int, width: int) -> None:
-    is_open = bool(text.body.strip()) and not text.body.endswith((b"\n", b"\r"))
+    is_open = total > 0 and not text.body.endswith((b"\n", b"\r"))
     if is_open and faulty and faulty[-1] == total + 1:
         text.notice("csv-last-line-cut", "damage", f"the last line ({total + 1}) is cut off; the rows before are read")
         faulty = faulty[:-1]

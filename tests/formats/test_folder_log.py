@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import cv2
@@ -9,13 +10,13 @@ import numpy as np
 import pytest
 import yaml
 from generators.collect import codes, read
-from generators.folder_log import FATAL, FAULTS, SENSOR, START, STEP, TOUCH, write
+from generators.folder_log import FATAL, FAULTS, SENSOR, START, STEP, TOUCH, picture, write
 
 from tactiledata import errors
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import files_digest
 from tactiledata.formats.folder import FolderFormat
-from tactiledata.formats.folder_parts.files import LogFolder
+from tactiledata.formats.folder_parts.files import TABLES, LogFolder
 from tactiledata.formats.folder_parts.signals import read_signals
 
 FORMAT = FolderFormat()
@@ -315,3 +316,60 @@ def test_inspect_counts_without_reading_images(tmp_path):
     assert topics["digit"].messages == 8
     assert topics["wrench"].rate == pytest.approx(1e9 / STEP)
     assert inspection.facts["trajectories"] == 2
+
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "formats-folder.md"
+
+
+def test_the_page_example_is_a_valid_log(tmp_path):
+    """The example of the page, copied block by block into files, is read without a word."""
+    log = tmp_path / "log"
+    (log / "frames").mkdir(parents=True)
+    (log / "backgrounds").mkdir()
+    blocks = re.findall(
+        r"^```(?:yaml|csv) (\S+)\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    )
+    assert [name for name, _ in blocks] == ["log.yaml", *TABLES]
+    for name, content in blocks:
+        (log / name).write_text(content, encoding="utf-8")
+    rng = np.random.default_rng(0)
+    for name in ("frames/press-1_000.png", "frames/press-2_000.png", f"backgrounds/{SENSOR}.png"):
+        picture(log / name, rng, (320, 240))
+    recording, images = read_one(log)
+    assert recording.findings == ()
+    assert set(recording.signals) == {"wrench", "tcp", "joints"}
+    assert [image.encoding for image in images] == ["png", "missing", "png"]
+    assert [touch.extra["spot"] for touch in recording.trajectories] == ["middle", "edge"]
+
+
+def test_the_page_lists_every_code():
+    """Every finding that a planted fault gives is in the page's table, with its severity."""
+    rows = [row for row in PAGE.read_text(encoding="utf-8").splitlines() if row.startswith("| ")]
+    for _, code, severity in FAULTS.values():
+        assert any(f"`{code}`" in row and row.rstrip(" |").endswith(severity) for row in rows), code
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_random_harm_never_ends_in_a_foreign_error(tmp_path, seed):
+    """Flipped, cut or inserted bytes anywhere give a recording with finite numbers, or an error of ours."""
+    log = tmp_path / "log"
+    write(log, touches=1, frames=2)
+    rng = np.random.default_rng(seed)
+    files = sorted(path for path in log.rglob("*") if path.is_file())
+    for _ in range(3):
+        path = files[rng.integers(len(files))]
+        content = bytearray(path.read_bytes())
+        start = int(rng.integers(len(content)))
+        end = min(len(content), start + int(rng.integers(1, 200)))
+        content[start:end] = [b"", rng.bytes(5), bytes(end - start), b'",\n'][rng.integers(4)]
+        path.write_bytes(bytes(content))
+    try:
+        recording, images = read_one(log)
+    except errors.TactileDataError:
+        return
+    for signal in recording.signals.values():
+        assert np.isfinite(signal.values).all()
+        assert len(signal.stamps)
+    assert all(touch.start_ns < touch.end_ns for touch in recording.trajectories)
+    assert len({touch.name for touch in recording.trajectories}) == len(recording.trajectories)
+    assert all(image.payload or image.encoding == "missing" for image in images)

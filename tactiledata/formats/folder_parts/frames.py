@@ -56,6 +56,7 @@ class FrameReader:
     description: LogDescription
     touches: Touches
     cameras: Mapping[str, str] = field(default_factory=dict)
+    _named: dict[str, str] = field(default_factory=dict)
 
     def push(self, intake: Intake) -> list[Finding]:
         """Findings about the table; what is said about single images goes into the intake.
@@ -140,11 +141,11 @@ class FrameReader:
         return sensors[0] if len(sensors) == 1 else ""
 
     def _camera(self, sensor: str) -> str:
-        if sensor in self.cameras:
-            return self.cameras[sensor]
-        models = {facts.get("model", "") for facts in self.description.sensors.values()}
-        known = self.description.sensors.get(sensor, {}).get("model", models.pop() if len(models) == 1 else "")
-        return stream_name(str(known)) if known else ANY_CAMERA
+        if sensor not in self._named:
+            models = {facts.get("model", "") for facts in self.description.sensors.values()}
+            known = self.description.sensors.get(sensor, {}).get("model", models.pop() if len(models) == 1 else "")
+            self._named[sensor] = self.cameras.get(sensor) or (stream_name(str(known)) if known else ANY_CAMERA)
+        return self._named[sensor]
 
 
 def mapped_cameras(description: LogDescription, mapping: Mapping[str, Any]) -> dict[str, str]:
