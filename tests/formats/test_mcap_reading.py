@@ -27,6 +27,7 @@ from generators.mcap_files import (
 
 from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.formats.mcap import McapFormat
+from tactiledata.formats.mcap_parts.readers import UR_JOINTS
 
 FORMAT = McapFormat()
 MAPPING = {"format": "tactiledata-mapping/1"}
@@ -43,7 +44,7 @@ def rgb(image):
 
 @pytest.mark.parametrize("encoding", ["ros2msg", "ros2idl", "ros1"])
 def test_round_trip_is_exact(tmp_path, encoding):
-    """All four signals, three clocks, pictures, trajectories and background come back as written, and nothing is found."""
+    """Signals, three clocks, pictures, trajectories and background come back as written, and nothing is found."""
     truth = touch(tmp_path / "run.mcap", encoding)
     recording, images = read_one(tmp_path / "run.mcap")
     assert set(recording.signals) == {"wrench", "ur_wrench", "tcp", "joints"}
@@ -141,7 +142,9 @@ def test_frames_are_not_mixed(tmp_path):
 @pytest.mark.parametrize("prefix", ["", "ur5e_", "left/"])
 def test_joints_go_by_name(tmp_path, prefix):
     """Joints are reordered by name, whatever their order, a prefix, a gripper beside them or between their messages."""
-    names = [f"{prefix}{name}_joint" for name in ("wrist_3", "elbow", "shoulder_pan", "wrist_1", "shoulder_lift", "wrist_2")]
+    names = [
+        f"{prefix}{name}_joint" for name in ("wrist_3", "elbow", "shoulder_pan", "wrist_1", "shoulder_lift", "wrist_2")
+    ]
     with Tape(tmp_path / "run.mcap") as tape:
         for index in range(4):
             tape.signal("joints", START + index, START, [9, 5, 2, 0, 3, 1, 4], names=["gripper", *names])
@@ -164,8 +167,7 @@ def test_a_missing_joint_is_nan_and_said(tmp_path):
 
 def test_two_arms_need_names(tmp_path):
     """Two robots in one topic are not guessed apart; joint_names picks one."""
-    names = [f"{arm}_{name}" for arm in ("a", "b") for name in
-             ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")]  # fmt: skip
+    names = [f"{arm}_{name}" for arm in ("a", "b") for name in UR_JOINTS]
     with Tape(tmp_path / "run.mcap") as tape:
         tape.signal("joints", START, START, range(12), names=names)
     with pytest.raises(BrokenLog, match="joint_names"):
@@ -230,7 +232,10 @@ def test_other_numbers_by_a_mapping(tmp_path):
         ({"speed": {"topic": "/joint_states"}}, "has no fields"),
         ({"wrench": {"topic": "/joint_states", "fields": ["effort[0]"]}}, "has 1 fields; expected 6"),
         ({"speed": {"topic": "/joint_states", "fields": ["velocity[x]"]}}, "no path of fields"),
-        ({"tcp": {"topic": TOPICS["tcp"], "fields": [f"pose.position.{a}" for a in "xyzxyzx"], "units": ["K"] * 7}}, "'K'"),
+        (
+            {"tcp": {"topic": TOPICS["tcp"], "fields": [f"pose.position.{a}" for a in "xyzxyzx"], "units": ["K"] * 7}},
+            "'K'",
+        ),
     ],
 )
 def test_a_mapping_that_cannot_be_meant_is_refused(tmp_path, signals, match):
@@ -283,7 +288,11 @@ def test_independent_recordings_in_a_folder(tmp_path):
     (tmp_path / "._run_1.mcap").write_bytes(b"\0\5\x16\7")
     (tmp_path / "notes.txt").write_text("notes")
     assert FORMAT.sniff(tmp_path)
-    assert [source.key.partition("/")[2] for source in FORMAT.sources(tmp_path)] == ["run_1.mcap", "run_2.mcap", "run_10.mcap"]
+    assert [source.key.partition("/")[2] for source in FORMAT.sources(tmp_path)] == [
+        "run_1.mcap",
+        "run_2.mcap",
+        "run_10.mcap",
+    ]
     (tmp_path / "table.csv").write_text("1,2")
     assert not FORMAT.sniff(tmp_path)
 
@@ -342,7 +351,7 @@ def test_a_wrong_channel_order_can_be_mended(tmp_path):
 
 
 def test_images_that_cannot_be_used_keep_their_moment(tmp_path):
-    """A picture of a wrong length or encoding, or of no format, is a missing one with a finding; the others are read."""
+    """A picture of a wrong length, encoding or format is a missing one with a finding; the others are read."""
     with Tape(tmp_path / "run.mcap") as tape:
         tape.image(START, START, picture(1), payload=b"12345")
         tape.image(START + 1, START, picture(1), encoding="mono8")

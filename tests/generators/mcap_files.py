@@ -5,6 +5,7 @@ Run as a script to look at one: ``python mcap_files.py FILE [ros2msg|ros2idl|ros
 
 import base64
 import json
+import struct
 import sys
 from functools import cache
 from pathlib import Path
@@ -324,10 +325,14 @@ def touch(path, encoding="ros2msg", compression="zstd", count=40, **options):
 def long_touch(path, compression="zstd", chunked=True, count=6600, **options):
     """A wrench recording of ``count`` messages for the table of damage; returns the values."""
     values = numbers(count, 6, 7)
-    with Tape(path, "ros2msg", compression, use_chunking=chunked, **{"chunk_size": 6400, **options}) as tape:
+    kind = KINDS["wrench"]
+    payload = bytearray(store().serialize_cdr(ros_message("wrench", START, values[0]), kind))
+    with Tape(path, "ros2msg", compression, use_chunking=chunked, **{"chunk_size": 4960, **options}) as tape:
         for index in range(count):
             stamp_ns = START + STEP * index
-            tape.signal("wrench", stamp_ns, stamp_ns, values[index])
+            struct.pack_into("<iI", payload, 4, stamp_ns // 10**9, stamp_ns % 10**9)
+            struct.pack_into("<6d", payload, len(payload) - 48, *values[index])
+            tape.raw(TOPICS["wrench"], stamp_ns, payload, kind, "ros2msg", "cdr", _cached_text(kind, "ros2msg"))
     return values
 
 
@@ -385,7 +390,7 @@ def _json_bytes(document):
 
 
 def foxglove_touch(path, encoding, count=12, compression="zstd"):
-    """Images, poses and wrenches as ``protobuf`` or ``json``, with a mapping that names the wrench; returns the truth."""
+    """Images, poses and wrenches as ``protobuf`` or ``json``; returns the truth and a mapping that names them."""
     truth = {"wrench": numbers(count, 6, 1), "tcp": numbers(count, 7, 3), "payloads": [], "pictures": []}
     seconds, nanos = ("seconds", "nanos") if encoding == "protobuf" else ("sec", "nsec")
     with Tape(path, compression=compression) as tape:

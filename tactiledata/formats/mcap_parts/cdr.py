@@ -18,6 +18,7 @@ Take = Callable[[bytes, int, int, int, int], None]
 
 _HEADER = struct.Struct("<HHiII")
 """Encapsulation (two bytes kind, two bytes options), seconds, nanoseconds, length of frame_id with its end."""
+_COUNT = struct.Struct("<I")
 LITTLE_ENDIAN_CDR = 0x0100
 _HEADER_LAYOUT = (("header.stamp.sec", "int32"), ("header.stamp.nanosec", "uint32"), ("header.frame_id", "string"))
 
@@ -102,17 +103,33 @@ def joint_taker(order: Callable[[tuple[str, ...]], tuple[int, ...] | None], sink
                 is_known = False
                 raise ValueError("joints are missing")
             pick, doubles = itemgetter(*indexes), struct.Struct(f"<{len(names)}d")
-        place += len(block)
-        place = start + 4 + (place - start - 4 + 3 & ~3)
-        (count,) = struct.unpack_from("<I", buffer, place)
-        place = start + 4 + (place + 4 - start - 4 + 7 & ~7)
-        if count * 8 != doubles.size or place + doubles.size > stop:
+        count, values, place = _doubles_at(buffer, start, place + len(block), stop)
+        if count * 8 != doubles.size:
             raise ValueError("another number of positions than names")
+        _, _, place = _doubles_at(buffer, start, place, stop)
+        _, _, place = _doubles_at(buffer, start, place, stop)
+        if stop - place >= 4:
+            raise ValueError("another length")
         if frame not in frames:
             frames[frame] = frame.decode()
-        sink.add(pick(doubles.unpack_from(buffer, place)), log_ns, publish_ns, stamp, frames[frame])
+        sink.add(pick(doubles.unpack_from(buffer, values)), log_ns, publish_ns, stamp, frames[frame])
 
     return take
+
+
+def _doubles_at(buffer: bytes, start: int, place: int, stop: int) -> tuple[int, int, int]:
+    """How many doubles a sequence has, where they begin, and where it ends; an empty one has no padding."""
+    place = start + 4 + (place - start - 4 + 3 & ~3)
+    if place + 4 > stop:
+        raise ValueError("numbers that end early")
+    (count,) = _COUNT.unpack_from(buffer, place)
+    if not count:
+        return 0, place + 4, place + 4
+    begin = start + 4 + (place - start + 7 & ~7)
+    end = begin + 8 * count
+    if end > stop:
+        raise ValueError("numbers that end early")
+    return count, begin, end
 
 
 def _names_at(buffer: bytes, place: int, stop: int) -> tuple[tuple[str, ...], bytes]:

@@ -11,6 +11,7 @@ import re
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from mcap.exceptions import McapError
@@ -95,7 +96,7 @@ def decoder_for(channel: Channel, schema: Schema | None) -> Decoder:
             raise BrokenLog(f"the schema of {channel.topic} has {len(schema.data)} bytes")
         wanted = (channel.message_encoding, schema.encoding)
         if wanted in (("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg")):
-            return _ros_decoder(schema, kind, encoding)
+            return _ros_decoder(schema.name, schema.encoding, bytes(schema.data), kind, encoding)
         if wanted == ("protobuf", "protobuf"):
             return Decoder(kind, encoding, _protobuf(schema))
     except BrokenLog:
@@ -113,30 +114,55 @@ def decoder_for(channel: Channel, schema: Schema | None) -> Decoder:
 # ROS
 
 
-def _ros_decoder(schema: Schema, kind: str, encoding: str) -> Decoder:
-    text = schema.data.decode("utf-8")
+@lru_cache(maxsize=256)
+def _ros_decoder(name: str, schema_encoding: str, definition: bytes, kind: str, encoding: str) -> Decoder:
+    """A decoder, made once for each definition: many files of one robot carry the same ones."""
+    text = definition.decode("utf-8")
     if re.search(r"^---\s*$", text, re.MULTILINE):
         raise BrokenLog(f"{kind} is a service or action: its schema does not say how its events are laid out")
-    if schema.encoding == "ros2idl":
+    if schema_encoding == "ros2idl":
         types: dict[str, Any] = {}
         for part in _IDL_SEPARATOR.split(text):
             if part.strip():
                 types.update(get_types_from_idl(part))
     else:
-        types = dict(get_types_from_msg(text, schema.name))
-    name = next((found for found in types if found.replace("/msg/", "/") == kind), None)
-    if name is None:
+        types = dict(get_types_from_msg(text, name))
+    found = next((known for known in types if known.replace("/msg/", "/") == kind), None)
+    if found is None:
         raise BrokenLog(f"the schema of {kind} does not define it; it defines {', '.join(sorted(types)[:5])}")
-    is_ros1 = schema.encoding == "ros1msg"
+    is_ros1 = schema_encoding == "ros1msg"
     _complete(types, get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE))
     _check_types(types)
-    store = Typestore()
-    store.register(types)
-    store.get_msgdef(name)
-    if is_ros1:
-        return Decoder(kind, encoding, lambda payload: store.deserialize_ros1(payload, name))
-    layout = tuple(_flat(name, types))
-    return Decoder(kind, encoding, lambda payload: store.deserialize_cdr(payload, name), layout)
+    layout = tuple(_flat(found, types))
+    return Decoder(kind, encoding, _RosMessages(types, found, is_ros1), () if is_ros1 else layout)
+
+
+class _RosMessages:
+    """A decoder of ROS messages that is compiled when its first message comes: most topics are read without it."""
+
+    def __init__(self, types: dict[str, Any], name: str, is_ros1: bool) -> None:
+        self._types, self._name, self._is_ros1 = types, name, is_ros1
+        self._decode: Callable[[bytes, str], Any] | None = None
+        self._fault = ""
+
+    def __call__(self, payload: bytes) -> Any:
+        if self._decode is None:
+            self._compile()
+        if self._decode is None:
+            raise ValueError(self._fault)
+        return self._decode(payload, self._name)
+
+    def _compile(self) -> None:
+        if self._fault:
+            return
+        store = Typestore()
+        try:
+            store.register(self._types)
+            store.get_msgdef(self._name)
+        except FAULTS as error:
+            self._fault = f"the type {self._name} cannot be compiled: {error}"
+            return
+        self._decode = store.deserialize_ros1 if self._is_ros1 else store.deserialize_cdr
 
 
 def _complete(types: dict[str, Any], usual: Typestore) -> None:

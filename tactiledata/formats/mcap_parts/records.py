@@ -11,6 +11,7 @@ from typing import BinaryIO
 
 from tactiledata.formats.mcap_parts.layout import (
     ATTACHMENT,
+    CHANNEL,
     CHUNK_RECORD,
     DATA_END,
     HEAD,
@@ -18,6 +19,9 @@ from tactiledata.formats.mcap_parts.layout import (
     MAX_RECORD_BYTES,
     MESSAGE_INDEX,
     MESSAGE_RECORD,
+    METADATA,
+    SCHEMA,
+    SHORTEST,
     SUMMARY_ONLY,
     chunk_head,
     is_head,
@@ -28,6 +32,8 @@ PEEK_BYTES = 96
 """Enough of a body to judge it: the head of a chunk, the fixed fields of the others."""
 ATTACHMENT_HEAD_BYTES = 4096
 """As much of an attachment as is handed on: its name, not its data."""
+UNVOUCHED = frozenset({MESSAGE_RECORD, SCHEMA, CHANNEL, METADATA})
+"""Records outside chunks: no CRC stands for them alone."""
 SCAN_WINDOW = 4 * 2**20
 CHAIN = 2
 """How many records must follow one another before a place found by scanning is believed to be a record's begin."""
@@ -134,14 +140,23 @@ class RecordWalker:
         return _Step([self._noted(Record(opcode, position, length, body))], after, head)
 
     def _doubted(self, record: Record, after: int, head: bytes) -> _Step:
-        """A record whose successor has no head: either its own length is wrong, or what follows it is damaged."""
+        """A record whose successor has no head: its own length may be wrong, or its end lie in what is damaged."""
         if record.opcode == CHUNK_RECORD:
             return _Step([self._noted(record)], after, head)  # its inner lengths agreed, and its CRC will tell
         found = self._next_record(record.offset + 1)
         if found is not None and found < after:
-            loss = self._loss(record.offset, found, "record-damaged")
-            return self._forward(found, [loss])
+            return self._forward(found, [self._loss(record.offset, found, "record-damaged")])
+        if record.opcode in UNVOUCHED and not self._is_begun(after, head):
+            text = f"the record at byte {record.offset} ends where bytes begin that are no records: it is not used"
+            count = 1 if record.opcode == MESSAGE_RECORD else 0
+            return _Step([Loss("record-damaged", text, count=count)], after, head)
         return _Step([self._noted(record)], after, head)
+
+    def _is_begun(self, position: int, head: bytes) -> bool:
+        """Whether the bytes behind a record are a record's begin, merely torn or with one wrong field."""
+        _, length = self._unpacked(head)
+        after = position + HEAD.size + length
+        return head[0] in SHORTEST or (len(head) == HEAD.size and after < self._size and self._is_chain(after, 1))
 
     def _recover(self, position: int, opcode: int) -> _Step:
         """What can be done where no readable record begins."""
