@@ -29,6 +29,10 @@ OTHERS = frozenset({"log.yaml", "metadata.yaml"})
 """Files that make a folder a recording of another format."""
 OTHER_SUFFIXES = frozenset({".mcap", ".bag", ".db3"})
 
+PART_OF_A_LOG = "backgrounds"
+TABLE_OF_A_LOG = "frames.csv"
+"""A folder of that name, or beside such a table, belongs to a log, also to one whose log.yaml was lost."""
+
 _BACKGROUND = re.compile(r"(background|bg)\.(png|jpe?g)", re.IGNORECASE)
 _MASK = re.compile(r".+_mask\.png", re.IGNORECASE)
 
@@ -64,7 +68,8 @@ class ImageFolderFormat(CorpusFormat):
 
     def sniff(self, path: Path) -> bool:
         """Whether a folder holds images itself, and nothing that makes it a recording of another kind."""
-        if not path.is_dir():
+        is_part = path.name == PART_OF_A_LOG or (path.parent / TABLE_OF_A_LOG).exists()
+        if is_part or not path.is_dir():
             return False
         try:
             files = [child for child in path.iterdir() if child.is_file() and not child.name.startswith(".")]

@@ -166,5 +166,8 @@ def test_sniff_leaves_other_recordings_alone(tmp_path, run):
     for path in (tmp_path, tmp_path / "log", tmp_path / "bag", run / "9.png", DATA / "gelsight_r15", DATA / "mcap"):
         assert not FORMAT.sniff(path), path
     assert FORMAT.sniff(run)
+    (tmp_path / "log" / "log.yaml").unlink()
+    assert not FORMAT.sniff(tmp_path / "log" / "frames")
+    assert not FORMAT.sniff(tmp_path / "log" / "backgrounds")
     with pytest.raises(UsageError, match="not of format"):
         FORMAT.sources(tmp_path)
