@@ -29,6 +29,8 @@ NODES = "nodal_coords_"
 FORCE = "net_force_vecs_"
 MODELS = {"digit": "digit", "biotac": "biotac"}
 MAX_VERTICES = 200_000
+HDF5_FAULTS = (OSError, RuntimeError, KeyError, TypeError, ValueError, OverflowError, MemoryError)
+"""What h5py raises on damaged files; names of groups may come as bytes, sizes as nonsense."""
 
 
 class AcrossHdf5Format(CorpusFormat):
@@ -65,7 +67,9 @@ class AcrossHdf5Format(CorpusFormat):
                 sensor = _sensor(path, file)
                 serial = sensor_for(sensor, f"across-{sensor}", mapping)
                 touches, signal = _walk(file, sensor, serial, intake)
-        except (OSError, RuntimeError, KeyError) as error:
+        except UnsafeContent:  # it is a ValueError, and no damage
+            raise
+        except HDF5_FAULTS as error:
             raise BrokenLog(
                 f"{path} cannot be read as HDF5 ({str(error)[:150]})",
                 "a whole HDF5 file of ACROSS results",
@@ -99,7 +103,7 @@ def _holds_trials(path: Path) -> bool:
             trial = file.get("trial_0")
             step = trial.get("step_0") if isinstance(trial, h5py.Group) else None
             return isinstance(step, h5py.Group) and any(name.startswith(NODES) for name in step)
-    except (OSError, RuntimeError, KeyError):
+    except HDF5_FAULTS:
         return False
 
 
@@ -185,7 +189,7 @@ def _read(step: Any, group: str, environment: str, where: str, intake: Intake) -
         return None
     try:
         return np.asarray(dataset[()], dtype=np.float64)
-    except (OSError, RuntimeError) as error:
+    except HDF5_FAULTS as error:
         intake.note("value-missing", "damage", f"{where}: {group} cannot be read ({str(error)[:100]})", group)
         return None
 
