@@ -69,21 +69,31 @@ class Pictures:
         camera, encoding = self._cameras[columns["camera"][row]], self._encodings[columns["encoding"][row]]
         return camera, encoding, int(columns["height"][row]), int(columns["width"][row])
 
-    def _span(self, row: int) -> tuple[str, Span | None]:
-        """A frame's encoding, and where its bytes lie; ``None`` where there are none."""
-        columns = self._load()
-        camera, encoding, height, width = self.facts(row)
-        offset, length = int(columns["offset"][row]), int(columns["length"][row])
-        if encoding == "missing":
-            return encoding, None
-        if encoding == "raw":
-            capacity = self._settings.frames_per_shard(height, width)
-            path = f"{rgb_path(camera, height, width)}/c.{offset // capacity}.0.0.0"
-            start, size = self._index(path, capacity, offset % capacity)[offset % capacity]
-            return encoding, (path, start, start + size)
+    def _spans(self, rows: Sequence[int]) -> list[tuple[str, Span | None]]:
+        """Each frame's encoding, and where its bytes lie; ``None`` where there are none."""
+        columns, wanted = self._load(), np.asarray(rows)
+        names = ("camera", "encoding", "height", "width", "offset", "length")
+        # picked in bulk: one by one, looking places up takes a tenth of the time that decoding takes
+        facts = zip(*(columns[name][wanted].tolist() for name in names), strict=True)
+        heaps = {code: heap_path(camera) for code, camera in enumerate(self._cameras)}
         chunk = self._settings.heap_chunk_bytes
-        start = offset % chunk
-        return encoding, (f"{heap_path(camera)}/c.{offset // chunk}", start, start + length) if length else None
+        spans: list[tuple[str, Span | None]] = []
+        for camera, code, height, width, offset, length in facts:
+            encoding = self._encodings[code]
+            if encoding == "raw":
+                spans.append((encoding, self._raw_span(self._cameras[camera], height, width, offset)))
+            elif encoding == "missing" or not length:
+                spans.append((encoding, None))
+            else:
+                start = offset % chunk
+                spans.append((encoding, (f"{heaps[camera]}/c.{offset // chunk}", start, start + length)))
+        return spans
+
+    def _raw_span(self, camera: str, height: int, width: int, offset: int) -> Span:
+        capacity = self._settings.frames_per_shard(height, width)
+        path = f"{rgb_path(camera, height, width)}/c.{offset // capacity}.0.0.0"
+        start, size = self._index(path, capacity, offset % capacity)[offset % capacity]
+        return path, start, start + size
 
     def _index(self, path: str, capacity: int, position: int) -> Entries:
         """A shard's index; read again where a frame was appended since."""
@@ -106,7 +116,7 @@ class Pictures:
 
     def payloads(self, rows: Sequence[int]) -> list[bytes | None]:
         """The bytes of frames as kept: JPEG or PNG files, raw RGB unpacked, ``None`` where no image was recorded."""
-        found = [self._span(row) for row in rows]
+        found = self._spans(rows)
         contents = iter(self._fetch([span for _, span in found if span]))
         payloads: list[bytes | None] = []
         for row, (encoding, span) in zip(rows, found, strict=True):
@@ -136,7 +146,7 @@ class Pictures:
         else:
             sizes = zip(heights.tolist(), widths.tolist(), strict=True)
             out = [np.empty((height, width, 3), np.uint8) for height, width in sizes]
-        found = [self._span(row) for row in rows]
+        found = self._spans(rows)
         contents = iter(self._fetch([span for _, span in found if span]))
         jobs = [
             (row, encoding, next(contents) if span else b"", out[index])
