@@ -91,7 +91,7 @@ def recover(store_path: Path | str) -> Manifest:
     """
     folder = Path(store_path)
     manifest = read_manifest(folder)
-    with _store_errors(folder), writing_lock(folder):
+    with store_errors(folder), writing_lock(folder):
         _recover(folder, manifest)
     return manifest
 
@@ -104,7 +104,7 @@ def _recover(folder: Path, manifest: Manifest) -> None:
         sync_folder(folder / STAGING)
 
 
-class _store_errors:
+class store_errors:
     """Turns errors of the system inside the block into a `StoreError` that says what to do."""
 
     def __init__(self, folder: Path) -> None:
@@ -135,8 +135,8 @@ def commit(store_path: Path | str, staged: Sequence[StagedTake], with_card: bool
         The disk is full or read-only, or a take is not whole; the store is as it was before.
     """
     folder = Path(store_path)
-    with _store_errors(folder), writing_lock(folder):
-        manifest = read_manifest(folder)
+    with store_errors(folder), writing_lock(folder):
+        manifest = read_manifest(folder, checked=False)
         if is_interrupted(folder):
             _recover(folder, manifest)
         manifest = _commit(folder, manifest, staged)
@@ -186,7 +186,7 @@ def commit_groups(store_path: Path | str, staged: Iterable[StagedTake]) -> Manif
     manifest = read_manifest(folder)
     for group in groups(staged, set(manifest["sources"])):
         manifest = commit(folder, group, with_card=False)
-    with _store_errors(folder), writing_lock(folder):
+    with store_errors(folder), writing_lock(folder):
         write_card(folder, manifest)
     return manifest
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import mmap
+import os
 from abc import ABC, abstractmethod
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
@@ -92,10 +93,12 @@ class LocalFiles(StoreFiles):
             mapped = self._map(path, anew=True)
         return mapped[start:stop]
 
-    def _map(self, path: str, anew: bool = False) -> mmap.mmap:
+    def _map(self, path: str, anew: bool = False) -> mmap.mmap | bytes:
         mapped = None if anew else self._maps.get(path)
         if mapped is None:
             with (self._folder / path).open("rb") as stream:
+                if not os.fstat(stream.fileno()).st_size:
+                    return b""  # what cannot be mapped
                 mapped = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
         self._maps[path] = mapped
         if len(self._maps) > MOST_MAPS:

@@ -46,8 +46,8 @@ def settings_of(manifest: Mapping[str, Any]) -> Settings:
     return Settings(**manifest["settings"])
 
 
-def parse_manifest(content: bytes, where: str) -> Manifest:
-    """A manifest that fits ``schemas/store.json``.
+def parse_manifest(content: bytes, where: str, checked: bool = True) -> Manifest:
+    """A manifest that fits ``schemas/store.json``; without ``checked`` only its format is looked at.
 
     Raises
     ------
@@ -72,7 +72,8 @@ def parse_manifest(content: bytes, where: str) -> Manifest:
             "The store was written by a newer tactiledata; install that version to read it.",
             version=version,
         )
-    _check(manifest, where)
+    if checked:
+        _check(manifest, where)
     return manifest
 
 
@@ -94,7 +95,7 @@ def _check(manifest: Manifest, where: str) -> None:
         ) from error
 
 
-def read_manifest(store_path: Path | str) -> Manifest:
+def read_manifest(store_path: Path | str, checked: bool = True) -> Manifest:
     """The manifest of a local store.
 
     Raises
@@ -109,7 +110,7 @@ def read_manifest(store_path: Path | str) -> Manifest:
         content = (folder / MANIFEST).read_bytes()
     except (FileNotFoundError, NotADirectoryError) as error:
         raise not_a_store(str(folder), folder.exists()) from error
-    return parse_manifest(content, str(folder / MANIFEST))
+    return parse_manifest(content, str(folder / MANIFEST), checked)
 
 
 def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:

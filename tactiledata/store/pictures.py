@@ -71,7 +71,7 @@ class Pictures:
 
     def _spans(self, rows: Sequence[int]) -> list[tuple[str, Span | None]]:
         """Each frame's encoding, and where its bytes lie; ``None`` where there are none."""
-        columns, wanted = self._load(), np.asarray(rows)
+        columns, wanted = self._load(), np.asarray(rows, np.int64)
         names = ("camera", "encoding", "height", "width", "offset", "length")
         # picked in bulk: one by one, looking places up takes a tenth of the time that decoding takes
         facts = zip(*(columns[name][wanted].tolist() for name in names), strict=True)

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+import zarr
 from numpy.typing import ArrayLike, NDArray
 
 from tactiledata.contract.records import Reference
@@ -268,8 +269,19 @@ class Store:
 
     def _rows(self, path: str, length: int) -> Rows:
         if path not in self._values:
-            self._values[path] = Rows(self._files, path, length)
+            self._values[path] = self.rows(path, length)
         return self._values[path]
+
+    def rows(self, path: str, length: int) -> Rows:
+        """The first ``length`` rows of any array of the store, by its path."""
+        return Rows(self._files, path, length)
+
+    def array(self, path: str) -> zarr.Array:
+        """Any array of the store, by its path; rows beyond the manifest's lengths are not data."""
+        try:
+            return self._files.array(path)
+        except FileNotFoundError as error:
+            raise missing_file(path, self.location) from error
 
     # -- images ------------------------------------------------------------------------------------------------------
 
@@ -309,12 +321,15 @@ class Store:
 
     def references(self) -> dict[str, Reference]:
         """Pictures without contact, by sensor."""
-        found = {}
-        for sensor in sorted(self.manifest["references"]):
-            array = self._files.array(reference_path(sensor))
-            facts = {name: str(array.attrs.get(name, "")) for name in ("origin", "licence", "model")}
-            found[sensor] = Reference(np.asarray(array[...], dtype=np.uint8), **facts)
-        return found
+        return {sensor: self.reference(sensor) for sensor in sorted(self.manifest["references"])}
+
+    def reference(self, sensor: str) -> Reference:
+        """The picture of a sensor without contact."""
+        if sensor not in self.manifest["references"]:
+            raise UnknownName("sensor with a picture without contact", sensor, self.manifest["references"])
+        array = self.array(reference_path(sensor))
+        facts = {name: str(array.attrs.get(name, "")) for name in ("origin", "licence", "model")}
+        return Reference(np.asarray(array[...], dtype=np.uint8), **facts)
 
     def split_names(self) -> list[str]:
         """Names of the splits that were made of this store."""

@@ -1,0 +1,109 @@
+"""Whether the tables of a store fit one another and the arrays that they point into."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Finding
+from tactiledata.store.manifest import settings_of
+from tactiledata.store.reader import Store
+
+Mask = NDArray[np.bool_]
+
+
+def index_findings(store: Store) -> list[Finding]:
+    """Findings ``store-index`` for rows that cannot be right, a finding a kind of fault."""
+    frames = store.frames()
+    trajectories, sources = store.trajectories(), store.sources()
+    faults = [
+        *_frame_faults(store, frames),
+        *_source_faults(frames, trajectories, sources),
+        *_trajectory_faults(store, frames, trajectories),
+    ]
+    return [_finding(what, mask) for what, mask in faults if mask.any()]
+
+
+def _finding(what: str, mask: Mask) -> Finding:
+    rows = np.flatnonzero(mask)
+    shown = ", ".join(str(row) for row in rows[:5]) + (" …" if len(rows) > 5 else "")
+    return Finding("store-index", "damage", f"{what}: rows {shown}", count=len(rows))
+
+
+def _outside(values: NDArray[Any], low: int, high: int) -> Mask:
+    return (values < low) | (values >= high)
+
+
+def _frame_faults(store: Store, frames: pa.Table) -> Iterator[tuple[str, Mask]]:
+    rows = store.manifest["rows"]
+    column = {name: np.asarray(frames[name]) for name in ("trajectory", "source", "offset", "length", "parent_frame")}
+    yield "frames of a trajectory that is not there", _outside(column["trajectory"], -1, rows["trajectories"])
+    yield "frames of a source that is not there", _outside(column["source"], 0, rows["sources"])
+    yield "frames with a parent that is not there", _outside(column["parent_frame"], -1, rows["frames"])
+    chunk = settings_of(store.manifest).heap_chunk_bytes
+    camera, encoding = (
+        np.array(frames[name].cast(pa.string()).to_pylist(), dtype=object) for name in ("camera", "encoding")
+    )
+    start, stop = column["offset"], column["offset"] + column["length"]
+    yield "frames of a camera that is not there", ~np.isin(camera.astype(str), list(store.manifest["cameras"]))
+    for name, facts in store.manifest["cameras"].items():
+        encoded = (camera == name) & ((encoding == "jpeg") | (encoding == "png"))
+        wrong = (start < 0) | (stop < start) | (stop > facts["heap_bytes"])
+        yield f"images of {name!r} outside its heap", encoded & wrong
+        straddles = (column["length"] > 0) & (start // chunk != (stop - 1) // chunk)
+        yield f"images of {name!r} across two chunks", encoded & straddles
+        raw = (camera == name) & (encoding == "raw")
+        sizes = np.char.add(
+            np.char.add(np.asarray(frames["height"]).astype(str), "x"), np.asarray(frames["width"]).astype(str)
+        )
+        counts = np.array([facts["rgb"].get(size, 0) for size in sizes.tolist()], dtype=np.int64)
+        yield f"raw images of {name!r} outside their array", raw & ((start < 0) | (start >= counts))
+
+
+def _source_faults(frames: pa.Table, trajectories: pa.Table, sources: pa.Table) -> Iterator[tuple[str, Mask]]:
+    for what, table in (("frames", frames), ("trajectories", trajectories)):
+        of_source = np.asarray(table["source"])
+        inside = of_source[~_outside(of_source, 0, len(sources))]
+        counted = np.bincount(inside, minlength=len(sources))
+        yield f"sources whose number of {what} is another", counted != np.asarray(sources[what])
+        yield f"{what} that are not in the order of their sources", np.diff(of_source, prepend=of_source[:1]) < 0
+
+
+def _trajectory_faults(store: Store, frames: pa.Table, trajectories: pa.Table) -> Iterator[tuple[str, Mask]]:
+    start, stop = np.asarray(trajectories["frame_start"]), np.asarray(trajectories["frame_stop"])
+    outside = (start < 0) | (stop < start) | (stop > len(frames))
+    yield "trajectories with frames that are not there", outside
+    yield (
+        "trajectories that end before they start",
+        np.asarray(trajectories["end_ns"]) < np.asarray(trajectories["start_ns"]),
+    )
+    uids = np.array(trajectories["uid"].to_pylist(), dtype=object).astype(str)
+    _, first, count = np.unique(uids, return_index=True, return_counts=True)
+    twice = np.zeros(len(uids), dtype=bool)
+    twice[first[count > 1]] = True
+    yield "trajectories with a uid that another has", twice
+    # every frame of the range belongs to the trajectory, and the trajectory has no frame outside it
+    of_frame = np.asarray(frames["trajectory"])
+    expected = np.full(len(frames), -1)
+    for row in np.flatnonzero(~outside).tolist():
+        expected[start[row] : stop[row]] = row
+    yield "frames that are in no range of their trajectory", expected != of_frame
+    wrong = np.zeros(len(trajectories), dtype=bool)
+    for row, text in enumerate(trajectories["signal_rows"].to_pylist()):
+        wrong[row] = not _fits(store, text)
+    yield "trajectories with rows of signals that are not there", wrong
+
+
+def _fits(store: Store, text: str) -> bool:
+    try:
+        ranges = json.loads(text)
+        return all(
+            0 <= first <= last <= store.manifest["signals"][name]["rows"] for name, (first, last) in ranges.items()
+        )
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return False

@@ -1,0 +1,72 @@
+"""Whether the images of a store are the bytes that were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import google_crc32c
+import numpy as np
+
+from tactiledata.contract.records import FrameFlag
+from tactiledata.errors import TactileDataError
+from tactiledata.store.pictures import default_threads
+from tactiledata.store.reader import Store
+
+BLOCK = 256
+"""Frames whose payloads are in memory at once, per thread."""
+
+
+def payload_faults(store: Store, decode: bool = False, threads: int | None = None) -> Iterator[tuple[int, str]]:
+    """Rows whose image is damaged, in order, and how; memory stays flat.
+
+    Parameters
+    ----------
+    decode : bool
+        Whether images are decoded too; those that the store marks as broken are left out of that.
+    """
+    table = store.frames(["crc32c", "flags"])
+    crc32c, flags = np.asarray(table["crc32c"]), np.asarray(table["flags"])
+
+    def of_block(start: int) -> list[tuple[int, str]]:
+        rows = list(range(start, min(start + BLOCK, len(crc32c))))
+        try:
+            payloads: list[bytes | str | None] = list(store.encoded(rows))
+        except TactileDataError:
+            payloads = [_payload(store, row) for row in rows]
+        faults = []
+        for row, payload in zip(rows, payloads, strict=True):
+            fault = _fault(payload, int(crc32c[row]))
+            if not fault and decode and payload is not None and not flags[row] & FrameFlag.BROKEN:
+                fault = _decode_fault(store, row)
+            if fault:
+                faults.append((row, fault))
+        return faults
+
+    with ThreadPoolExecutor(threads or default_threads()) as pool:
+        for faults in pool.map(of_block, range(0, len(crc32c), BLOCK)):
+            yield from faults
+
+
+def _payload(store: Store, row: int) -> bytes | str | None:
+    """A payload, or the reason why there is none, as text."""
+    try:
+        return store.encoded([row])[0]
+    except TactileDataError as error:
+        return error.found
+
+
+def _fault(payload: bytes | str | None, crc32c: int) -> str:
+    if isinstance(payload, str):
+        return payload
+    if payload is not None and google_crc32c.value(payload) != crc32c:
+        return "the payload does not fit its CRC-32C"
+    return ""
+
+
+def _decode_fault(store: Store, row: int) -> str:
+    try:
+        store.images([row], threads=1)
+    except TactileDataError as error:
+        return error.found
+    return ""

@@ -1,0 +1,113 @@
+"""What of a damaged store can be mended without inventing data."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.records import Finding, FrameFlag
+from tactiledata.errors import TactileDataError
+from tactiledata.store.appender import write_part
+from tactiledata.store.arrays import set_length
+from tactiledata.store.batch import Batch
+from tactiledata.store.card import write_card
+from tactiledata.store.check import check
+from tactiledata.store.commit import recover, store_errors
+from tactiledata.store.layout import TABLE_SCHEMAS, table_folder
+from tactiledata.store.lock import writing_lock
+from tactiledata.store.manifest import Manifest, extended_digest, read_manifest, settings_of, write_manifest
+from tactiledata.store.payload_checks import payload_faults
+from tactiledata.store.reader import Store
+from tactiledata.store.recover import heaps, raw_arrays, row_arrays
+
+
+def repair(store_path: Path | str) -> list[Finding]:
+    """What was mended (``store-mended``), and what `check` still finds.
+
+    Leftovers of killed writers are removed, chunk files and shapes that were cut are stretched again, images that do
+    not fit their CRC-32C are marked as broken, the dataset card is written anew. Numbers, tables and images that are
+    lost stay lost: those findings remain, and the recordings are the place to take them from.
+    """
+    folder = Path(store_path)
+    recover(folder)
+    with store_errors(folder), writing_lock(folder):
+        manifest = read_manifest(folder)
+        mended = list(_stretch(folder, manifest))
+        try:
+            mended += _mark_broken(folder, manifest)
+        except (TactileDataError, pa.ArrowException):
+            pass  # tables that cannot be read: `check` below says which
+        else:
+            write_card(folder, manifest)
+    return [*mended, *check(folder)]
+
+
+def _mended(message: str, count: int = 1) -> Finding:
+    return Finding("store-mended", "info", message, count=count)
+
+
+def _stretch(folder: Path, manifest: Manifest) -> Iterator[Finding]:
+    """Chunk files of their nominal size, shapes that cover the manifest's lengths."""
+    chunk = settings_of(manifest).heap_chunk_bytes
+    for path, used in heaps(manifest):
+        for index in range(-(-used // chunk)):
+            place = folder / path / f"c.{index}"
+            if place.is_file() and place.stat().st_size != chunk:
+                yield _mended(f"{path}/c.{index} had {place.stat().st_size} bytes, stretched to {chunk}")
+                os.truncate(place, chunk)
+    wanted = [*row_arrays(manifest), *heaps(manifest), *((path, count) for path, _, count in raw_arrays(manifest))]
+    with Batch(folder) as batch:
+        for path, length in wanted:
+            try:
+                shape = json.loads(batch.read(f"{path}/zarr.json"))["shape"]
+            except (OSError, ValueError, KeyError):
+                continue
+            if shape[0] != length:
+                yield _mended(f"array {path} said {shape[0]} rows, set to {length}")
+                set_length(batch, path, length)
+        batch.publish()
+
+
+def _mark_broken(folder: Path, manifest: Manifest) -> list[Finding]:
+    """Frames whose payload is damaged get the flag BROKEN: their parts are written anew, then the manifest."""
+    store = Store.open(folder)
+    flags = np.asarray(store.frames(["flags"])["flags"])
+    bad = [row for row, _ in payload_faults(store) if not flags[row] & FrameFlag.BROKEN]
+    if not bad:
+        return []
+    rows = np.array(bad)
+    first, replaced = 0, []
+    with Batch(folder) as batch:
+        for index, part in enumerate(manifest["index"]["frames"]):
+            mine = rows[(rows >= first) & (rows < first + part["rows"])] - first
+            first += part["rows"]
+            if len(mine):
+                replaced.append(folder / table_folder("frames") / part["file"])
+                changed = write_part(batch, "frames", _next_name(part["file"]), _flagged(replaced[-1], mine))
+                manifest["index"]["frames"][index] = changed
+        batch.publish()
+    manifest["digest"] = extended_digest(manifest["digest"], f"broken {digest_of(bad)}")
+    write_manifest(folder, manifest)
+    for place in replaced:
+        place.unlink()
+    return [_mended(f"{len(bad)} images that do not fit their CRC-32C were marked as broken", len(bad))]
+
+
+def _next_name(file: str) -> str:
+    stem, _, suffix = file.removesuffix(".parquet").removeprefix("part-").partition("-")
+    return f"part-{stem}-{int(suffix or 0) + 1}.parquet"
+
+
+def _flagged(place: Path, rows: np.ndarray) -> pa.Table:
+    table = pq.read_table(place, schema=TABLE_SCHEMAS["frames"])
+    flags = np.array(table["flags"])
+    flags[rows] |= FrameFlag.BROKEN
+    index = table.schema.get_field_index("flags")
+    return table.set_column(index, table.schema.field(index), pa.array(flags, pa.uint32()))
