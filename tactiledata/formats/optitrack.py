@@ -18,6 +18,8 @@ from tactiledata.transforms import matrix_poses, pose_matrices
 
 HEADER_ROWS = 7
 START_LABEL = "Capture Start Time"
+FAR = 1e6
+"""Metres: beyond it a position is damage."""
 CAMERA_TO_GEL = 0.022
 """Metres along the DIGIT's z axis from its tracked frame back to the gel; YCB-Slide's own scripts use it."""
 JUMP_FACTOR = 10.0
@@ -119,8 +121,11 @@ def find_jumps(positions: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def is_pose(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which rows (n, 7) are poses: finite, with a quaternion that is not zero."""
-    return np.isfinite(rows).all(axis=1) & (np.linalg.norm(rows[:, 3:], axis=1) > 1e-6)
+    """Which rows (n, 7) are poses: within a million metres, with a quaternion that is neither zero nor absurd."""
+    sizes = np.abs(rows)
+    is_sane = np.all(sizes < FAR, axis=1, keepdims=True)  # false for NaN
+    lengths = np.linalg.norm(np.where(is_sane, rows, 0.0)[:, 3:], axis=1)
+    return is_sane[:, 0] & (lengths > 1e-6)
 
 
 def _body_columns(header: list[list[str]], body: str, path: Path) -> list[int]:

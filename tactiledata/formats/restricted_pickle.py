@@ -12,6 +12,7 @@ import io
 import math
 import pickle
 import struct
+import tokenize
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO, ClassVar
@@ -72,7 +73,7 @@ def load_npy(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
     with open_named(path) as stream:
         try:
             shape, dtype = _npy_header(stream)
-        except (ValueError, EOFError, SyntaxError, TypeError) as error:
+        except (*PICKLE_FAULTS, SyntaxError, tokenize.TokenError) as error:
             raise broken_file(str(path), f"not a .npy file ({error})") from error
         if dtype.hasobject:
             value = _read_value(_bounded(path, stream, max_bytes), str(path))
@@ -81,7 +82,10 @@ def load_npy(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
         rest = path.stat().st_size - stream.tell()
         if needed > min(rest, max_bytes):
             raise broken_file(str(path), f"an array of shape {shape} needs {needed} bytes, {rest} are there")
-    return np.load(path, allow_pickle=False)
+    try:
+        return np.load(path, allow_pickle=False)
+    except PICKLE_FAULTS as error:
+        raise broken_file(str(path), str(error)) from error
 
 
 def open_named(path: Path) -> BinaryIO:

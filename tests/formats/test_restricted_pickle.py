@@ -196,6 +196,17 @@ def test_files_that_are_not_there_or_too_large(tmp_path):
         load_npy(tmp_path / "text.npy")
 
 
+@pytest.mark.parametrize(
+    "header", [b"{'descr': '<f8', (", b"\0" * 30, b"__import__('os').system('true')", b"{}", b"[" * 90]
+)
+def test_npy_headers_that_are_no_headers(tmp_path, header):
+    """A header that does not parse, or asks for something, is a clear error."""
+    content = header + b" " * (118 - len(header) - 1) + b"\n"
+    (tmp_path / "odd.npy").write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(content)) + content)
+    with pytest.raises(BrokenLog):
+        load_npy(tmp_path / "odd.npy")
+
+
 @given(st.lists(st.binary(max_size=400), min_size=1), st.sampled_from([3, 4, 5]))
 def test_index_gives_the_list(tmp_path_factory, items, protocol):
     """Items read through the index are the items of the list, repeated objects included."""
