@@ -77,7 +77,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
             findings += Playback(inventory, handler_for).run()
         buffers: list[Buffer] = [*signals, *cameras]
         findings += [finding for buffer in buffers for finding in buffer.findings()]
-        findings += _empty(signals, cameras)
+        findings += [*_empty(signals, cameras), *_foreign_wrench(signals, description)]
         if not (any(len(buffer.log) for buffer in signals) or any(camera.images for camera in cameras)):
             raise _nothing_read(source, findings)
         pictures, origins, said = references_of(path, inventories, description)
@@ -239,6 +239,22 @@ def _empty(signals: list[SignalBuffer], cameras: list[CameraBuffer]) -> list[Fin
     return [
         Finding("empty-stream", "warning", f"{topic} holds no message that could be read as {name}", name)
         for name, topic in names
+    ]
+
+
+def _foreign_wrench(signals: list[SignalBuffer], description: LogDescription) -> list[Finding]:
+    """A wrench in another frame than the one that the description's transforms refer to."""
+    stated = description.wrench.get("frame")
+    return [
+        Finding(
+            "wrench-frame",
+            "warning",
+            f"{buffer.topic} is in frame {frame!r}, and the description says {stated!r}: tcp_from_ft may not fit",
+            buffer.name,
+        )
+        for buffer in signals
+        for frame in buffer.frames
+        if buffer.name == "wrench" and stated and frame != stated
     ]
 
 

@@ -256,6 +256,14 @@ def test_a_topic_that_is_not_there_is_said(tmp_path):
     assert "tcp" not in recording.signals
 
 
+def test_a_wrench_in_another_frame_than_described_is_said(tmp_path):
+    """The description's transforms belong to one frame; data in another one are kept with a warning."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, [0] * 6, frame="tool0")
+        tape.describe({**description(), "wrench": {"frame": "robotiq_ft_frame_id"}})
+    assert codes(read_one(tmp_path / "run.mcap")[0]) == {"wrench-frame"}
+
+
 # bags and folders
 
 
@@ -332,7 +340,9 @@ def test_compressed_bytes_stay_as_they_are(tmp_path):
     ]
 
 
-@pytest.mark.parametrize(("encoding", "step"), [("rgb8", None), ("bgr8", None), ("rgb8", 80), ("bgr8", 96)])
+@pytest.mark.parametrize(
+    ("encoding", "step"), [(order, step) for order in ("rgb8", "bgr8", "rgba8", "bgra8") for step in (None, 112)]
+)
 def test_raw_images_become_rgb(tmp_path, encoding, step):
     """Raw pixels become RGB without padding, whatever their order and row length."""
     with Tape(tmp_path / "run.mcap") as tape:

@@ -124,9 +124,11 @@ def image_message(ns, image, encoding="bgr8", frame="digit", ros1=False, step=No
     """A sensor_msgs/Image of an RGB picture."""
     height, width = image.shape[:2]
     pixels = image[:, :, ::-1] if encoding.startswith("bgr") else image
-    row = width * 3 if step is None else step
+    if encoding.endswith("a8"):
+        pixels = np.concatenate([pixels, np.full((height, width, 1), 77, np.uint8)], axis=2)
+    row = pixels[0].size if step is None else step
     content = np.zeros((height, row), np.uint8)
-    content[:, : width * 3] = pixels.reshape(height, -1)
+    content[:, : pixels[0].size] = pixels.reshape(height, -1)
     data = content.ravel() if payload is None else np.frombuffer(payload, np.uint8)
     return store(ros1).types[KINDS["image"]](
         header=header(ns, frame, ros1),

@@ -167,6 +167,12 @@ def files_of(path: Path) -> Bag:
             "storage mcap",
             UNREADABLE[".db3"][1],
         )
+    if str(metadata.get("compression_mode", "")).lower() == "message":
+        raise BrokenLog(
+            f"the messages of {path} are compressed one by one by rosbag2",
+            "an MCAP, which compresses its chunks itself",
+            "Convert it with `ros2 bag convert`, with no compression_mode in the output options.",
+        )
     return _listed(path, metadata.get("relative_file_paths"))
 
 

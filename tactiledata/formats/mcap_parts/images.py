@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import cv2
 import numpy as np
 
 from tactiledata.contract.records import Finding, Image, ImageSink, Severity
@@ -21,6 +22,12 @@ from tactiledata.formats.mcap_parts.roles import COMPRESSED_KINDS, ImageRole
 
 RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}
 """Bytes a pixel and channel order of the raw encodings that are colour pictures; 8UC3 is OpenCV's, blue first."""
+_TO_RGB = {
+    ("rgb", 3): None,
+    ("bgr", 3): cv2.COLOR_BGR2RGB,
+    ("rgb", 4): cv2.COLOR_RGBA2RGB,
+    ("bgr", 4): cv2.COLOR_BGRA2RGB,
+}
 SERIAL = re.compile(r"(?<![A-Za-z0-9])([A-Z]\d{5})(?![A-Za-z0-9])", re.IGNORECASE)
 """A DIGIT's serial in a topic or frame_id."""
 
@@ -224,9 +231,6 @@ def _raw(
     if order == "rgb" and channels == 3 and step == width * 3:
         return payload, "raw", height, width
     rows = np.frombuffer(payload, np.uint8).reshape(height, step)[:, : width * channels]
-    pixels = (
-        rows.reshape(height, width, channels)[:, :, 2::-1]
-        if order == "bgr"
-        else rows.reshape(height, width, channels)[:, :, :3]
-    )
-    return np.ascontiguousarray(pixels).tobytes(), "raw", height, width
+    pixels = np.ascontiguousarray(rows).reshape(height, width, channels)
+    code = _TO_RGB[order, channels]
+    return (pixels if code is None else cv2.cvtColor(pixels, code)).tobytes(), "raw", height, width
