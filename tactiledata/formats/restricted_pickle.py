@@ -41,6 +41,8 @@ PICKLE_FAULTS: tuple[type[Exception], ...] = (
     RecursionError,
 )
 """What a damaged pickle can raise while it is read."""
+NPY_FAULTS: tuple[type[Exception], ...] = (*PICKLE_FAULTS, SyntaxError, tokenize.TokenError)
+"""The same for the header of a .npy file, which is Python text."""
 
 
 def load_pickle(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
@@ -73,7 +75,7 @@ def load_npy(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
     with open_named(path) as stream:
         try:
             shape, dtype = _npy_header(stream)
-        except (*PICKLE_FAULTS, SyntaxError, tokenize.TokenError) as error:
+        except NPY_FAULTS as error:
             raise broken_file(str(path), f"not a .npy file ({error})") from error
         if dtype.hasobject:
             value = _read_value(_bounded(path, stream, max_bytes), str(path))

@@ -19,7 +19,7 @@ BACKGROUNDS = Path(__file__).resolve().parents[1] / "data" / "digit_backgrounds"
 
 def first(folder, settings=None, **faults):
     """The part hct/data1 of a fake."""
-    return read(FORMAT, tvl.write(folder, np.random.default_rng(4), **(settings or {}), **faults) / "hct")[0]
+    return read(FORMAT, tvl.write(folder, np.random.default_rng(4), ssvtp=0, **(settings or {}), **faults) / "hct")[0]
 
 
 def test_parts_and_pairs(tmp_path):

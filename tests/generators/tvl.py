@@ -43,12 +43,12 @@ def touch_picture(rng, press=0.0):
     return picture + rng.integers(0, 3, picture.shape, dtype=np.uint8)
 
 
-def photograph(rng, size=(240, 426)):
+def photograph(rng, size=(120, 213)):
     """A picture like a photograph: grey-brown, edges and texture everywhere, another one every time."""
     picture = np.full((*size, 3), rng.integers(60, 160), dtype=np.uint8)
     for _ in range(40):
         corner = rng.integers(0, size)
-        extent = rng.integers(5, 90, size=2)
+        extent = rng.integers(3, 45, size=2)
         colour = (rng.uniform(20, 200) * np.array([1.0, 0.95, 0.85])).astype(np.uint8)
         picture[corner[0] : corner[0] + extent[0], corner[1] : corner[1] + extent[1]] = colour
     return picture + rng.integers(0, 40, picture.shape, dtype=np.uint8)
