@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -68,7 +69,7 @@ def _by_folder(paths: Iterable[str]) -> dict[str, list[str]]:
     return folders
 
 
-def _print(report) -> None:  # type: ignore[no-untyped-def]
+def _print(report: Any) -> None:
     words = {"added": "added", "present": "already there", "failed": "not read"}
     rows = [
         (source.key, words[source.state], source.status or "-", source.trajectories, source.frames)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 
@@ -40,10 +41,10 @@ def _version(
 
 def run() -> None:
     """Run the command; exit 0 fine, 1 the data fell short, 2 wrong usage, 3 a fault of ours, 130 interrupted."""
-    if hasattr(sys.stdout, "reconfigure"):
-        # names of files and sensors may hold what the terminal's encoding cannot show
-        sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-        sys.stderr.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # names of files and sensors may hold what the terminal's encoding cannot show
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except TactileDataError as error:

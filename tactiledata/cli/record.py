@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import typer
+
+if TYPE_CHECKING:
+    from tactiledata.rig.record import Form
 
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 
@@ -29,7 +33,7 @@ def record(
     from tactiledata.rig.worlds import find_scenario
 
     with progress("recording", quiet=as_json) as tell:
-        logs = play(load_scenario(find_scenario(scenario)), out, form, tell)
+        logs = play(load_scenario(find_scenario(scenario)), out, cast("Form", form), tell)
     if as_json:
         emit({"logs": [str(log) for log in logs], "truth": str(out / "truth")})
         return

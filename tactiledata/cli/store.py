@@ -7,7 +7,7 @@ from typing import Any
 
 import typer
 
-from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UsageError
 
@@ -85,9 +85,9 @@ def check(
     from tactiledata.store.repair import repair as mend
 
     location = working_store(store)
-    mended = mend(location) if repair else []
-    with progress("checking", quiet=as_json) as tell:
-        found = look(location, decode=decode, progress=tell)
+    said = mend(location) if repair else []
+    mended = [finding for finding in said if finding.code == "store-mended"]
+    found = look(location, decode=decode)
     if as_json:
         emit({"mended": [vars(finding) for finding in mended], "findings": [vars(finding) for finding in found]})
     else:
@@ -109,13 +109,12 @@ def merge(
     """
     from tactiledata.store.merge import merge as add
 
-    with progress("merging", quiet=as_json) as tell:
-        merged = add(stores, into, progress=tell)
+    found = add(stores, into)
     if as_json:
-        emit(merged.document())
+        emit({"store": str(into), "findings": [vars(finding) for finding in found]})
         return
-    findings(("", finding) for finding in merged.findings)
-    say(f"{merged.added} recordings added to {into}, {merged.present} were there already")
+    findings(("", finding) for finding in found)
+    say(f"merged into {into}")
 
 
 def sensors(
@@ -145,7 +144,7 @@ def sensors(
 def _add_sensor(
     names: list[str], background: Path | None, model: str, licence: str, store: str | None, as_json: bool
 ) -> None:
-    from tactiledata.store.sensors_table import add_sensor
+    from tactiledata.store.add_sensor import add_sensor
 
     if len(names) != 1 or background is None:
         raise UsageError(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.records import Finding, FrameFlag, Take
 from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.sensors import SENSORS
+from tactiledata.sensors.base import Sensor
 from tactiledata.sensors.image_checks import channel_order, orientation_of
 
 TRAILERS = {"jpeg": b"\xff\xd9", "png": b"IEND"}
@@ -83,7 +84,7 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
     return found
 
 
-def _size_findings(sensor: str, image: NDArray[np.uint8], known) -> list[Finding]:
+def _size_findings(sensor: str, image: NDArray[np.uint8], known: Sensor) -> list[Finding]:
     verdict = orientation_of(image, known)
     if verdict == "ok":
         return []

@@ -54,6 +54,9 @@ def _write(tape: Tape, stream: Any, progress: Callable[[int], None]) -> None:
         enable_crcs=setup.crcs,
     )
     writer.start(profile=PROFILE, library=LIBRARY)
+    if setup.describe:
+        # first, so that a file that is cut still says what it is
+        _describe(tape, writer)
     channels: list[int] = []
     schemas: dict[str, int] = {}
     streams: list[Iterator[Message]] = []
@@ -72,8 +75,6 @@ def _write(tape: Tape, stream: Any, progress: Callable[[int], None]) -> None:
         streams.append(_image_messages(tape, serial, number, progress))
     for log_ns, number, sequence, make in tape.disordered(heapq.merge(*streams), purpose=1):
         writer.add_message(channels[number], log_ns, make(), log_ns, sequence)
-    if setup.describe:
-        _describe(tape, writer)
     writer.finish()
 
 

@@ -1,0 +1,118 @@
+"""A sensor added to a store by hand: its serial, its model and a picture of it without contact."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.records import Finding
+from tactiledata.errors import MissingFile, UsageError
+from tactiledata.sensors import SENSORS
+from tactiledata.sensors.base import Sensor
+from tactiledata.sensors.image_checks import orientation_of
+from tactiledata.store.arrays import open_root, write_image
+from tactiledata.store.batch import Batch
+from tactiledata.store.card import write_card
+from tactiledata.store.commit import recover, store_errors
+from tactiledata.store.layout import COMMITTING, STAGING, reference_path
+from tactiledata.store.lock import writing_lock
+from tactiledata.store.manifest import extended_digest, read_manifest, write_manifest
+from tactiledata.store.sensors_table import image_crc, read_sensors, write_sensors
+
+LARGEST_PICTURE = 64 * 2**20
+"""Bytes of a picture file."""
+
+
+def add_sensor(
+    store_path: Path | str, name: str, background: Path, model: str = "digit", licence: str = ""
+) -> list[Finding]:
+    """What is worth saying after a sensor and its picture without contact became part of a store.
+
+    The same picture again is no change.
+
+    Parameters
+    ----------
+    store_path : Path
+        A local store.
+    name : str
+        Serial, as recordings name it.
+    background : Path
+        JPEG or PNG.
+    model : str
+        A name of the sensors table.
+    licence : str
+        Of the picture.
+
+    Raises
+    ------
+    MissingFile, UsageError
+        No picture there; not a picture; the store knows this sensor with another picture.
+    UnknownName
+        No such model.
+    """
+    if not name.strip() or "/" in name or "\\" in name or len(name) > 200:
+        raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
+    sensor = SENSORS[model]
+    image = read_picture(background)
+    folder = Path(store_path)
+    recover(folder)
+    with store_errors(folder), writing_lock(folder):
+        manifest = copy.deepcopy(read_manifest(folder))
+        facts = read_sensors(folder, manifest)
+        crc = image_crc(image)
+        if manifest["references"].get(name, crc) != crc:
+            raise UsageError(
+                f"the store has another picture of {name!r}",
+                "a sensor that is new, or the same picture",
+                "A background that changed is another look of the sensor: give it a name of its own.",
+            )
+        if name in manifest["references"] and name in facts:
+            return []
+        # a kill from here on leaves the manifest as it was, and the next writer clears what is beside it
+        marker = folder / STAGING / COMMITTING
+        write_atomic(marker, b"")
+        facts[name] = {**facts.get(name, {}), "model": model}
+        with Batch(folder) as batch:
+            attributes = {"sensor": name, "origin": background.name, "licence": licence, "model": model}
+            write_image(open_root(batch), reference_path(name), image, attributes)
+            manifest["references"][name] = crc
+            manifest["sensors"] = write_sensors(batch, facts)
+            batch.publish()
+        manifest["digest"] = extended_digest(manifest["digest"], f"sensor {name} {model} {crc}")
+        write_manifest(folder, manifest)
+        marker.unlink()
+        write_card(folder, manifest)
+    return _findings(name, image, sensor)
+
+
+def read_picture(path: Path) -> NDArray[np.uint8]:
+    """The picture (H, W, 3) RGB in a file."""
+    if not path.is_file():
+        raise MissingFile(f"{path} does not exist", "a JPEG or PNG file", "Check the spelling.", path=str(path))
+    size = path.stat().st_size
+    content = path.read_bytes() if size <= LARGEST_PICTURE else b""
+    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR_RGB) if content else None
+    if image is None:
+        raise UsageError(
+            f"{path} ({size} bytes) is not a picture that can be read", "a JPEG or PNG file", "Save it as PNG."
+        )
+    return np.ascontiguousarray(image, dtype=np.uint8)
+
+
+def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor) -> list[Finding]:
+    if sensor.camera is None:
+        return [Finding("image-size", "warning", f"{sensor.title} gives no pictures; that of {name!r} was kept anyway")]
+    rows, columns = sensor.camera.shape
+    verdict = orientation_of(image, sensor)
+    if verdict == "ok":
+        return []
+    code, what = (
+        ("image-swapped", "height and width swapped") if verdict == "swapped" else ("image-size", "another size")
+    )
+    text = f"the picture of {name!r} has {image.shape[0]} rows x {image.shape[1]} columns; a {sensor.name} gives "
+    return [Finding(code, "warning", f"{text}{rows} x {columns}: {what}")]
