@@ -95,7 +95,7 @@ class Appender:
         ranges = [
             {
                 names[name]: [row + noted[names[name]]["rows"][0] for row in pair]
-                for name, pair in json.loads(text or "{}").items()
+                for name, pair in json.loads(text).items()
             }
             for text in table["signal_rows"].to_pylist()
         ]

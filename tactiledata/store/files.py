@@ -12,6 +12,7 @@ from typing import Any
 
 import fsspec
 import zarr
+import zarr.abc.store
 from zarr.storage import FsspecStore, LocalStore
 
 from tactiledata.errors import MissingFile, StoreError
@@ -120,7 +121,7 @@ class LocalFiles(StoreFiles):
 
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
-        return zarr.open_array(LocalStore(self._folder, read_only=True), path=path, mode="r")
+        return _opened(LocalStore(self._folder, read_only=True), path, self.location)
 
     def place(self, path: str) -> Path:
         """Where a file of the store lies."""
@@ -190,12 +191,26 @@ class RemoteFiles(StoreFiles):
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
         store = FsspecStore.from_url(self.location, storage_options=self._options, read_only=True)
-        return zarr.open_array(store, path=path, mode="r")
+        return _opened(store, path, self.location)
 
     def place(self, path: str) -> str:
         """The URL of a file of the store."""
         head, separator, tail = self.location.partition("::")
         return f"{head.rstrip('/')}/{path}{separator}{tail}"
+
+
+def _opened(store: zarr.abc.store.Store, path: str, location: str) -> zarr.Array:
+    try:
+        return zarr.open_array(store, path=path, mode="r")
+    except FileNotFoundError as error:
+        raise missing_file(path, location) from error
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise StoreError(
+            f"array {path} in {location} has metadata that cannot be read: {error}",
+            "the zarr.json that the store was written with",
+            "Run `tactiledata check` on the store; restore the file from a copy.",
+            path=path,
+        ) from error
 
 
 def open_files(location: str | Path, storage_options: Mapping[str, Any] | None = None) -> StoreFiles:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import google_crc32c
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
@@ -219,19 +218,16 @@ def _payload(piece: _Piece, row: int, frame: Mapping[str, Any]) -> bytes | None:
     """An image's bytes; ``None`` where there are none, or none that can be read and the store says so."""
     broken = bool(frame["flags"] & FrameFlag.BROKEN)
     try:
-        payload = piece.store.encoded([row])[0]
-    except StoreError:
+        return piece.store.encoded([row], verify=not broken)[0]
+    except StoreError as error:
         if broken:
             return None
-        raise
-    if payload is not None and google_crc32c.value(payload) != frame["crc32c"] and not broken:
         raise StoreError(
-            f"the image of frame {row} in {piece.store.location} does not fit its CRC-32C",
+            f"{error.found}, in {piece.store.location}",
             "a store that `tactiledata check` passes",
             "Run `tactiledata check --repair` on it, which marks damaged images, then merge again.",
             row=row,
-        )
-    return payload
+        ) from error
 
 
 def _parents(piece: _Piece, parents: NDArray[np.int64], starts: Mapping[str, int]) -> NDArray[np.int64]:

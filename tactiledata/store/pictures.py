@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal
 
 import cv2
+import google_crc32c
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
@@ -114,7 +115,7 @@ class Pictures:
         except FileNotFoundError as error:
             raise missing_file(str(error.filename or error), self._files.location) from error
 
-    def payloads(self, rows: Sequence[int]) -> list[bytes | None]:
+    def payloads(self, rows: Sequence[int], verify: bool) -> list[bytes | None]:
         """The bytes of frames as kept: JPEG or PNG files, raw RGB unpacked, ``None`` where no image was recorded."""
         found = self._spans(rows)
         contents = iter(self._fetch([span for _, span in found if span]))
@@ -124,12 +125,27 @@ class Pictures:
                 payloads.append(None)
                 continue
             content = next(contents) if span else b""
-            payloads.append(self._unpacked(row, content).tobytes() if encoding == "raw" else content)
+            if encoding == "raw":
+                content = self._unpacked(row, content).tobytes()
+            elif verify:
+                self._verify(row, content)
+            payloads.append(content)
         return payloads
 
-    def crc32c(self, rows: Sequence[int]) -> list[int]:
-        """CRC-32C of payloads, as the frames table has them."""
-        return self._load()["crc32c"][list(rows)].tolist()
+    def _verify(self, row: int, content: bytes) -> None:
+        """A damaged JPEG usually still decodes, to other pixels: only its CRC-32C tells."""
+        if google_crc32c.value(content) != self._load()["crc32c"][row]:
+            raise self._damaged(row, content, "does not fit its CRC-32C", "the bytes that were recorded")
+
+    def _damaged(self, row: int, content: bytes, what: str, expected: str) -> StoreError:
+        marked = bool(self._load()["flags"][row] & FrameFlag.BROKEN)
+        return StoreError(
+            f"the image of frame {row} ({len(content)} bytes) {what}"
+            + (" (the store marks it as broken)" if marked else ""),
+            expected,
+            "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks damaged ones.",
+            row=row,
+        )
 
     def pictures(
         self, rows: Sequence[int], threads: int | None, when_missing: Literal["error", "zeros"]
@@ -185,20 +201,14 @@ class Pictures:
             target[...] = self._decoded(row, content, target.shape)
 
     def _decoded(self, row: int, content: bytes, shape: tuple[int, ...]) -> Picture:
+        self._verify(row, content)
         try:
             picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR_RGB) if content else None
         except cv2.error:
             picture = None
         if picture is None or picture.shape != shape:
-            known = bool(self._load()["flags"][row] & FrameFlag.BROKEN)
             what = f"decodes to {picture.shape}" if picture is not None else "does not decode"
-            raise StoreError(
-                f"the image of frame {row} ({len(content)} bytes) {what}"
-                + (" (the store marks it as broken)" if known else ""),
-                f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels",
-                "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks them.",
-                row=row,
-            )
+            raise self._damaged(row, content, what, f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels")
         return picture.astype(np.uint8, copy=False)
 
     def _unpacked(self, row: int, content: bytes, target: Picture | None = None) -> Picture:
@@ -207,12 +217,7 @@ class Pictures:
         try:
             unpack_frame(content, picture)
         except ValueError as error:
-            raise StoreError(
-                f"the raw image of frame {row} is damaged: {error}",
-                "an intact shard",
-                "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks them.",
-                row=row,
-            ) from error
+            raise self._damaged(row, content, f"is damaged: {error}", "an intact shard") from error
         return picture
 
 

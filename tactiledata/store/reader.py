@@ -278,16 +278,19 @@ class Store:
 
     def array(self, path: str) -> zarr.Array:
         """Any array of the store, by its path; rows beyond the manifest's lengths are not data."""
-        try:
-            return self._files.array(path)
-        except FileNotFoundError as error:
-            raise missing_file(path, self.location) from error
+        return self._files.array(path)
 
     # -- images ------------------------------------------------------------------------------------------------------
 
-    def encoded(self, rows: ArrayLike) -> list[bytes | None]:
-        """Payloads as kept: JPEG and PNG files, raw frames as RGB bytes, ``None`` where no image was recorded."""
-        return self._pictures.payloads(checked_rows(rows, self.n_frames, "the frames").tolist())
+    def encoded(self, rows: ArrayLike, verify: bool = True) -> list[bytes | None]:
+        """Payloads as kept: JPEG and PNG files, raw frames as RGB bytes, ``None`` where no image was recorded.
+
+        Parameters
+        ----------
+        verify : bool
+            Whether each is held against its CRC-32C; a damaged JPEG may still decode, to other pixels.
+        """
+        return self._pictures.payloads(checked_rows(rows, self.n_frames, "the frames").tolist(), verify)
 
     def images(
         self, rows: ArrayLike, threads: int | None = None, missing: Literal["error", "zeros"] = "error"

@@ -107,7 +107,7 @@ def _next_name(file: str) -> str:
 
 def _flagged(place: Path, rows: np.ndarray) -> pa.Table:
     table = pq.read_table(place, schema=TABLE_SCHEMAS["frames"])
-    flags = np.array(table["flags"])
+    flags = table["flags"].to_numpy().copy()
     flags[rows] |= FrameFlag.BROKEN
     index = table.schema.get_field_index("flags")
     return table.set_column(index, table.schema.field(index), pa.array(flags, pa.uint32()))

@@ -11,7 +11,7 @@ import zarr
 from numpy.typing import ArrayLike, NDArray
 
 from tactiledata.errors import StoreError, UsageError
-from tactiledata.store.files import StoreFiles, missing_file
+from tactiledata.store.files import StoreFiles
 
 CACHE_BYTES = 256 * 2**20
 """Decoded chunks that one array keeps; the aligned wrench of a million frames takes 48 MB."""
@@ -40,10 +40,7 @@ class Rows:
 
     def _opened(self) -> zarr.Array:
         if self._array is None or self._owner != os.getpid():
-            try:
-                self._array = self._files.array(self._path)
-            except FileNotFoundError as error:
-                raise missing_file(self._path, self._files.location) from error
+            self._array = self._files.array(self._path)
             self._owner = os.getpid()
         if self._array.shape[0] < self.length:
             raise StoreError(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -67,6 +69,14 @@ def _check_trajectories(take: Take) -> None:
     start, stop = np.asarray(take.trajectories["frame_start"]), np.asarray(take.trajectories["frame_stop"])
     if ((start < 0) | (stop < start) | (stop > len(take.frames))).any():
         raise _fault(take, "trajectories with frames outside the take", f"frame ranges within {len(take.frames)}")
+    for text in take.trajectories["signal_rows"].to_pylist():
+        try:
+            ranges = json.loads(text)
+            fits = all(0 <= first <= last <= len(take.signals[name].t_ns) for name, (first, last) in ranges.items())
+        except (ValueError, KeyError, TypeError, AttributeError):
+            fits = False
+        if not fits:
+            raise _fault(take, f"signal_rows {text!r}", "JSON {signal: [start, stop]} within the take's signals")
 
 
 def _check_signals(take: Take) -> None:
@@ -90,9 +100,11 @@ def _check_signals(take: Take) -> None:
 
 
 def _check_documents(take: Take) -> None:
-    for name in ("description", "provenance", "sensors"):
+    documents = {name: getattr(take, name) for name in ("description", "provenance", "sensors")}
+    documents |= {f"attributes of signal {name!r}": signal.attributes for name, signal in take.signals.items()}
+    for name, document in documents.items():
         try:
-            json_bytes(getattr(take, name))
+            json_bytes(document)
         except (TypeError, ValueError) as error:
             raise StoreError(
                 f"{name} of {take.source.key} is not JSON: {error}", "finite numbers, text, lists and mappings"
