@@ -149,6 +149,11 @@ def sensor_for(camera: str, known: str, mapping: Mapping[str, Any] | None) -> st
     return str(stated) if stated else known
 
 
+def beside(sensor: str, camera: str) -> str:
+    """What a camera that only accompanies a sensor is called: two cameras are never one sensor."""
+    return f"{sensor}-{camera}"
+
+
 def raise_empty(source: Source, expected: str) -> NoReturn:
     """The error for a source in which there is nothing to read."""
     raise BrokenLog(

@@ -18,6 +18,7 @@ from tactiledata.errors import BrokenLog
 from tactiledata.formats.corpus import (
     CorpusFormat,
     Timeline,
+    beside,
     describe,
     files_in,
     note_nominal_rate,
@@ -98,7 +99,8 @@ ssvtp/{images_tac/image_<n>_tac.jpg, images_rgb/image_<n>_rgb.jpg, text/labels_<
             extra |= {"modality_swapped": 1} if any(_homes(pair) in swapped for pair in sequence.pairs) else {}
             touches.append(Trajectory(touch, *timeline.interval(), sensor, "", extra))
         references = {} if intake.is_looking else _reference(folder, pairs, sensor, swapped, intake)
-        description = describe(source, mapping, {sensor: "digit"}, f"TVL {name}", self.licence_note)
+        models = {sensor: "digit", beside(sensor, "vision"): "camera"}
+        description = describe(source, mapping, models, f"TVL {name}", self.licence_note)
         return self.finish(source, intake, description, touches, references=references)
 
 
@@ -324,7 +326,8 @@ def _push(
         return
     photograph = _found(folder, vision)
     if photograph.is_file():
-        intake.image("vision", photograph.read_bytes, t_ns, trajectory=touch, name=vision)
+        whose = beside(sensor, "vision")
+        intake.image("vision", photograph.read_bytes, t_ns, sensor=whose, trajectory=touch, name=vision)
     else:
         intake.note("image-missing", "damage", f"{vision} is not there", "vision", touch)
 

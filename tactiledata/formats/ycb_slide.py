@@ -17,6 +17,7 @@ from tactiledata.contract.records import Recording, Signal, Source, Stamps, Traj
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.corpus import (
     CorpusFormat,
+    beside,
     describe,
     files_in,
     nominal_ns,
@@ -108,7 +109,8 @@ dataset/sim/<obj>/<kk>/{tactile_images/*.jpg, gt_heightmaps/*.jpg, gt_contactmas
         start, end = int(touch.times.min()), int(touch.times.max()) + nominal_ns(1)
         extra = {"object": thing, "origin": origin, **touch.extra}
         taken = Trajectory(trajectory, start, end, sensor, thing, extra)
-        description = describe(source, mapping, {sensor: "digit"}, "YCB-Slide", "CC BY-SA 4.0")
+        models = {sensor: "digit"} | {beside(sensor, camera): "camera" for camera in intake.cameras if camera in others}
+        description = describe(source, mapping, models, "YCB-Slide", "CC BY-SA 4.0")
         return self.finish(source, intake, description, [taken], signals)
 
 
@@ -144,9 +146,9 @@ def _is_real(folder: Path) -> bool:
 
 def _files(run: Path) -> list[Path]:
     inside = [run / name for name in ("synced_data.npy", "digit_data.npy", "tactile_data.pkl")]
-    beside = [] if _is_simulated(run) else [run.parent / "alignment.npy", run.parent / f"{run.parent.name}.csv"]
+    shared = [] if _is_simulated(run) else [run.parent / "alignment.npy", run.parent / f"{run.parent.name}.csv"]
     images = [path for name in sorted(IMAGE_FOLDERS) for path in files_in(run / name, (".jpg", ".jpeg", ".png"))]
-    return [path for path in (*inside, *beside) if path.is_file()] + images
+    return [path for path in (*inside, *shared) if path.is_file()] + images
 
 
 def _simulated(folder: Path, intake: Intake) -> _Touch:
@@ -342,8 +344,8 @@ def _push(
     if contact is not None:
         note = "1 where the contact pose is known, 0 where the tracker lost it or it jumped"
         intake.declare("pose_known", ("known",), ("1",), note)
-    beside = {camera: _by_number(folder / home) for camera, home in others.items()}
-    if beside.get("gt_heightmap"):
+    companions = {camera: _by_number(folder / home) for camera, home in others.items()}
+    if companions.get("gt_heightmap"):
         intake.note("heightmap-8bit", "info", "height maps are 8-bit: one level is about 0.03 mm", "gt_heightmap")
     for row, (moment, name) in enumerate(zip(touch.times.tolist(), touch.frames, strict=True)):
         path = folder / name
@@ -354,12 +356,13 @@ def _push(
         payload = path.read_bytes if is_there else None
         intake.image("digit", payload, moment, sensor=sensor, trajectory=trajectory, name=name, values=values)
         number = last_number(path.name) if name else row
-        for camera, files in beside.items():
+        for camera, files in companions.items():
             other = files.pop(row if number is None else number, None)
             if other is not None:
                 shown = f"{others[camera]}/{other.name}"
-                intake.image(camera, other.read_bytes, moment, trajectory=trajectory, name=shown)
-    for camera, files in beside.items():
+                whose = beside(sensor, camera)
+                intake.image(camera, other.read_bytes, moment, sensor=whose, trajectory=trajectory, name=shown)
+    for camera, files in companions.items():
         if files:
             found = f"{len(files)} images of {others[camera]} belong to no frame and are left out"
             intake.note("image-without-time", "warning", found, camera, trajectory, count=len(files))

@@ -62,6 +62,9 @@ def test_recordings_keep_the_contract(fakes, name):
             if image.trajectory:
                 start, end = intervals[image.trajectory]
                 assert start <= image.log_ns < end
+        serials = {(image.sensor, image.camera) for image in sink.images}
+        assert len({serial for serial, _ in serials}) == len(serials)  # two cameras are never one sensor
+        assert {serial for serial, _ in serials} <= set(recording.description.sensors)
         times = [image.log_ns for image in sink.images]
         assert times == sorted(times)
         for values in recording.frame_values.values():

@@ -45,7 +45,7 @@ def test_layout_real_and_simulated(tmp_path, rng):
             assert image.payload == (home / image.name).read_bytes()
         assert all(path.startswith(recording.source.path) for path in recording.source.files)
         assert all(os.path.exists(path) for path in recording.source.files)  # noqa: PTH110
-    assert FORMAT.inspect(taken[0][0].source).facts["sensors"] == ["ycb-slide-bg0"]
+    assert FORMAT.inspect(taken[0][0].source).facts["sensors"] == ["ycb-slide-bg0", "ycb-slide-bg0-webcam"]
 
 
 def test_seconds_become_exact_nanoseconds(tmp_path, rng):
