@@ -55,8 +55,8 @@ def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
         return future.result()
     except BrokenProcessPool as error:
         raise TactileDataError(
-            f"a worker process died while it, or another worker, was at {task!r}"[:500],
+            f"a worker process died while it, or another worker, was at {str(task)[:300]}",
             "",
-            "Most often the machine ran out of memory: use fewer --workers. Run the same command again to go on; "
-            "what is finished is kept.",
+            "Most often the machine ran out of memory: use fewer --workers. (A Python script that starts workers must "
+            "do so under `if __name__ == '__main__':`.) Run it again to go on; what is finished is kept.",
         ) from error

@@ -78,17 +78,17 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
         images = [image for image in decode(chosen) if image is not None]
         model = take.sensors.get(sensor, {}).get("model", "digit")
         known = SENSORS.get(model)
-        if known is not None and images:
-            found.extend(_size_findings(sensor, images[0], known))
+        if known is not None and known.camera is not None and images:
+            found.extend(_size_findings(sensor, images[0], known, known.camera.shape))
         found.extend(_channel_findings(sensor, images, take, model))
     return found
 
 
-def _size_findings(sensor: str, image: NDArray[np.uint8], known: Sensor) -> list[Finding]:
+def _size_findings(sensor: str, image: NDArray[np.uint8], known: Sensor, shape: tuple[int, int]) -> list[Finding]:
     verdict = orientation_of(image, known)
     if verdict == "ok":
         return []
-    rows, columns = known.camera.shape
+    rows, columns = shape
     size = f"{image.shape[0]} rows x {image.shape[1]} columns"
     if verdict == "swapped":
         text = f"images of {sensor!r} have {size}; a {known.name} gives {rows} x {columns}: height and width swapped"

@@ -129,7 +129,7 @@ def _recorded(png: bytes | None) -> Section | None:
         return None
     caption = (
         "The firmest touches, one per sensor and indenter: the sensor without contact, at the largest force, "
-        "the difference (doubled, grey is none), and the contact force. Ticks are images; the dotted line marks this one."
+        "the difference (doubled, grey is none), and the contact force. Ticks are images; the dotted line: this one."
     )
     return Section("Touches", pictures=[Picture(png, caption)])
 

@@ -99,6 +99,9 @@ class _Task:
     options: IngestOptions
     present: frozenset[str]
 
+    def __str__(self) -> str:
+        return self.source.key
+
 
 @dataclass(frozen=True)
 class _Read:

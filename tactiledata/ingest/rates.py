@@ -44,7 +44,7 @@ def measure_rate(t_ns: Times, values: Values) -> Rate:
 
 
 def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Finding]:
-    """What is to be said about a signal's rate; only forces always carry noise, an arm at rest really repeats itself."""
+    """What is to be said about a signal's rate; only forces always carry noise, an arm at rest does repeat itself."""
     if "fx" not in columns or rate.nominal == 0 or rate.effective > (1 - REPEATS_WORTH_SAYING) * rate.nominal:
         return []
     return [
