@@ -106,13 +106,14 @@ def read_picture(path: Path) -> NDArray[np.uint8]:
 
 def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor) -> list[Finding]:
     if sensor.camera is None:
-        return [Finding("image-size", "warning", f"{sensor.title} gives no pictures; that of {name!r} was kept anyway")]
+        text = f"{sensor.title} gives no pictures; that of {name!r} was kept anyway"
+        return [Finding("sensor-without-camera", "warning", text)]
     rows, columns = sensor.camera.shape
     verdict = orientation_of(image, sensor)
     if verdict == "ok":
         return []
-    code, what = (
-        ("image-swapped", "height and width swapped") if verdict == "swapped" else ("image-size", "another size")
-    )
-    text = f"the picture of {name!r} has {image.shape[0]} rows x {image.shape[1]} columns; a {sensor.name} gives "
-    return [Finding(code, "warning", f"{text}{rows} x {columns}: {what}")]
+    size = f"{image.shape[0]} rows x {image.shape[1]} columns"
+    text = f"the picture of {name!r} has {size}; a {sensor.name} gives {rows} x {columns}"
+    if verdict == "swapped":
+        return [Finding("image-swapped", "warning", f"{text}: height and width swapped")]
+    return [Finding("image-size", "info", text)]

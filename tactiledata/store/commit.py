@@ -4,19 +4,30 @@ from __future__ import annotations
 
 import copy
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from tactiledata.contract.atomic import sync_folder, write_atomic
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.records import Reference
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.appender import Appender
-from tactiledata.store.arrays import open_root
+from tactiledata.store.arrays import open_root, write_image
 from tactiledata.store.batch import Batch
 from tactiledata.store.card import write_card
-from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings
+from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings, reference_path
 from tactiledata.store.lock import unwritable, writing_lock
-from tactiledata.store.manifest import Manifest, empty_manifest, read_manifest, settings_of, write_manifest
-from tactiledata.store.recover import clean, is_interrupted
+from tactiledata.store.manifest import (
+    Manifest,
+    empty_manifest,
+    extended_digest,
+    read_manifest,
+    settings_of,
+    write_manifest,
+)
+from tactiledata.store.recover import clean_commit, clean_staging, is_interrupted
+from tactiledata.store.sensors_table import image_crc, read_sensors, write_sensors
 from tactiledata.store.writer import StagedTake
 
 GROUP_BYTES = 256 * 2**20
@@ -87,21 +98,14 @@ def recover(store_path: Path | str) -> Manifest:
     """The manifest, after whatever a killed writer left behind has been removed.
 
     Rows and bytes beyond the manifest's lengths, files that it does not name, takes that are half staged or committed
-    already. Takes that are staged whole stay.
+    already. Takes that are staged whole stay. To be called before workers start to stage, not while they do.
     """
     folder = Path(store_path)
     manifest = read_manifest(folder)
     with store_errors(folder), writing_lock(folder):
-        _recover(folder, manifest)
+        clean_staging(folder, manifest)
+        clean_commit(folder, manifest)
     return manifest
-
-
-def _recover(folder: Path, manifest: Manifest) -> None:
-    interrupted = is_interrupted(folder)
-    clean(folder, manifest, thorough=interrupted)
-    if interrupted:
-        (folder / STAGING / COMMITTING).unlink()
-        sync_folder(folder / STAGING)
 
 
 class store_errors:
@@ -138,7 +142,7 @@ def commit(store_path: Path | str, staged: Sequence[StagedTake], with_card: bool
     with store_errors(folder), writing_lock(folder):
         manifest = read_manifest(folder, checked=False)
         if is_interrupted(folder):
-            _recover(folder, manifest)
+            clean_commit(folder, manifest)
         manifest = _commit(folder, manifest, staged)
         if with_card:
             write_card(folder, manifest)
@@ -163,6 +167,37 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Man
         manifest = before
     for take in [*fresh, *skipped]:
         shutil.rmtree(take.folder, ignore_errors=True)
+    return manifest
+
+
+def keep_sensors(
+    store_path: Path | str, facts: Mapping[str, Mapping[str, Any]], references: Mapping[str, Reference]
+) -> Manifest:
+    """The manifest after sensors that no recording carries, and that the store does not know, became part of it."""
+    folder = Path(store_path)
+    with store_errors(folder), writing_lock(folder):
+        manifest = read_manifest(folder, checked=False)
+        if is_interrupted(folder):
+            clean_commit(folder, manifest)
+        marker = folder / STAGING / COMMITTING
+        write_atomic(marker, b"")
+        with Batch(folder) as batch:
+            root = open_root(batch)
+            manifest["sensors"] = write_sensors(batch, {**facts, **read_sensors(folder, manifest)})
+            for sensor, reference in sorted(references.items()):
+                attributes = {"sensor": sensor, "origin": reference.origin, "licence": reference.licence}
+                path = reference_path(sensor)
+                write_image(root, path, reference.image, {**attributes, "model": reference.model})
+                manifest["references"][sensor] = image_crc(reference.image)
+            batch.publish()
+        for sensor in sorted({*facts, *references}):
+            crc = manifest["references"].get(sensor)
+            manifest["digest"] = extended_digest(
+                manifest["digest"], f"sensor {sensor} {digest_of(facts[sensor])} {crc}"
+            )
+        write_manifest(folder, manifest)
+        marker.unlink()
+        write_card(folder, manifest)
     return manifest
 
 

@@ -27,7 +27,7 @@ from tactiledata.contract.records import (
     Take,
 )
 from tactiledata.errors import StoreError, UsageError
-from tactiledata.store.commit import commit_groups, create, recover
+from tactiledata.store.commit import commit_groups, create, keep_sensors, recover
 from tactiledata.store.layout import MANIFEST, staging_folder
 from tactiledata.store.manifest import settings_of
 from tactiledata.store.reader import Store
@@ -103,12 +103,24 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str) -> list[Findi
     pieces = _plan([_Origin.of(store) for store in stores], Store.open(target), findings)
     starts = _starts(Store.open(target), pieces)
     commit_groups(target, (_staged(target, piece, starts) for piece in pieces))
+    _carry_sensors(stores, target)
     for store in stores:
         if names := store.split_names():
             listed = ", ".join(names)
             message = f"splits of {store.location} were not copied ({listed}): they belong to that store; split anew"
             findings.append(Finding("merge-split", "info", message, count=len(names)))
     return [*findings, *_new_conflicts(Store.open(target), n_before)]
+
+
+def _carry_sensors(stores: Sequence[Store], target: Path) -> None:
+    """Sensors that were added by hand, which no recording carries."""
+    for store in stores:
+        known = Store.open(target).manifest
+        facts, references = store.sensors(), store.manifest["references"]
+        names = sorted({*facts, *references} - {*known["sensors"], *known["references"]})
+        if names:
+            pictures = {name: store.reference(name) for name in names if name in references}
+            keep_sensors(target, {name: facts.get(name, {}) for name in names}, pictures)
 
 
 def _pieces(origin: _Origin) -> Iterator[_Piece]:

@@ -105,20 +105,20 @@ def stale_staging(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
     return [place for place in sorted((store_path / STAGING).glob("*")) if place.is_dir() and place.name not in whole]
 
 
-def clean(store_path: Path, manifest: Manifest, thorough: bool) -> None:
-    """Leftovers removed.
-
-    Parameters
-    ----------
-    thorough : bool
-        Also what an interrupted commit leaves in arrays and tables; otherwise only stale staging folders.
-    """
+def clean_staging(store_path: Path, manifest: Manifest) -> None:
+    """Takes removed that are half staged, or committed already; nobody else may be staging."""
     for folder in stale_staging(store_path, manifest):
         shutil.rmtree(folder)
-    if not thorough:
-        return
+    for place in (store_path / STAGING).glob(".*.part"):
+        place.unlink()
+
+
+def clean_commit(store_path: Path, manifest: Manifest) -> None:
+    """What an interrupted commit left in arrays and tables removed; staged takes stay as they are."""
     for place in list(temporary_files(store_path)):
         place.unlink()
+    if not is_interrupted(store_path):
+        return
     for folder in foreign_arrays(store_path, manifest):
         shutil.rmtree(folder)
     for place in foreign_parts(store_path, manifest):
@@ -129,6 +129,7 @@ def clean(store_path: Path, manifest: Manifest, thorough: bool) -> None:
         if facts or (store_path / SENSORS).exists():
             write_sensors(batch, facts)
         batch.publish()
+    (store_path / STAGING / COMMITTING).unlink()
 
 
 def _shorten(batch: Batch, manifest: Manifest) -> None:

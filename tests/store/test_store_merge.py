@@ -139,3 +139,19 @@ def test_merge_into_itself_is_refused(tmp_path: Path) -> None:
         merge([folder], folder)
     with pytest.raises(UsageError):
         merge([], tmp_path / "b")
+
+
+def test_merge_carries_sensors_added_by_hand(tmp_path: Path) -> None:
+    """A sensor that no recording carries goes along, with its picture."""
+    from tactiledata.contract.records import Reference
+    from tactiledata.store.commit import keep_sensors
+
+    folder = made(tmp_path / "a", [1])
+    picture = np.full((4, 5, 3), 7, np.uint8)
+    keep_sensors(folder, {"D9": {"model": "digit"}}, {"D9": Reference(picture, "bg.png", "CC0", "digit")})
+    merge([made(tmp_path / "b", [2]), folder], tmp_path / "ab")
+    store = Store.open(tmp_path / "ab")
+    assert store.sensors()["D9"] == {"model": "digit"}
+    assert (store.reference("D9").image == picture).all()
+    assert store.reference("D9").licence == "CC0"
+    assert check(tmp_path / "ab") == []
