@@ -71,8 +71,9 @@ class LogDescription:
         return self.document.get("wrench", {})
 
     def clock_offset(self, stream: str) -> int:
-        """Nanoseconds to add to a stream's stamps to reach the host clock; 0 where not stated."""
-        return int(self.document.get("clocks", {}).get(stream, {}).get("offset_ns", 0))
+        """Nanoseconds to add to a stream's stamps to reach the host clock; 0 where that is not known."""
+        clock = self.document.get("clocks", {}).get(stream, {})
+        return int(clock.get("offset_ns", 0)) if clock.get("known", True) else 0
 
     def transform(self, name: str) -> Transform | None:
         """``tcp_from_gel`` or ``tcp_from_ft``; ``None`` where not stated."""

@@ -132,7 +132,7 @@ def _walk(file: Any, sensor: str, serial: str, intake: Intake) -> tuple[list[Tra
         held = {step: _child(_child(file, trial), step) for step in _numbered(_child(file, trial), "step_")}
         environments = _environments(held.values(), sensor, intake)
         if not environments:
-            intake.note("trial-empty", "warning", f"{trial} holds no mesh", trajectory=trial)
+            intake.note("trajectory-empty", "warning", f"{trial} holds no mesh", trajectory=trial)
         for environment in environments:
             name = f"{trial}-{environment}"
             start = timeline.begin()

@@ -48,7 +48,7 @@ def read_image_file(path: Path) -> bytes:
 
 
 def load_backgrounds(description: LogDescription, locate: Callable[[str, str], Path]) -> Backgrounds:
-    """The backgrounds that a description names for its sensors.
+    """The backgrounds that a description names for its sensors, from files.
 
     Parameters
     ----------
@@ -61,6 +61,20 @@ def load_backgrounds(description: LogDescription, locate: Callable[[str, str], P
     UnsafeContent
         From ``locate``.
     """
+    return fetch_backgrounds(description, lambda name, where: (read_image_file(locate(name, where)), name))
+
+
+def fetch_backgrounds(description: LogDescription, fetch: Callable[[str, str], tuple[bytes, str]]) -> Backgrounds:
+    """The backgrounds that a description names for its sensors, wherever a recording keeps them.
+
+    Parameters
+    ----------
+    description : LogDescription
+    fetch : callable
+        The bytes of a name that a document gives, and their origin in words: ``fetch(name, where)``. Raises
+        ``FileNotFoundError`` where there is none of this name, another ``OSError`` or `BrokenLog` where it cannot be
+        read, and must refuse what leads out of the recording.
+    """
     loaded: dict[str, NDArray[np.uint8]] = {}
     origins: dict[str, str] = {}
     findings = []
@@ -69,8 +83,8 @@ def load_backgrounds(description: LogDescription, locate: Callable[[str, str], P
         if not name:
             continue
         try:
-            loaded[sensor] = decode_rgb(read_image_file(locate(name, f"{description.where}: sensors.{sensor}")))
-            origins[sensor] = name
+            payload, origin = fetch(name, f"{description.where or 'the description'}: sensors.{sensor}")
+            loaded[sensor], origins[sensor] = decode_rgb(payload), origin
         except FileNotFoundError:
             message = f"the background {name} of sensor {sensor} is not there"
             findings.append(Finding("background-missing", "damage", message))

@@ -234,7 +234,10 @@ def _check_counts(domain: Path, samples: Sequence[_Sample], intake: Intake) -> N
         if not text.isdigit() or int(text) != here:
             lacks = not text.isdigit() or int(text) > here
             found = f"{path.parent.name}/count.txt says {text[:20]!r}, {here} images are there"
-            intake.note("count-mismatch", "damage" if lacks else "warning", found, path.parent.name)
+            if lacks:
+                intake.note("count-mismatch", "damage", found, path.parent.name)
+            else:
+                intake.note("count-exceeded", "warning", found, path.parent.name)
 
 
 def _regrouped(samples: Sequence[_Sample], domain: str, intake: Intake) -> dict[str, _Sequence]:

@@ -144,7 +144,7 @@ def _load(path: Path) -> _Pack:
     size = arrays.get("img_size")
     if size is not None and [*size.reshape(-1)[:2]] != [*background.shape[:2]]:
         message = f"{path.name} states the picture size {size.tolist()}, its pictures are {background.shape}"
-        pack.note("img-size", "warning", message)
+        pack.note("size-misstated", "warning", message)
     return pack
 
 

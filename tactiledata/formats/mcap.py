@@ -14,10 +14,11 @@ from tactiledata.contract.records import Finding, ImageSink, Recording, Source
 from tactiledata.contract.schema import check_document
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.base import Format, Inspection
+from tactiledata.formats.described import described_trajectories
 from tactiledata.formats.mcap_parts.bags import bag_sources, files_of, is_bag_file, is_bag_folder
 from tactiledata.formats.mcap_parts.collect import SignalBuffer
 from tactiledata.formats.mcap_parts.decode import Decoder, decoder_for, kind_of
-from tactiledata.formats.mcap_parts.describe import description_of, references_of, trajectories_of
+from tactiledata.formats.mcap_parts.describe import backgrounds_of, description_of
 from tactiledata.formats.mcap_parts.images import CameraBuffer, image_taker
 from tactiledata.formats.mcap_parts.playback import Handler, Playback
 from tactiledata.formats.mcap_parts.readers import signal_taker
@@ -80,17 +81,17 @@ bag/bag_0.mcap, bag_1.mcap …"""
         findings += [*_empty(signals, cameras), *_foreign_wrench(signals, description)]
         if not (any(len(buffer.log) for buffer in signals) or any(camera.images for camera in cameras)):
             raise _nothing_read(source, findings)
-        pictures, origins, said = references_of(path, inventories, description)
+        backgrounds = backgrounds_of(path, inventories, description)
         clock: HostClock = (mapping or {}).get("clock", "auto")
         return Recording(
             source,
             description,
             {buffer.name: _with_units(buffer, roles) for buffer in signals if len(buffer.log)},
-            trajectories_of(description),
-            (*findings, *said, *_same_serial(cameras)),
+            tuple(described_trajectories(description)),
+            (*findings, *backgrounds.findings),
             clock,
-            pictures,
-            origins,
+            backgrounds.references,
+            backgrounds.origins,
         )
 
     def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
@@ -258,18 +259,6 @@ def _foreign_wrench(signals: list[SignalBuffer], description: LogDescription) ->
     ]
 
 
-def _same_serial(cameras: list[CameraBuffer]) -> list[Finding]:
-    users: dict[str, list[str]] = {}
-    for camera in cameras:
-        for serial in filter(None, camera.serials_used):
-            users.setdefault(serial, []).append(camera.role.camera)
-    return [
-        Finding("shared-serial", "damage", f"sensor {serial} is said to be {' and '.join(names)} at once", names[0])
-        for serial, names in users.items()
-        if len(names) > 1
-    ]
-
-
 def _nothing_to_read(source: Source, inventories: Sequence[Survey], decoders: _Decoders, roles: Roles) -> BrokenLog:
     """The error for a recording without a topic that the toolkit would read: what there is, and how to name it."""
     rows: dict[str, str] = {}
@@ -320,5 +309,5 @@ def _facts(inventories: Sequence[Survey], tally: Tally, description: LogDescript
         "attachments": sorted({name for inventory in inventories for name in inventory.attachments}),
         "metadata": sorted({record.name for inventory in inventories for record in inventory.metadata}),
         "sensors": sorted(description.sensors),
-        "trajectories": len(trajectories_of(description)),
+        "trajectories": len(described_trajectories(description)),
     }

@@ -118,7 +118,7 @@ def _note_trial(trial: Path, images: Sequence[Path], intake: Intake) -> None:
         intake.note("converted-copies", "info", f"{copies} JPEG copies beside the PNGs are left out", count=copies)
     if len(others) > copies:
         found = f"{len(others) - copies} JPEGs without their PNG in trial {trial.name} are left out"
-        intake.note("not-read", "warning", found, trajectory=trial.name, count=len(others) - copies)
+        intake.note("left-out", "warning", found, trajectory=trial.name, count=len(others) - copies)
     takes = [path for path in trial.iterdir() if path.is_dir()]
     if any(take.name != "0" or _other_folders(take) for take in takes):
         found = "folders beside the tactile images (cameras, further takes) are not read"

@@ -242,7 +242,7 @@ def _pair(
     """The first values go with the first indexes; what is left over on either side is reported."""
     if len(rows) != len(table):
         found = f"{name}: {len(rows)} indexes and {len(table)} values of {what}; paired from the first on"
-        intake.note("length-mismatch", "warning", found, what, name, count=abs(len(rows) - len(table)))
+        intake.note("values-unpaired", "warning", found, what, name, count=abs(len(rows) - len(table)))
     paired = min(len(rows), len(table))
     rows, table = rows[:paired], table[:paired]
     is_inside = (rows >= 0) & (rows < len(tables[what]))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.paths import path_inside
-from tactiledata.contract.records import Recording, Severity, Source, Trajectory
+from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.corpus import (
     CorpusFormat,
@@ -182,8 +182,8 @@ def _row(row: Mapping[str, Any], first: str, table: str, number: int, intake: In
     pair = _Pair(cells.get("tactile", ""), vision, cells.get("background", ""), cells.get("caption", ""), table, 1.0)
     for what, cell in (("tactile", pair.tactile), ("vision", pair.vision), ("caption", pair.caption)):
         if not cell:
-            severity: Severity = "damage" if what == "tactile" else "warning"
-            intake.note("csv-cell-empty", severity, f"{table} line {number}: {what} is empty", f"{table}:{what}")
+            # that a touch has no image is said as damage where its moment is kept
+            intake.note("csv-cell-empty", "warning", f"{table} line {number}: {what} is empty", f"{table}:{what}")
     return pair
 
 
@@ -222,7 +222,7 @@ def _from_folders(folder: Path, intake: Intake) -> Iterator[_Pair]:
         yield _Pair(f"images_tac/{path.name}", vision, "", caption, "", 1.0)
     if photographs:
         found = f"{len(photographs)} photographs have no tactile image and are left out"
-        intake.note("not-read", "warning", found, "vision", count=len(photographs))
+        intake.note("left-out", "warning", found, "vision", count=len(photographs))
 
 
 def _grouped(pairs: Sequence[_Pair], intake: Intake) -> dict[str, _Sequence]:

@@ -120,7 +120,7 @@ def _sensor(thing: str, is_simulated: bool, intake: Intake) -> str:
     background = background_of(thing)
     if background is None:
         found = f"the object {thing!r} is not in the table of backgrounds: its sensor stands alone"
-        intake.note("sensor-unknown", "warning", found)
+        intake.note("sensor-unlisted", "warning", found)
         return f"ycb-slide-{thing}"
     return f"ycb-slide-bg{background}"
 
@@ -289,12 +289,12 @@ def _signals(touch: _Touch, folder: Path, thing: str, intake: Intake, is_simulat
     if body:
         signals["object_pose"] = _signal("object_pose", touch.times, tables[body], "optitrack")
     for other in [other for other in bodies if other != body]:
-        intake.note("not-read", "warning", f"poses of a second object {other!r} are left out")
+        intake.note("left-out", "warning", f"poses of a second object {other!r} are left out")
     for name, signal in signals.items():
         lost = int((~is_pose(signal.values)).sum())
         if lost:
             found = f"{name}: {lost} of {len(touch.times)} poses were lost by the tracker; they are NaN, images stay"
-            intake.note("pose-missing", "warning", found, name, count=lost)
+            intake.note("pose-lost", "warning", found, name, count=lost)
     if len(signals) == 2:
         alignment = _alignment(folder.parent / "alignment.npy", intake)
         poses, is_jump = contact_poses(signals["digit_pose"].values, signals["object_pose"].values, alignment)
@@ -365,7 +365,7 @@ def _push(
     for camera, files in companions.items():
         if files:
             found = f"{len(files)} images of {others[camera]} belong to no frame and are left out"
-            intake.note("image-without-time", "warning", found, camera, trajectory, count=len(files))
+            intake.note("left-out", "warning", found, camera, trajectory, count=len(files))
 
 
 def _by_number(folder: Path) -> dict[int, Path]:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Recording, Signal, Stamps, StoredSignal, Times
 from tactiledata.ingest.clocks import choose_clock, time_order
 from tactiledata.ingest.rates import measure_rate, rate_findings
@@ -20,12 +19,6 @@ class Timed:
     findings: tuple[Finding, ...]
 
 
-def stated_offset(description: LogDescription, stream: str) -> int:
-    """Nanoseconds to add to a stream's clock, where the recording knows them; 0 where it says that it does not."""
-    clock = description.document.get("clocks", {}).get(stream, {})
-    return int(clock.get("offset_ns", 0)) if clock.get("known", True) else 0
-
-
 def put_on_host_clock(recording: Recording) -> Timed:
     """All signals of a recording, sorted by host time; values unchanged."""
     stored: dict[str, StoredSignal] = {}
@@ -37,7 +30,7 @@ def put_on_host_clock(recording: Recording) -> Timed:
 
 
 def _stored(signal: Signal, recording: Recording) -> tuple[StoredSignal, list[Finding]]:
-    offset = stated_offset(recording.description, signal.name)
+    offset = recording.description.clock_offset(signal.name)
     choice = choose_clock(signal.name, signal.stamps, recording.host_clock, offset)
     order, said = time_order(signal.name, choice.t_ns)
     rows: Times = np.arange(len(choice.t_ns)) if order is None else order
@@ -52,7 +45,7 @@ def _stored(signal: Signal, recording: Recording) -> tuple[StoredSignal, list[Fi
 
 def image_times(recording: Recording, camera: str, stamps: Stamps) -> tuple[Times, dict[str, object], list[Finding]]:
     """Host times of one camera's images in the order of the recording, the clock used, and findings."""
-    offset = stated_offset(recording.description, "frames")
+    offset = recording.description.clock_offset("frames")
     choice = choose_clock(camera, stamps, recording.host_clock, offset)
     _, said = time_order(camera, choice.t_ns)
     return choice.t_ns, {"clock": choice.clock, "shift_ns": choice.shift_ns}, [*choice.findings, *said]

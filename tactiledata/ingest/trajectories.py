@@ -32,7 +32,7 @@ def check_trajectories(trajectories: tuple[Trajectory, ...]) -> Checked:
     for trajectory in sorted(trajectories, key=lambda item: (item.start_ns, item.end_ns, item.name)):
         if trajectory.end_ns <= trajectory.start_ns:
             text = f"trajectory {trajectory.name!r} ends at or before its start; it holds nothing and was left out"
-            findings.append(Finding("trajectory-empty", "damage", text, trajectory=trajectory.name))
+            findings.append(Finding("trajectory-reversed", "damage", text, trajectory=trajectory.name))
             continue
         names[trajectory.name] = names.get(trajectory.name, 0) + 1
         if names[trajectory.name] > 1:
@@ -45,7 +45,7 @@ def check_trajectories(trajectories: tuple[Trajectory, ...]) -> Checked:
             findings.append(
                 Finding(
                     "trajectory-overlap",
-                    "warning",
+                    "damage",
                     text,
                     trajectory=trajectory.name,
                     start_ns=trajectory.start_ns,
@@ -140,7 +140,10 @@ def lost_spans_hit(trajectories: tuple[Trajectory, ...], findings: list[Finding]
     spans = [
         (finding.start_ns, finding.end_ns)
         for finding in findings
-        if finding.severity == "damage" and finding.start_ns is not None and finding.end_ns is not None
+        if finding.severity == "damage"
+        and finding.start_ns is not None
+        and finding.end_ns is not None
+        and not finding.trajectory  # about the trajectory itself, not about samples that were lost
     ]
     return [
         Finding(

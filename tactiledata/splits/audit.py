@@ -167,7 +167,7 @@ def _audit_images(
         found.append(Finding("near-pairs-not-compared", "warning", message, count=left))
     if unreadable:
         message = f"{len(unreadable)} images do not decode, first frame {unreadable[0]}: run `tactiledata check`"
-        found.append(Finding("unreadable-image", "warning", message, count=len(unreadable)))
+        found.append(Finding("images-not-compared", "warning", message, count=len(unreadable)))
     blank = int(np.isnan(prints[:, 0]).sum()) - len(unreadable)
     if blank:
         message = f"{blank} images are of one grey: whether they are copies cannot be told"

@@ -102,13 +102,13 @@ def test_counts_are_checked(tmp_path):
     odd, _ = first(tmp_path / "c", count="many")
     none, _ = first(tmp_path / "d", drop_count=True)
     right, _ = first(tmp_path / "e")
-    severities = [
-        [finding.severity for finding in recording.findings if finding.code == "count-mismatch"]
+    said = [
+        [(finding.code, finding.severity) for finding in recording.findings if finding.code.startswith("count-")]
         for recording in (more, less, odd)
     ]
-    assert severities == [["damage"], ["warning"], ["damage"]]
+    assert said == [[("count-mismatch", "damage")], [("count-exceeded", "warning")], [("count-mismatch", "damage")]]
     assert "count-missing" in codes(none)
-    assert not {"count-mismatch", "count-missing"} & codes(right)
+    assert not {"count-mismatch", "count-exceeded", "count-missing"} & codes(right)
 
 
 def test_lone_halves_are_said(tmp_path):

@@ -128,7 +128,7 @@ SURVIVABLE = {
     "odd-centres": ({"touch_center": np.arange(9.0)}, "annotation-unreadable", "damage"),
     "centre-outside": ({"touch_center": np.full((5, 2), 130.0)}, "touch-outside-picture", "warning"),
     "negative-radius": ({"touch_radius": np.array([7, 8, 9, -1, 8])}, CODE, "warning"),
-    "other-size": ({"img_size": np.array([160, 120, 3])}, "img-size", "warning"),
+    "other-size": ({"img_size": np.array([160, 120, 3])}, "size-misstated", "warning"),
     "unknown-member": ({"secret": np.zeros(3)}, "members-ignored", "info"),
 }
 

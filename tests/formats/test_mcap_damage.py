@@ -290,7 +290,7 @@ def test_a_damaged_description_or_background_is_said(tmp_path):
     content = (tmp_path / "run.mcap").read_bytes()
     recording = outcome(tmp_path, flipped(content, content.index(background) + 60))
     assert recording.references == {}
-    assert codes(recording) == {"bad-background"}
+    assert codes(recording) == {"background-broken"}
     recording = outcome(tmp_path, content.replace(b"tactiledata-log/1", b"tactiledata-log/9"))
     assert codes(recording) == {"bad-description"}
     assert recording.description.is_empty

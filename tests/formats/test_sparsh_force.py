@@ -58,7 +58,7 @@ def test_longer_indexes_pair_inside_each_trajectory(tmp_path):
     for start, stop in sparsh_force.spans(40):
         assert (-fz[start : stop - 2]).tolist() == list(range(stop - start - 2))
         assert np.isnan(fz[stop - 2 : stop]).all()
-    assert "length-mismatch" in codes(recording)
+    assert "values-unpaired" in codes(recording)
 
 
 def test_mismatches_are_said(tmp_path):

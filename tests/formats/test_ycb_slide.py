@@ -74,7 +74,7 @@ def test_sensor_is_the_background(tmp_path, rng):
     assert first(tmp_path / "a", rng)[1].images[0].sensor == "ycb-slide-bg0"
     recording, sink = first(tmp_path / "b", rng, objects=("077_rubiks_cube",))
     assert sink.images[0].sensor == "ycb-slide-077_rubiks_cube"
-    assert "sensor-unknown" in codes(recording)
+    assert "sensor-unlisted" in codes(recording)
     mapping = {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": "frames", "sensor": "D20542"}}}
     recording, sink = first(tmp_path / "c", rng, mapping)
     assert sink.images[0].sensor == recording.trajectories[0].sensor == "D20542"
@@ -140,7 +140,7 @@ def test_lost_poses_are_nan(tmp_path, rng):
         assert np.flatnonzero(np.isnan(recording.signals[name].values).any(axis=1)).tolist() == [0, 7]
     assert np.isfinite(recording.signals["object_pose"].values).all()
     assert len(sink.of("digit")) == 12
-    assert {finding.count for finding in recording.findings if finding.code == "pose-missing"} == {2}
+    assert {finding.count for finding in recording.findings if finding.code == "pose-lost"} == {2}
 
 
 def test_poses_from_the_trackers_export(tmp_path, rng):

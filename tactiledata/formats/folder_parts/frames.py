@@ -105,7 +105,7 @@ class FrameReader:
         )
 
     def _touch(self, intake: Intake, t_ns: int, name: str, file: str) -> Trajectory | None:
-        host_ns = t_ns + _offset(self.description)
+        host_ns = t_ns + self.description.clock_offset("frames")
         what = shortened(file or f"the moment {t_ns}", 60)
         if not name:
             touch = self.touches.at(host_ns)
@@ -132,7 +132,7 @@ class FrameReader:
             is_there = False
         if not is_there:
             message = f"{TABLE} names {shortened(file, 60)}, which is not there"
-            intake.note("frame-file-missing", "damage", message, "frames")
+            intake.note("image-missing", "damage", message, "frames")
             return None
         return _reader(path)
 
@@ -159,9 +159,3 @@ def mapped_cameras(description: LogDescription, mapping: Mapping[str, Any]) -> d
 
 def _reader(path: Path) -> Payload:
     return lambda: read_image_file(path)
-
-
-def _offset(description: LogDescription) -> int:
-    """Nanoseconds from the frames' clock to the host's; 0 where the log says that it is not known."""
-    clock = description.document.get("clocks", {}).get("frames", {})
-    return int(clock.get("offset_ns", 0)) if clock.get("known", True) else 0

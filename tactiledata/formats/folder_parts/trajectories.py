@@ -140,7 +140,7 @@ def _unknown_names(rows: Sequence[Trajectory], description: LogDescription) -> l
                 f"{TABLE} names the {kind} {listed(unknown[:5])}, which log.yaml does not have; it has {listed(known)}"
             )
             count = sum(name in unknown for name in used)
-            findings.append(Finding(f"unknown-{kind}", "damage", message, count=count))
+            findings.append(Finding(f"{kind}-not-described", "damage", message, count=count))
     return findings
 
 
@@ -163,7 +163,7 @@ def _unique(
     if not repeated:
         return trajectories, recorded, []
     message = f"{TABLE}: {listed(repeated[:5])} name several trajectories; the later ones are called name~2 and so on"
-    return trajectories, recorded, [Finding("trajectory-duplicate", "warning", message, count=len(repeated))]
+    return trajectories, recorded, [Finding("trajectory-name-repeated", "warning", message, count=len(repeated))]
 
 
 def _overlaps(trajectories: Sequence[Trajectory]) -> list[Finding]:

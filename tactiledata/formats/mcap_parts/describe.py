@@ -7,24 +7,20 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from mcap.records import Attachment
-from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.paths import path_inside
-from tactiledata.contract.records import Finding, Trajectory
+from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import MAX_DOCUMENT_BYTES, read_document
 from tactiledata.errors import BrokenLog, SchemaError
-from tactiledata.formats.image_bytes import decode_rgb
+from tactiledata.formats.backgrounds import MAX_IMAGE_BYTES, Backgrounds, fetch_backgrounds, read_image_file
 from tactiledata.formats.mcap_parts.bags import described_in, description_file
 from tactiledata.formats.mcap_parts.layout import HEAD, parse
 from tactiledata.formats.mcap_parts.survey import RECORD_FAULTS, Survey
 
 RECORD_NAME = "tactiledata"
 RECORD_KEY = "log"
-MAX_IMAGE_BYTES = 64 * 2**20
-_TRAJECTORY_KEYS = {"trajectory", "start_ns", "end_ns", "sensor", "indenter"}
 
 
 def description_of(
@@ -60,54 +56,21 @@ def description_of(
     return description, findings
 
 
-def trajectories_of(description: LogDescription) -> tuple[Trajectory, ...]:
-    """The trajectories that a description lists, with their free columns."""
-    return tuple(
-        Trajectory(
-            str(row["trajectory"]),
-            int(row["start_ns"]),
-            int(row["end_ns"]),
-            str(row.get("sensor", "")),
-            str(row.get("indenter", "")),
-            {key: value for key, value in row.items() if key not in _TRAJECTORY_KEYS},
-        )
-        for row in description.document.get("trajectories", ())
-    )
+def backgrounds_of(source: Path, inventories: Sequence[Survey], description: LogDescription) -> Backgrounds:
+    """Backgrounds by sensor: attachments of the name, or files beside the recording or inside its folder."""
 
+    def fetch(name: str, where: str) -> tuple[bytes, str]:
+        for inventory in inventories:
+            if name in inventory.attachments:
+                return _attachment(inventory, name), f"attachment {name} of {inventory.path.name}"
+        folders = (source, source.parent) if source.is_dir() else (source.parent,)
+        for folder in folders:
+            path = path_inside(folder, name, where)
+            if path.is_file():
+                return read_image_file(path), f"file {name} beside {source.name}"
+        raise FileNotFoundError(name)
 
-def references_of(
-    source: Path, inventories: Sequence[Survey], description: LogDescription
-) -> tuple[dict[str, NDArray[np.uint8]], dict[str, str], list[Finding]]:
-    """Backgrounds (H, W, 3) RGB by sensor, where each came from, and what was wrong with the others."""
-    pictures: dict[str, NDArray[np.uint8]] = {}
-    origins: dict[str, str] = {}
-    findings: list[Finding] = []
-    for serial, facts in description.sensors.items():
-        name = facts.get("background")
-        if not name:
-            continue
-        try:
-            payload, origin = _background(source, inventories, name, description.where)
-            pictures[serial], origins[serial] = decode_rgb(payload), origin
-        except (BrokenLog, OSError) as error:
-            text = f"the background {name} of sensor {serial} cannot be used: {error}"
-            findings.append(Finding("bad-background", "warning", text))
-    return pictures, origins, findings
-
-
-def _background(source: Path, inventories: Sequence[Survey], name: str, where: str) -> tuple[bytes, str]:
-    """The bytes of a background: an attachment of this name, or a file beside the recording or inside its folder."""
-    for inventory in inventories:
-        if name in inventory.attachments:
-            return _attachment(inventory, name), f"attachment {name} of {inventory.path.name}"
-    folders = (source, source.parent) if source.is_dir() else (source.parent,)
-    for folder in folders:
-        path = path_inside(folder, name, where or "the description")
-        if path.is_file():
-            if path.stat().st_size > MAX_IMAGE_BYTES:
-                raise BrokenLog(f"{path} has {path.stat().st_size} bytes", f"at most {MAX_IMAGE_BYTES}")
-            return path.read_bytes(), f"file {name} beside {source.name}"
-    raise BrokenLog("there is no attachment and no file of this name", "", "Attach it, or put it beside the recording.")
+    return fetch_backgrounds(description, fetch)
 
 
 def _attachment(inventory: Survey, name: str) -> bytes:

@@ -12,7 +12,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from tactiledata.contract.records import Finding, Image, ImageSink, Severity
+from tactiledata.contract.records import Finding, Image, ImageSink
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.image_bytes import MAX_SIDE, read_header
 from tactiledata.formats.mcap_parts.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
@@ -122,9 +122,12 @@ class CameraBuffer:
                 f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items())
             )
             used = ", ".join(sorted(filter(None, self.serials_used))) or "none"
-            severity: Severity = "warning" if self.role.sensor else "damage"
+            text = f"{topic}: the sensor is called {said}; {used} is used"
+            # a mapping is a person's decision; without one, nobody decided
             found.append(
-                Finding("sensor-conflict", severity, f"{topic}: the sensor is called {said}; {used} is used", camera)
+                Finding("serial-overruled", "warning", text, camera)
+                if self.role.sensor
+                else Finding("serial-conflict", "damage", text, camera)
             )
         return found
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from mcap.records import Channel, Schema
 
-from tactiledata.contract.records import Finding
+from tactiledata.contract.records import Finding, Severity
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap_parts.chunks import chunk_content
 from tactiledata.formats.mcap_parts.layout import (
@@ -241,12 +241,12 @@ class Playback:
         if unvouched and not (stated and walker.data_crc == stated):
             what = "chunks" if self._chunks_without_crc else "messages outside chunks"
             text = f"{unvouched} {what} without CRC: their content is unverified"
-            found.append(replace(self._finding("crc-not-recorded", text, unvouched), severity="info"))
+            found.append(self._finding("crc-not-recorded", text, unvouched, "info"))
         return found
 
-    def _finding(self, code: str, text: str, count: int) -> Finding:
+    def _finding(self, code: str, text: str, count: int, severity: Severity = "damage") -> Finding:
         text = f"{self._inventory.path.name}: {text}"
-        return Finding(code, "damage", text, start_ns=self.first_ns, end_ns=self.last_ns, count=max(count, 1))
+        return Finding(code, severity, text, start_ns=self.first_ns, end_ns=self.last_ns, count=max(count, 1))
 
 
 def _with_indexed(loss: Loss, body: bytes) -> Loss:
