@@ -1,8 +1,8 @@
 """Records that travel between the parts of the house: what a recording holds, and what becomes of it in a store.
 
-A *format* reads a source into a `Recording` (as it was recorded, three time stamps a sample) and pushes its images into
-an `ImageSink`. *Ingest* turns a `Recording` into a `Take` (checked, on one clock, cut into trajectories, aligned), which
-the *store* keeps.
+A *format* reads a source into a `Recording` (as it was recorded, three time stamps a sample) and pushes its images
+into an `ImageSink`. *Ingest* turns a `Recording` into a `Take` (checked, on one clock, cut into trajectories, aligned),
+which the *store* keeps.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ class Finding:
 class Stamps:
     """The time stamps of n samples, each (n,) int64 ns; ``None`` where the recording has no such stamp.
 
-    ``log`` is when the recorder wrote the message, ``publish`` when the sender sent it, ``header`` what the message itself
-    says. A header stamp of 0 means "not set".
+    ``log`` is when the recorder wrote the message, ``publish`` when the sender sent it, ``header`` what the message
+    itself says. A header stamp of 0 means "not set".
     """
 
     log: Times
@@ -85,7 +85,7 @@ class Signal:
     Parameters
     ----------
     name : str
-        ``wrench``, ``tcp``, ``joints`` (columns and units as in ``units.SIGNAL_COLUMNS``) or a name that a mapping gave.
+        ``wrench``, ``tcp``, ``joints`` (columns and units as in ``units.SIGNAL_COLUMNS``) or a name of a mapping.
     stamps : Stamps
         (n,) time stamps.
     values : (n, k) float64
@@ -402,8 +402,8 @@ class Take:
     description : dict
     provenance : dict
     frames : pa.Table
-        ``FRAME_SCHEMA``; ``source`` is 0, ``trajectory`` a row of ``trajectories`` below; sorted so that the frames of a
-        trajectory are contiguous; ``offset``/``length`` point into the camera's spool file.
+        ``FRAME_SCHEMA``; ``source`` is 0, ``trajectory`` a row of ``trajectories`` below; sorted so that the frames of
+        a trajectory are contiguous; ``offset``/``length`` point into the camera's spool file.
     trajectories : pa.Table
         ``TRAJECTORY_SCHEMA``; ``frame_start``... and ``signal_rows`` are local to the take.
     findings : pa.Table

@@ -58,7 +58,7 @@ def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
         _picture(axes[row, 1], touch.image, "at the largest force" if row == 0 else "")
         _picture(axes[row, 2], _difference(touch), "difference ×2" if row == 0 else "")
         axes[row, 0].set_ylabel(touch.title, fontsize=8)
-        _force(axes[row, 3], touch, is_last=row == len(touches) - 1)
+        _force(axes[row, 3], touch, is_first=row == 0, is_last=row == len(touches) - 1)
     return figure
 
 
@@ -79,7 +79,7 @@ def _picture(axes: Axes, image: NDArray[np.uint8] | None, title: str) -> None:
     axes.set_yticks([])
 
 
-def _force(axes: Axes, touch: TouchPicture, is_last: bool) -> None:
+def _force(axes: Axes, touch: TouchPicture, is_first: bool, is_last: bool) -> None:
     for column, name in enumerate(("fx", "fy", "fz")):
         axes.plot(
             touch.seconds,
@@ -95,7 +95,8 @@ def _force(axes: Axes, touch: TouchPicture, is_last: bool) -> None:
     axes.axvline(touch.shown_second, color="black", linewidth=0.6, linestyle=":")
     axes.set_ylabel(f"N ({touch.force_frame} frame)", fontsize=8)
     axes.tick_params(labelsize=8)
-    axes.legend(fontsize=7, ncols=4, loc="upper right", frameon=False)
+    if is_first:
+        axes.legend(fontsize=7, ncols=4, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
     if is_last:
         axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
 
