@@ -144,14 +144,7 @@ def _audit_images(
     rows = np.flatnonzero(taken_frames(frames, split.force))
     where = part[trajectory[rows]]
     rows, where = rows[where >= 0], where[where >= 0]
-    prints = np.full((len(rows), CELLS), np.nan, np.float32)
-    unreadable: list[int] = []
-    for start in range(0, len(rows), BATCH):
-        for offset, image in enumerate(_readable(store, rows[start : start + BATCH], unreadable)):
-            if image is not None:
-                prints[start + offset] = fingerprint(image)
-        if progress is not None:
-            progress(min(start + BATCH, len(rows)), len(rows))
+    prints, unreadable = _fingerprints(store, rows, progress)
     pairs = near_pairs(prints, where)
     whole = rows[np.isfinite(prints[:, 0])]
     noise = _noise_by_sensor(store, whole, trajectory, codes(store.frames(["sensor"])["sensor"]))
@@ -173,6 +166,21 @@ def _audit_images(
         message = f"{blank} images are of one grey: whether they are copies cannot be told"
         found.append(Finding("blank-image", "warning", message, count=blank))
     return found, {"images": len(rows), "near pairs": min(len(pairs), MAX_PAIRS)}
+
+
+def _fingerprints(
+    store: Store, rows: NDArray[np.int64], progress: Progress | None
+) -> tuple[NDArray[np.float32], list[int]]:
+    """Fingerprints (n, CELLS) of frames, NaN where there is none, and the frames that do not decode."""
+    prints = np.full((len(rows), CELLS), np.nan, np.float32)
+    unreadable: list[int] = []
+    for start in range(0, len(rows), BATCH):
+        for offset, image in enumerate(_readable(store, rows[start : start + BATCH], unreadable)):
+            if image is not None:
+                prints[start + offset] = fingerprint(image)
+        if progress is not None:
+            progress(min(start + BATCH, len(rows)), len(rows))
+    return prints, unreadable
 
 
 def _noise_by_sensor(

@@ -18,9 +18,9 @@ GRID = (16, 12)
 """Rows and columns of blocks."""
 CELLS = GRID[0] * GRID[1]
 """Numbers in a fingerprint."""
-RADIUS = 0.02
-"""Root-mean-square distance, in units of an image's contrast, up to which a pair is looked at closely (measured:
-copies up to 0.016, the same touch again up to 0.013, touches 0.5 mm away 0.016 and more; docs/splits.md)."""
+RADIUS = 0.04
+"""Root-mean-square distance, in units of an image's contrast, up to which a pair is looked at closely. Measured:
+copies up to 0.016 (DIGIT, contrast 40 grey levels) and 0.030 (GelSight, contrast 10); docs/splits.md."""
 NEIGHBOURS = 4
 """Nearest images in the other partition that are looked at, for each image."""
 AXES = 16

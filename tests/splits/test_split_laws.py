@@ -12,6 +12,7 @@ from tactiledata.splits.groups import family_roots, overlapping_touches
 from tactiledata.splits.make import split_tables
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions
 
+FEW = settings(max_examples=40)
 NONE = SplitOptions.checked(hold_out="none")
 
 
@@ -45,6 +46,7 @@ def assigned(rows, held_out, options=NONE):
         return None  # everybody is held out: nothing to split
 
 
+@FEW
 @given(stores(orphans=True), held)
 def test_every_trajectory_is_in_one_part_or_none(rows, held_out):
     """Each trajectory has exactly one known partition."""
@@ -54,6 +56,7 @@ def test_every_trajectory_is_in_one_part_or_none(rows, held_out):
         assert set(table["partition"].to_pylist()) <= {*PARTITIONS, EXCLUDED}
 
 
+@FEW
 @given(stores(orphans=True), held, st.randoms(use_true_random=False))
 def test_order_moves_nobody(rows, held_out, random):
     """Rows in another order get the same partitions."""
@@ -66,6 +69,7 @@ def test_order_moves_nobody(rows, held_out, random):
     assert parts(again) == parts(table)
 
 
+@FEW
 @given(stores(), stores(), held)
 def test_growth_moves_nobody(rows, others, held_out):
     """More sources, with derived trajectories of old ones among them, leave everyone where they were."""
@@ -82,6 +86,7 @@ def test_growth_moves_nobody(rows, others, held_out):
     assert {uid: after[uid] for uid in parts(before)} == parts(before)
 
 
+@FEW
 @given(stores(orphans=True), held)
 def test_children_stand_with_their_parents_or_nowhere(rows, held_out):
     """A derived trajectory is in its root's partition, or in none."""
@@ -94,6 +99,7 @@ def test_children_stand_with_their_parents_or_nowhere(rows, held_out):
             assert row["partition"] in (where[row["root"]], EXCLUDED)
 
 
+@FEW
 @given(stores(orphans=True), held)
 def test_held_out_units_are_seen_nowhere(rows, held_out):
     """Train, val and test hold no trajectory with a held-out unit."""
@@ -107,6 +113,7 @@ def test_held_out_units_are_seen_nowhere(rows, held_out):
                 assert row[f"unseen_{kind}"]
 
 
+@FEW
 @given(stores(orphans=True), held)
 def test_overlapping_touches_stand_together(rows, held_out):
     """Recorded trajectories of one source and sensor that overlap in time share a partition."""
@@ -122,6 +129,7 @@ def test_overlapping_touches_stand_together(rows, held_out):
                 assert where[one["uid"]] == where[other["uid"]]
 
 
+@FEW
 @given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 20), st.integers(0, 6)), max_size=30))
 def test_overlaps_agree_with_their_slow_twin(spans):
     """The sweep finds the same connected intervals as comparing all pairs."""
