@@ -183,7 +183,9 @@ def keep_sensors(
         write_atomic(marker, b"")
         with Batch(folder) as batch:
             root = open_root(batch)
-            manifest["sensors"] = write_sensors(batch, {**facts, **read_sensors(folder, manifest)})
+            manifest["sensors"] = write_sensors(
+                batch, {**{name: dict(values) for name, values in facts.items()}, **read_sensors(folder, manifest)}
+            )
             for sensor, reference in sorted(references.items()):
                 attributes = {"sensor": sensor, "origin": reference.origin, "licence": reference.licence}
                 path = reference_path(sensor)

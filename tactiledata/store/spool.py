@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from array import array
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from types import TracebackType
 from typing import BinaryIO
 
 import google_crc32c
@@ -19,6 +23,8 @@ from tactiledata.store.shards import pack_frame
 
 ENCODINGS = ("jpeg", "png", "raw", "missing")
 BUFFER = 2**20
+MOST_WAITING = 16
+"""Images in memory that wait for their turn."""
 
 COLUMNS: dict[str, str] = {
     "offset": "q",
@@ -65,6 +71,8 @@ class Spool:
         self._numbers = {name: array(code) for name, code in COLUMNS.items()}
         self._codes = {name: array("i") for name in NAMES}
         self._names: dict[str, dict[str, int]] = {name: {} for name in NAMES}
+        self._waiting: deque[tuple[Image, Future[tuple[bytes, int]] | None]] = deque()
+        self._threads: ThreadPoolExecutor | None = None
         try:
             if self.folder.exists():
                 shutil.rmtree(self.folder)
@@ -75,14 +83,16 @@ class Spool:
     def __enter__(self) -> Spool:
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, _: BaseException | None, __: TracebackType | None) -> None:
+        if kind is not None:
+            self._waiting.clear()  # what is being thrown away need not be compressed first
         self.close()
 
     def __len__(self) -> int:
-        return len(self._numbers["offset"])
+        return len(self._numbers["offset"]) + len(self._waiting)
 
     def add(self, image: Image) -> None:
-        """Take one image.
+        """Take one image; raw ones are compressed by threads meanwhile.
 
         Raises
         ------
@@ -90,12 +100,31 @@ class Spool:
             A payload that cannot be kept (larger than a heap's chunk; raw of another size than stated), or a full disk.
         """
         self._check(image)
-        payload = b"" if image.encoding == "missing" else image.payload
-        offset, length = self._write(image, payload)
+        if image.encoding == "raw":
+            if self._threads is None:
+                self._threads = ThreadPoolExecutor(default_threads(), thread_name_prefix="spool")
+            self._waiting.append((image, self._threads.submit(_packed, image.payload)))
+        elif self._waiting:
+            self._waiting.append((image, None))
+        else:
+            self._keep(image, None)
+        if len(self._waiting) > MOST_WAITING:
+            self._keep(*self._waiting.popleft())
+
+    def _drain(self) -> None:
+        while self._waiting:
+            self._keep(*self._waiting.popleft())
+
+    def _keep(self, image: Image, packing: Future[tuple[bytes, int]] | None) -> None:
+        if packing is not None:
+            content, crc = packing.result()
+        else:
+            content = b"" if image.encoding == "missing" else image.payload
+            crc = google_crc32c.value(content)
         numbers = {
-            "offset": offset,
-            "length": length,
-            "crc32c": google_crc32c.value(payload),
+            "offset": self._write(image, content),
+            "length": len(content),
+            "crc32c": crc,
             "height": image.height,
             "width": image.width,
             "log_ns": image.log_ns,
@@ -110,6 +139,7 @@ class Spool:
 
     def _check(self, image: Image) -> None:
         what = f"image {image.name or len(self)} of camera {image.camera!r}"
+        self._check_columns(image, what)
         if image.encoding not in ENCODINGS:
             raise StoreError(f"{what} has encoding {image.encoding!r}", f"one of {', '.join(ENCODINGS)}")
         if not (0 <= image.height < 2**15 and 0 <= image.width < 2**15):
@@ -127,10 +157,20 @@ class Spool:
                 "Record smaller images.",
             )
 
-    def _write(self, image: Image, payload: bytes) -> tuple[int, int]:
+    def _check_columns(self, image: Image, what: str) -> None:
+        for name in ("log_ns", "publish_ns", "header_ns"):
+            if not -(2**63) <= getattr(image, name) < 2**63:
+                raise StoreError(f"{what} has {name} {getattr(image, name)}", "nanoseconds that fit 64 bits")
+        for name in NAMES:
+            try:
+                getattr(image, name).encode()
+            except UnicodeEncodeError as error:
+                raise StoreError(f"{what} has {name} {getattr(image, name)!r}", "text that is Unicode") from error
+
+    def _write(self, image: Image, content: bytes) -> int:
+        """The offset of a payload that was appended to its file."""
         if image.encoding == "missing":
-            return -1, 0
-        content = pack_frame(payload) if image.encoding == "raw" else payload
+            return -1
         name = spool_name(image.camera, image.encoding, image.height, image.width)
         try:
             if name not in self._files:
@@ -139,9 +179,8 @@ class Spool:
             self._files[name].write(content)
         except OSError as error:
             raise unwritable(self.folder, error) from error
-        offset = self._ends[name]
         self._ends[name] += len(content)
-        return offset, len(content)
+        return self._ends[name] - len(content)
 
     def columns(self) -> pa.Table:
         """A row for each image, in the order in which they came.
@@ -149,6 +188,7 @@ class Spool:
         ``camera, encoding, sensor, trajectory`` (its name), ``offset, length`` (into the spool file), ``crc32c, height,
         width, log_ns, publish_ns, header_ns``; types as in ``FRAME_SCHEMA``, ``trajectory`` a dictionary of names.
         """
+        self._drain()
         columns: dict[str, pa.Array] = {}
         for name in NAMES:
             codes = pa.array(np.array(self._codes[name], dtype=np.int32))
@@ -159,16 +199,30 @@ class Spool:
 
     def bytes_written(self) -> int:
         """Bytes on disk so far."""
+        self._drain()
         return sum(self._ends.values())
 
     def close(self) -> None:
         """All payloads are in their files."""
+        self._drain()
+        if self._threads is not None:
+            self._threads.shutdown()
+            self._threads = None
         try:
             for stream in self._files.values():
                 if not stream.closed:
                     stream.close()
         except OSError as error:
             raise unwritable(self.folder, error) from error
+
+
+def _packed(payload: bytes) -> tuple[bytes, int]:
+    return pack_frame(payload), google_crc32c.value(payload)
+
+
+def default_threads() -> int:
+    """Threads that compress raw frames: the processor cores that this process may use, at most four."""
+    return max(1, min(4, len(os.sched_getaffinity(0))))
 
 
 def spool_name(camera: str, encoding: str, height: int, width: int) -> str:
