@@ -12,11 +12,11 @@ import time
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from tactiledata.store.check import check
 
 from tactiledata.errors import BrokenLog, MissingFile, SchemaError
 from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.store.check import check
 from tactiledata.store.reader import Store
 
 
