@@ -90,6 +90,13 @@ class TactileArrays:
         camera = next((stream.name for stream in self.streams if stream.kind == "image"), None)
         selection = select(store, split, camera, whole=unit == "trajectory", allow_leaks=allow_leaks)
         self.index = build_index(store, selection, unit)
+        if not len(self.index):
+            raise UsageError(
+                f"{selection.report} of the store {self.location}",
+                "at least one frame",
+                "Name another part, or make the split again with other fractions or another force filter.",
+                report=selection.report.document(),
+            )
         self._require_references()
         self._require_one_size(camera)
         self.normalisers, note = self._find_normalisers(selection, normalise)

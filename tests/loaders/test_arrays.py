@@ -190,6 +190,13 @@ def test_a_store_that_grew_needs_its_split_again(tmp_path):
         TactileArrays(tmp_path / "ds.zarr", "default/train", "digit")
 
 
+def test_a_part_without_frames_is_an_error(place):
+    """An empty part is said to be empty instead of training on nothing."""
+    for unit in ("frame", "trajectory"):
+        with pytest.raises(UsageError, match="default/test_unseen: 0 frames of 0 trajectories"):
+            TactileArrays(place, "default/test_unseen", "digit", unit=unit)
+
+
 def test_no_store_is_an_error(tmp_path):
     """A place without a store is named."""
     with pytest.raises(MissingFile, match="nowhere"):
