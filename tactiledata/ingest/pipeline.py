@@ -24,7 +24,8 @@ from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.lag import camera_lag
 from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.store.commit import commit_groups, create, recover
-from tactiledata.store.layout import staging_folder
+from tactiledata.store.layout import INTAKE_LOCK, staging_folder
+from tactiledata.store.lock import writing_lock
 from tactiledata.store.spool import Spool
 from tactiledata.store.writer import StagedTake, find_staged, stage
 
@@ -151,22 +152,30 @@ def ingest(
     folder = Path(store)
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
     create(folder)
-    present = frozenset(recover(folder)["sources"])
-    tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
     reports: list[SourceReport] = []
-
-    def staged_takes() -> Iterator[StagedTake]:
-        seen = set(present)
-        for outcome in runner.outcomes(_read_source, tasks):
-            reports.append(_report(outcome, seen))
-            if progress is not None:
-                progress(len(reports), len(tasks), outcome.task.source.key)
-            if outcome.result is not None and outcome.result.staged is not None and outcome.result.sha256 not in seen:
-                seen.add(outcome.result.sha256)
-                yield outcome.result.staged
-
-    commit_groups(folder, staged_takes())
+    with writing_lock(folder, INTAKE_LOCK):
+        present = frozenset(recover(folder)["sources"])
+        tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
+        outcomes = runner.outcomes(_read_source, tasks)
+        commit_groups(folder, _staged_takes(outcomes, set(present), len(tasks), reports, progress))
     return IngestReport(str(store), tuple(reports), tuple(str(path) for path in unclaimed))
+
+
+def _staged_takes(
+    outcomes: Iterator[Outcome[_Task, _Read]],
+    seen: set[str],
+    n_tasks: int,
+    reports: list[SourceReport],
+    progress: Progress | None,
+) -> Iterator[StagedTake]:
+    """Takes that the store does not have yet, in order; every outcome is noted in ``reports``."""
+    for outcome in outcomes:
+        reports.append(_report(outcome, seen))
+        if progress is not None:
+            progress(len(reports), n_tasks, outcome.task.source.key)
+        if outcome.result is not None and outcome.result.staged is not None and outcome.result.sha256 not in seen:
+            seen.add(outcome.result.sha256)
+            yield outcome.result.staged
 
 
 def _read_source(task: _Task) -> _Read:

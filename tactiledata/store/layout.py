@@ -20,6 +20,7 @@ CARD = "README.md"
 SENSORS = "sensors.json"
 STAGING = ".staging"
 LOCK = ".lock"
+INTAKE_LOCK = ".intake.lock"
 COMMITTING = "committing"
 """Marker in the staging folder: a commit has begun and has not ended."""
 

@@ -14,8 +14,15 @@ from tactiledata.store.layout import LOCK
 
 
 @contextmanager
-def writing_lock(store_path: Path | str) -> Iterator[None]:
+def writing_lock(store_path: Path | str, name: str = LOCK) -> Iterator[None]:
     """The store's writing lock, held inside the ``with`` block.
+
+    Parameters
+    ----------
+    store_path : Path
+    name : str
+        ``LOCK`` is held for a commit; ``INTAKE_LOCK`` for as long as takes are staged, so that nobody sweeps away what
+        another is staging.
 
     Raises
     ------
@@ -24,7 +31,7 @@ def writing_lock(store_path: Path | str) -> Iterator[None]:
     StoreError
         The store cannot be written to.
     """
-    path = Path(store_path) / LOCK
+    path = Path(store_path) / name
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
     except OSError as error:

@@ -13,10 +13,13 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from tactiledata.errors import BrokenLog, MissingFile, SchemaError
+from tactiledata.errors import BrokenLog, MissingFile, SchemaError, StoreBusy
 from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.check import check
+from tactiledata.store.commit import create
+from tactiledata.store.layout import INTAKE_LOCK
+from tactiledata.store.lock import writing_lock
 from tactiledata.store.reader import Store
 
 
@@ -121,6 +124,15 @@ def test_killed_at_any_moment_it_goes_on(tiny_mcaps, tiny_store, tmp_path):
         uids = Store.open(store).trajectories(["uid"])["uid"].to_pylist()
         assert len(uids) == len(set(uids)) == 4
     assert kills >= 20
+
+
+def test_two_ingests_do_not_sweep_away_each_other(tiny_mcaps, tmp_path):
+    """While one ingest stages takes, another is turned away with the process to wait for."""
+    store = tmp_path / "ds.zarr"
+    create(store)
+    with writing_lock(store, INTAKE_LOCK), pytest.raises(StoreBusy, match=str(os.getpid())):
+        ingest(tiny_mcaps, store)
+    assert ingest(tiny_mcaps, store).sources[0].state == "added"
 
 
 def test_a_damaged_recording_is_kept_as_far_as_it_goes(tiny_mcaps, tmp_path):
