@@ -90,8 +90,9 @@ def _start(folder: Path, settings: Settings) -> None:
         open_root(batch)
         batch.publish()
     manifest = empty_manifest(settings)
-    write_card(folder, manifest)
+    # the manifest first: a folder with a card alone would be taken for somebody else's
     write_manifest(folder, manifest)
+    write_card(folder, manifest)
 
 
 def recover(store_path: Path | str) -> Manifest:
