@@ -30,26 +30,26 @@ class BatchStore(LocalStore):
 
     def __init__(self, batch: Batch, *, read_only: bool = False) -> None:
         super().__init__(batch.root, read_only=read_only)
-        self._batch = batch
+        self.batch = batch
 
     def with_read_only(self, read_only: bool = False) -> BatchStore:
         """The same store, writable or not."""
-        return BatchStore(self._batch, read_only=read_only)
+        return BatchStore(self.batch, read_only=read_only)
 
     async def get(
         self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
         """The newest value of a key."""
-        return await super().get(self._batch.where(key), prototype, byte_range)
+        return await super().get(self.batch.where(key), prototype, byte_range)
 
     async def exists(self, key: str) -> bool:
         """Whether a key has a value."""
-        return await super().exists(self._batch.where(key))
+        return await super().exists(self.batch.where(key))
 
     async def set(self, key: str, value: Buffer) -> None:
         """Keep a value under a key."""
         self._check_writable()
-        self._batch.write(key, value.to_bytes())
+        self.batch.write(key, value.to_bytes())
 
     async def set_if_not_exists(self, key: str, value: Buffer) -> None:
         """Keep a value under a key that is not taken yet."""
@@ -60,12 +60,12 @@ class BatchStore(LocalStore):
         self, key: str, *, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
         """The newest value of a key, without an event loop."""
-        return super().get_sync(self._batch.where(key), prototype=prototype, byte_range=byte_range)
+        return super().get_sync(self.batch.where(key), prototype=prototype, byte_range=byte_range)
 
     def set_sync(self, key: str, value: Buffer) -> None:
         """Keep a value under a key, without an event loop."""
         self._check_writable()
-        self._batch.write(key, value.to_bytes())
+        self.batch.write(key, value.to_bytes())
 
 
 def open_root(batch: Batch) -> zarr.Group:
@@ -90,8 +90,9 @@ def create_rows(
         Columns; ``None`` for an array (n,).
     """
     shape = (0,) if width is None else (0, width)
-    _parent(root, path).create_array(
-        name=path.rpartition("/")[2],
+    _create(
+        root,
+        path,
         shape=shape,
         dtype=dtype,
         chunks=(chunk_rows, *(max(1, size) for size in shape[1:])),
@@ -100,14 +101,14 @@ def create_rows(
         compressors=[ZstdCodec(level=ZSTD_LEVEL), Crc32cCodec()],
         chunk_key_encoding=SEPARATOR,
         attributes=dict(attributes),
-        overwrite=True,
     )
 
 
 def create_heap(root: zarr.Group, path: str, chunk_bytes: int) -> None:
     """An empty array of bytes whose chunk files are the bytes themselves."""
-    _parent(root, path).create_array(
-        name=path.rpartition("/")[2],
+    _create(
+        root,
+        path,
         shape=(0,),
         dtype="uint8",
         chunks=(chunk_bytes,),
@@ -115,14 +116,14 @@ def create_heap(root: zarr.Group, path: str, chunk_bytes: int) -> None:
         compressors=None,
         chunk_key_encoding=SEPARATOR,
         attributes={"content": "JPEG and PNG files; the frames table has their offsets and lengths"},
-        overwrite=True,
     )
 
 
 def create_frames(root: zarr.Group, path: str, size: tuple[int, int], shard_frames: int) -> None:
     """An empty array of raw frames (n, height, width, 3) uint8, one frame a chunk, in shards."""
-    _parent(root, path).create_array(
-        name=path.rpartition("/")[2],
+    _create(
+        root,
+        path,
         shape=(0, *size, 3),
         dtype="uint8",
         chunks=(1, *size, 3),
@@ -131,30 +132,33 @@ def create_frames(root: zarr.Group, path: str, size: tuple[int, int], shard_fram
         compressors=[ZstdCodec(level=ZSTD_LEVEL), Crc32cCodec()],
         chunk_key_encoding=SEPARATOR,
         attributes={"content": "RGB"},
-        overwrite=True,
     )
 
 
 def write_image(root: zarr.Group, path: str, image: NDArray[np.uint8], attributes: Mapping[str, Any]) -> None:
     """One picture (height, width, 3) as an array of its own."""
-    array = _parent(root, path).create_array(
-        name=path.rpartition("/")[2],
+    array = _create(
+        root,
+        path,
         shape=image.shape,
         dtype="uint8",
         chunks=image.shape,
         compressors=[ZstdCodec(level=ZSTD_LEVEL), Crc32cCodec()],
         chunk_key_encoding=SEPARATOR,
         attributes=dict(attributes),
-        overwrite=True,
     )
     array[...] = image
 
 
-def _parent(root: zarr.Group, path: str) -> zarr.Group:
-    group = root
-    for name in path.split("/")[:-1]:
-        group = group.require_group(name)
-    return group
+def _create(root: zarr.Group, path: str, **options: Any) -> zarr.Array:
+    """A new array, and the groups above it that are not there yet."""
+    assert isinstance(root.store, BatchStore)
+    names = path.split("/")
+    for depth in range(1, len(names)):
+        group = "/".join(names[:depth])
+        if not root.store.batch.has(f"{group}/zarr.json"):
+            zarr.create_group(root.store, path=group)
+    return zarr.create_array(root.store, name=path, overwrite=True, **options)
 
 
 def set_length(batch: Batch, path: str, length: int) -> None:

@@ -52,6 +52,10 @@ class Batch:
         """The path under which a file's newest content lies now."""
         return self._pending.get(path, path)
 
+    def has(self, path: str) -> bool:
+        """Whether there is such a file, published or not."""
+        return (self.root / self.where(path)).is_file()
+
     def read(self, path: str) -> bytes:
         """A file's newest content."""
         return (self.root / self.where(path)).read_bytes()

@@ -123,6 +123,7 @@ def test_killed_and_resumed_is_the_same(staged: Path, uninterrupted: dict[str, s
     assert files(folder) == uninterrupted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_from_outside(staged: Path, uninterrupted: dict[str, str], seed: int, tmp_path: Path) -> None:
     """The same with kill -9 from another process after a random time."""

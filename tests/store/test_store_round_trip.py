@@ -115,7 +115,7 @@ def grouped_seeds(draw: st.DrawFn) -> list[list[int]]:
     return [seeds[start:stop] for start, stop in zip([0, *borders[:-1]], borders, strict=True)]
 
 
-@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(grouped_seeds(), st.sampled_from([SMALL, Settings(1 << 20, 1000, 64), Settings(1000, 1, 1)]))
 def test_random_takes_come_back(groups: list[list[int]], sizes: Settings) -> None:
     """Whatever the groups and the sizes of chunks, every byte and number comes back."""
@@ -124,7 +124,7 @@ def test_random_takes_come_back(groups: list[list[int]], sizes: Settings) -> Non
         assert_holds(store, [seed for group in groups for seed in group])
 
 
-@settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(grouped_seeds())
 def test_content_does_not_depend_on_groups(groups: list[list[int]]) -> None:
     """One commit or many: the digest and the content of all tables agree."""
