@@ -64,7 +64,8 @@ class TactileDataError(Exception):
 def _rebuild(
     kind: type[TactileDataError], found: str, expected: str, remedy: str, facts: dict[str, Any]
 ) -> TactileDataError:
-    error = kind.__new__(kind)
+    # of several builtin bases, only that of OSError may allocate an error that has it
+    error: TactileDataError = (OSError if issubclass(kind, OSError) else Exception).__new__(kind)
     TactileDataError.__init__(error, found, expected, remedy, **facts)
     return error
 

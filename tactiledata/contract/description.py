@@ -89,7 +89,7 @@ class LogDescription:
         return None if value is None else Transform.from_document("base", indenter, value)
 
     def merged(self, addition: Mapping[str, Any], where: str) -> LogDescription:
-        """This description with another laid over it, key by key; what is added wins."""
+        """The description with another laid over it, key by key; what is added wins."""
         return LogDescription.checked(_merge({"format": LOG_FORMAT, **self.document}, addition), where)
 
 

@@ -13,13 +13,16 @@ def path_inside(folder: Path, name: str, where: str) -> Path:
     Raises
     ------
     UnsafeContent
-        The name is absolute, or leads out of the folder by ``..`` or by a link.
+        The name is absolute, or leads out of the folder by ``..`` or by a link, or a link leads to itself.
     """
     pure = PurePosixPath(name.replace("\\", "/"))
     escapes = pure.is_absolute() or ".." in pure.parts or "\0" in name or (pure.parts and ":" in pure.parts[0])
     if not escapes:
         path = folder / pure
-        escapes = not path.resolve().is_relative_to(folder.resolve())
+        try:
+            escapes = not path.resolve().is_relative_to(folder.resolve())
+        except (RuntimeError, OSError):  # a link that leads to itself: Python 3.11 raises RuntimeError
+            escapes = True
     if escapes:
         raise UnsafeContent(
             f"{where} names the path {name!r}, which leaves the folder {folder}",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from contextlib import suppress
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -16,6 +18,12 @@ from tactiledata.errors import MissingFile, SchemaError
 
 MAX_DOCUMENT_BYTES = 64 * 2**20
 """Largest document that is parsed; YAML from strangers must not exhaust the memory."""
+
+MAX_DEPTH = 100
+"""Collections inside one another that a document may have; libyaml overruns its stack at some ten thousand."""
+
+MAX_VALUES = 2**25
+"""Values that a document may stand for, aliases written out: a few lines of aliases of aliases can mean billions."""
 
 
 def shipped_folder(name: str) -> Traversable:
@@ -89,17 +97,28 @@ class _StrictLoader(yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.S
         return super().construct_mapping(node, deep=deep)
 
 
+# YAML 1.1, which the library speaks, takes 1e-5 for a text
+_StrictLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
+
+
 def parse_document(text: str, where: str) -> Any:
     """A YAML or JSON text as plain Python values.
 
     Raises
     ------
     SchemaError
-        Not YAML, a key given twice, or nesting that cannot be parsed; with the line.
+        Neither JSON nor YAML, a key given twice, or nesting beyond `MAX_DEPTH`; with the line where there is one.
     """
     try:
+        if text.lstrip().startswith(("{", "[")):
+            # JSON as JSON: YAML reads some of its escapes otherwise, and is many times slower
+            with suppress(json.JSONDecodeError):
+                return _parsed_json(text, where)
+        _check_shape(text, where)
         return yaml.load(text, Loader=_StrictLoader)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeEncodeError) as error:
         raise SchemaError(
             f"{where} is not valid YAML: {_short(' '.join(str(error).split()))}",
             "YAML or JSON",
@@ -108,7 +127,66 @@ def parse_document(text: str, where: str) -> Any:
             file=where,
         ) from error
     except RecursionError as error:
-        raise SchemaError(f"{where} is nested too deeply", "a plain document", path="$", file=where) from error
+        raise _too_deep(where) from error
+
+
+def _parsed_json(text: str, where: str) -> Any:
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        content = dict(pairs)
+        if len(content) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in content if names.count(name) > 1)
+            raise SchemaError(
+                f"{where}: the key {_short(twice)!r} is given twice", "each key once", path="$", file=where
+            )
+        return content
+
+    document = json.loads(text, object_pairs_hook=once)
+    level: list[Any] = [document]
+    for _ in range(MAX_DEPTH + 1):
+        level = [
+            inner
+            for value in level
+            if isinstance(value, dict | list)
+            for inner in (value.values() if isinstance(value, dict) else value)
+        ]
+        if not level:
+            return document
+    raise _too_deep(where)
+
+
+def _too_deep(where: str) -> SchemaError:
+    return SchemaError(f"{where} is nested more than {MAX_DEPTH} levels deep", "a plain document", path="$", file=where)
+
+
+def _check_shape(text: str, where: str) -> None:
+    """Nothing, where no collection lies too deep and what aliases stand for stays within `MAX_VALUES`.
+
+    Events are met one by one, without recursion; aliases are counted as if they were written out, as whoever writes the
+    document as JSON would do.
+    """
+    counts = [0]  # values inside each open collection
+    anchors: list[str | None] = []
+    sizes: dict[str | None, int] = {}
+    for event in yaml.parse(text, Loader=_StrictLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            counts.append(1)
+            anchors.append(event.anchor)
+            if len(anchors) > MAX_DEPTH:
+                raise _too_deep(where)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            size, anchor = counts.pop(), anchors.pop()
+            counts[-1] += size
+            if anchor is not None:
+                sizes[anchor] = size
+        elif isinstance(event, yaml.AliasEvent):
+            counts[-1] += sizes.get(event.anchor, 1)
+        elif isinstance(event, yaml.ScalarEvent):
+            counts[-1] += 1
+        if counts[-1] > MAX_VALUES:
+            raise SchemaError(
+                f"{where} stands for more than {MAX_VALUES} values", "a plain document", path="$", file=where
+            )
 
 
 def read_document(path: Path, schema: str | None = None) -> Any:

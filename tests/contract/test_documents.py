@@ -1,0 +1,147 @@
+"""Documents from strangers: every fault is a SchemaError with its place, and none exhausts time or memory."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactiledata.contract import schema as schemas
+from tactiledata.contract.schema import MAX_DOCUMENT_BYTES, check_document, parse_document, read_document
+from tactiledata.errors import MissingFile, SchemaError
+
+GOOD = {"format": "tactiledata-log/1", "sensors": {"D20542": {"model": "digit"}}}
+PLAIN = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@pytest.mark.parametrize(
+    ("document", "path"),
+    [
+        ({**GOOD, "sensors": {"D20542": {"model": "digit", "shore_00": "soft"}}}, "$.sensors.D20542.shore_00"),
+        ({**GOOD, "wrench": {"tare_ns": [1, "two"]}}, "$.wrench.tare_ns[1]"),
+        ({**GOOD, "format": "tactiledata-log/2"}, "$.format"),
+        ([], "$"),
+        (None, "$"),
+    ],
+)
+def test_a_fault_names_its_place(document, path):
+    """The error carries the path inside the document and the file, and says both in words."""
+    with pytest.raises(SchemaError) as caught:
+        check_document(document, "log", "press/log.yaml")
+    assert caught.value.facts == {"path": path, "file": "press/log.yaml"}
+    assert f"at {path}:" in str(caught.value)
+    assert "press/log.yaml" in str(caught.value)
+
+
+def test_many_faults_are_counted_and_cut():
+    """Five faults are shown, the others counted, and a huge value does not fill the message."""
+    document = {**GOOD, "sensors": {f"S{number}": {"model": "digit", "shore_00": "x" * 10_000} for number in range(20)}}
+    with pytest.raises(SchemaError, match=r"and 15 more") as caught:
+        check_document(document, "log", "log.yaml")
+    assert len(str(caught.value)) < 3000
+
+
+@pytest.mark.parametrize("text", ["a: 1\na: 2\n", '{"a": 1, "a": 2}', "b: {c: 1, c: 1}", "1: x\n1: y\n"])
+def test_a_key_given_twice_is_refused(text):
+    """The last of two values never wins silently."""
+    with pytest.raises(SchemaError, match="given twice"):
+        parse_document(text, "log.yaml")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "!!python/object/apply:os.system ['true']",
+        "!!python/name:os.system",
+        "a: [1, 2",
+        "a: b: c",
+        "\x00",
+        "? [1, 2]\n: 3",
+        "&a [*a]: 1",
+        "%YAML 9.9\n---\n!unknown x",
+    ],
+)
+def test_what_is_no_plain_document_is_refused(text):
+    """Objects, open brackets, keys that are lists: refused with the file's name, never executed."""
+    with pytest.raises(SchemaError, match=r"log\.yaml"):
+        parse_document(text, "log.yaml")
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "[" * 500 + "]" * 500, "{a: " * 50_000, "- " * 100_000 + "x"])
+def test_deep_nesting_is_refused(text):
+    """A document nested a hundred thousand times is an error, not a crash of the interpreter."""
+    with pytest.raises(SchemaError):
+        parse_document(text, "log.yaml")
+
+
+def test_a_yaml_bomb_is_refused():
+    """Aliases of aliases that stand for billions of values are refused; a few aliases are fine."""
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 9)]
+    with pytest.raises(SchemaError, match="stands for more than"):
+        parse_document("\n".join(lines), "log.yaml")
+    assert parse_document("\n".join(lines[:2]), "log.yaml")["a1"] == [["x"] * 9] * 9
+
+
+def test_bytes_that_are_no_text(tmp_path):
+    """Not UTF-8: the error says at which byte. A byte order mark is accepted."""
+    (tmp_path / "latin.yaml").write_bytes("title: Prüfung\n".encode("latin-1"))
+    with pytest.raises(SchemaError, match="byte 9"):
+        read_document(tmp_path / "latin.yaml")
+    (tmp_path / "bom.yaml").write_bytes("title: Prüfung\n".encode("utf-8-sig"))
+    assert read_document(tmp_path / "bom.yaml") == {"title": "Prüfung"}
+
+
+def test_a_huge_file_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    """A file beyond the limit is refused by its size; a sparse one of terabytes costs nothing."""
+    path = tmp_path / "huge.yaml"
+    with path.open("wb") as stream:
+        stream.truncate(MAX_DOCUMENT_BYTES + 1)
+    monkeypatch.setattr(type(path), "read_text", lambda *_, **__: pytest.fail("it was read"))
+    with pytest.raises(SchemaError, match=f"{MAX_DOCUMENT_BYTES + 1} bytes"):
+        read_document(path)
+
+
+@pytest.mark.parametrize("make", [lambda path: None, lambda path: path.mkdir()])
+def test_no_file_there(tmp_path, make):
+    """A path without a file, or a folder, is a missing file."""
+    make(tmp_path / "log.yaml")
+    with pytest.raises(MissingFile, match=r"log\.yaml"):
+        read_document(tmp_path / "log.yaml")
+
+
+@pytest.mark.parametrize("number", ["1e-5", "-2E+3", "1.5e3", "+.5e1", "3.e2"])
+def test_numbers_with_an_exponent_are_numbers(number):
+    """Small lengths are written so, and YAML 1.1 would take them for texts."""
+    assert parse_document(f"a: {number}", "x.yaml") == {"a": float(number)}
+    assert parse_document(f"a: '{number}'", "x.yaml") == {"a": number}
+
+
+@given(PLAIN)
+def test_json_is_read_as_it_is(value):
+    """Whatever a JSON document holds comes back from the parser of documents, escapes and exponents included."""
+    assert parse_document(json.dumps({"value": value}), "x.json") == {"value": value}
+    assert parse_document(json.dumps([value], ensure_ascii=False), "x.json") == [value]
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_a_document_or_a_schema_error(text):
+    """No text raises anything else."""
+    try:
+        parse_document(text, "log.yaml")
+    except SchemaError as error:
+        assert error.facts["file"] == "log.yaml"  # noqa: PT017
+
+
+def test_every_schema_is_a_schema():
+    """Each file in schemas/ is valid Draft 2020-12, and an empty list fits none of them."""
+    names = [place.name.removesuffix(".json") for place in schemas.shipped_folder("schemas").iterdir()]
+    assert {"log", "mapping", "store", "split"} <= set(names)
+    for name in names:
+        schemas.jsonschema.Draft202012Validator.check_schema(schemas.load_schema(name))
+        with pytest.raises(SchemaError):
+            check_document([], name, "x")

@@ -1,0 +1,67 @@
+"""Names that documents give never lead out of their folder."""
+
+from pathlib import PurePosixPath
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactiledata.contract.paths import path_inside
+from tactiledata.errors import UnsafeContent
+
+PARTS = st.sampled_from(["a", "b.png", ".", "..", "", "in", "out", "loop", "C:", "~", "...", " ", "é"])
+NAMES = st.lists(PARTS, max_size=6).flatmap(
+    lambda parts: st.sampled_from(["/".join(parts), "\\".join(parts), "/" + "/".join(parts)])
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with links: ``in`` to its own ``a``, ``out`` to its parent, ``loop`` to itself."""
+    root = tmp_path_factory.mktemp("paths") / "log"
+    (root / "a").mkdir(parents=True)
+    (root / "in").symlink_to(root / "a")
+    (root / "out").symlink_to("..")
+    (root / "loop").symlink_to("loop")
+    return root
+
+
+@given(name=NAMES | st.text(max_size=30))
+def test_a_path_stays_inside_or_is_refused(folder, name):
+    """Whatever the name is, the path lies in the folder once all links are followed, or there is an error."""
+    try:
+        path = path_inside(folder, name, "log.yaml")
+    except UnsafeContent as error:
+        assert error.facts["path"] == name  # noqa: PT017
+        return
+    assert path.resolve().is_relative_to(folder.resolve())
+    assert ".." not in PurePosixPath(name.replace("\\", "/")).parts
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "/etc/passwd",
+        "../x",
+        "a/../../x",
+        "a/..",
+        "..\\x",
+        "C:\\x",
+        "c:/x",
+        "\\\\server\\x",
+        "out/x",
+        "a/\0b",
+        "out",
+        "loop",
+    ],
+)
+def test_ways_out_are_refused(folder, name):
+    """Absolute names, parents, drives, shares, links and zero bytes are refused, with the name in the message."""
+    with pytest.raises(UnsafeContent, match=r"log\.yaml names the path"):
+        path_inside(folder, name, "log.yaml")
+
+
+@pytest.mark.parametrize("name", ["a/x.png", "in/x.png", "./a", "a//b", "a\\b.png", "not/there/yet", "...", "a..b"])
+def test_names_inside_are_given(folder, name):
+    """Names below the folder are taken, there or not, also through a link that stays inside."""
+    assert path_inside(folder, name, "log.yaml").is_relative_to(folder)
