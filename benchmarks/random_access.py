@@ -13,7 +13,7 @@ import statistics
 import sys
 import tempfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,40 +34,46 @@ from our_loader import OurLoader
 from timing import MEGABYTE, Seat, header, interleaved, median_ratio, table, verdict
 
 BATCH = 64
-POOL = 2
-"""Threads where a way has a pool: ours, loose files and HDF5 with bytes get the same number."""
+THREADS = (2, 1)
+"""Threads where a way has a pool: ours, loose files and HDF5 with bytes get the same numbers."""
 
 WARM_UP = 2
 SEQUENTIAL = "WebDataset (sequential, shuffle buffer)"
 TARGETS = {"jpeg": 1.0, "lossless": 1.2}
 
 
-def pictures(kind: str, count: int) -> Iterator[tuple[bytes, Pixels]]:
-    """Encoded bytes and the pixels that reading must give, frame by frame."""
-    for picture in digit_frames(count):
-        payload = encoded(picture, ".jpg" if kind == "jpeg" else ".png")
-        yield payload, decode(payload) if kind == "jpeg" else picture
+class Frames:
+    """The frames of a contest, drawn and encoded once: encoded bytes and the pixels that must be read."""
+
+    def __init__(self, kind: str, count: int) -> None:
+        extension = ".jpg" if kind == "jpeg" else ".png"
+        self._payloads = [encoded(picture, extension) for picture in digit_frames(count)]
+
+    def __iter__(self) -> Iterator[tuple[bytes, Pixels]]:
+        return ((payload, decode(payload)) for payload in self._payloads)
 
 
-def build(kind: str, folder: Path, count: int) -> dict[str, tuple[Path, Callable[..., Contestant], tuple[Any, ...]]]:
+def build(
+    kind: str, folder: Path, frames: Frames, count: int, pools: Sequence[int]
+) -> dict[str, tuple[Path, Callable[..., Contestant], tuple[Any, ...]]]:
     """All ways, written: name -> (folder, maker, its arguments)."""
     from our_store import write_store
 
     extension, word = (".jpg", "JPEG") if kind == "jpeg" else (".png", "PNG")
     loose, chunked, entries, plain, shards = (folder / name for name in ("loose", "h5", "h5bytes", "zarr", "wds"))
-    LooseFiles.write(loose, pictures(kind, count), extension)
-    Hdf5Chunked.write(chunked, pictures(kind, count), count)
-    Hdf5Bytes.write(entries, pictures(kind, count), count)
-    ZarrPlain.write(plain, pictures(kind, count), count)
-    WebDatasetShards.write(shards, pictures(kind, count), extension)
+    LooseFiles.write(loose, iter(frames), extension)
+    Hdf5Chunked.write(chunked, iter(frames), count)
+    Hdf5Bytes.write(entries, iter(frames), count)
+    ZarrPlain.write(plain, iter(frames), count)
+    WebDatasetShards.write(shards, iter(frames), extension)
     ours = {"jpeg": ["jpeg"], "lossless": ["raw", "png"]}[kind]
     ways: dict[str, tuple[Path, Callable[..., Contestant], tuple[Any, ...]]] = {}
     for encoding in ours:
         store = folder / f"ours-{encoding}"
-        write_store(store, pictures(kind, count), encoding)
-        for threads in (POOL, 1):
+        write_store(store, iter(frames), encoding)
+        for threads in pools:
             ways[f"tactiledata ({encoding}), {_threads(threads)}"] = (store, OurLoader, (store, threads))
-    for threads in (POOL, 1):
+    for threads in pools:
         ways[f"loose {word} + OpenCV, {_threads(threads)}"] = (loose, LooseFiles, (loose, threads))
         ways[f"HDF5 with {word} bytes, {_threads(threads)}"] = (entries, Hdf5Bytes, (entries, threads))
     ways["HDF5 chunked by frame, gzip, loop"] = (chunked, Hdf5Chunked, (chunked,))
@@ -80,24 +86,25 @@ def _threads(threads: int) -> str:
     return f"{threads} threads" if threads > 1 else "1 thread"
 
 
-def check_pixels(kind: str, count: int, seats: dict[str, Seat], batches: list[list[int]]) -> None:
+def check_pixels(frames: Frames, seats: dict[str, Seat], batches: list[list[int]]) -> None:
     """Nothing, where every way gives the true pixels of every frame that it reads."""
-    truth = {row: zlib.crc32(np.ascontiguousarray(pixels)) for row, (_, pixels) in enumerate(pictures(kind, count))}
+    truth = {row: zlib.crc32(np.ascontiguousarray(pixels)) for row, (_, pixels) in enumerate(frames)}
     for name, seat in seats.items():
         wrong = [row for row, crc in seat.call("checksums", batches)[1].items() if truth[row] != crc]
         if wrong:
             raise SystemExit(f"{name}: the pixels of {len(wrong)} frames differ, first of row {wrong[0]}")
 
 
-def contest(kind: str, count: int, n_batches: int) -> bool:
+def contest(kind: str, count: int, n_batches: int, pools: Sequence[int] = THREADS) -> bool:
     """Print the table for one kind of frames; whether the target was met."""
     rng = np.random.default_rng(0)
     batches = [rng.choice(count, min(BATCH, count), replace=False).tolist() for _ in range(n_batches + WARM_UP)]
     with tempfile.TemporaryDirectory() as scratch:
-        ways = build(kind, Path(scratch), count)
+        frames = Frames(kind, count)
+        ways = build(kind, Path(scratch), frames, count, pools)
         seats = {name: Seat(maker, *arguments) for name, (_, maker, arguments) in ways.items()}
         try:
-            check_pixels(kind, count, seats, batches[:WARM_UP])
+            check_pixels(frames, seats, batches[:WARM_UP])
             seconds = interleaved(seats, [("read", (rows,)) for rows in batches[WARM_UP:]])
             memory = {name: seat.memory("read", batches[0]) for name, seat in seats.items()}
         finally:
@@ -147,8 +154,8 @@ def main(arguments: list[str] | None = None) -> bool:
     parser.add_argument("--frames", type=int, default=2000)
     parser.add_argument("--batches", type=int, default=24)
     chosen = parser.parse_args(arguments)
-    count, n_batches = (96, 2) if chosen.quick else (chosen.frames, chosen.batches)
-    met = [contest(kind, count, n_batches) for kind in TARGETS]
+    size = (32, 1, THREADS[:1]) if chosen.quick else (chosen.frames, chosen.batches, THREADS)
+    met = [contest(kind, *size) for kind in TARGETS]
     return all(met)
 
 
