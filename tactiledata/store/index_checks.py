@@ -46,23 +46,34 @@ def _frame_faults(store: Store, frames: pa.Table) -> Iterator[tuple[str, Mask]]:
     yield "frames of a source that is not there", _outside(column["source"], 0, rows["sources"])
     yield "frames with a parent that is not there", _outside(column["parent_frame"], -1, rows["frames"])
     chunk = settings_of(store.manifest).heap_chunk_bytes
-    camera, encoding = (
-        np.array(frames[name].cast(pa.string()).to_pylist(), dtype=object) for name in ("camera", "encoding")
-    )
     start, stop = column["offset"], column["offset"] + column["length"]
-    yield "frames of a camera that is not there", ~np.isin(camera.astype(str), list(store.manifest["cameras"]))
+    size = np.asarray(frames["height"]).astype(np.int64) << 16 | np.asarray(frames["width"])
+    is_raw = _equals(frames, "encoding", "raw")
+    is_encoded = _equals(frames, "encoding", "jpeg") | _equals(frames, "encoding", "png")
+    known = np.zeros(len(frames), dtype=bool)
     for name, facts in store.manifest["cameras"].items():
-        encoded = (camera == name) & ((encoding == "jpeg") | (encoding == "png"))
+        mine = _equals(frames, "camera", name)
+        known |= mine
         wrong = (start < 0) | (stop < start) | (stop > facts["heap_bytes"])
-        yield f"images of {name!r} outside its heap", encoded & wrong
+        yield f"images of {name!r} outside its heap", mine & is_encoded & wrong
         straddles = (column["length"] > 0) & (start // chunk != (stop - 1) // chunk)
-        yield f"images of {name!r} across two chunks", encoded & straddles
-        raw = (camera == name) & (encoding == "raw")
-        sizes = np.char.add(
-            np.char.add(np.asarray(frames["height"]).astype(str), "x"), np.asarray(frames["width"]).astype(str)
-        )
-        counts = np.array([facts["rgb"].get(size, 0) for size in sizes.tolist()], dtype=np.int64)
-        yield f"raw images of {name!r} outside their array", raw & ((start < 0) | (start >= counts))
+        yield f"images of {name!r} across two chunks", mine & is_encoded & straddles
+        inside = np.zeros(len(frames), dtype=bool)
+        for text, count in facts["rgb"].items():
+            height, width = (int(side) for side in text.split("x"))
+            inside |= (size == height << 16 | width) & (start >= 0) & (start < count)
+        yield f"raw images of {name!r} outside their array", mine & is_raw & ~inside
+    yield "frames of a camera that is not there", ~known
+
+
+def _equals(frames: pa.Table, name: str, value: str) -> Mask:
+    """Where a column of names has a value; the column's dictionary is searched, not its rows."""
+    found = [np.empty(0, dtype=bool)]
+    for chunk in frames[name].chunks:
+        names = chunk.dictionary.to_pylist()
+        code = names.index(value) if value in names else -1
+        found.append(np.asarray(chunk.indices) == code)
+    return np.concatenate(found)
 
 
 def _source_faults(frames: pa.Table, trajectories: pa.Table, sources: pa.Table) -> Iterator[tuple[str, Mask]]:
