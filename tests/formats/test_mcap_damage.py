@@ -318,3 +318,12 @@ def test_layout_constants():
     assert len(MAGIC) == 8
     assert HEAD.size == 9
     assert CHUNK_RECORD == 6
+
+
+def test_a_background_that_is_not_there_is_damage(tmp_path):
+    """A background that the description names and that is neither attached nor beside the recording is said."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, [1, 2, 3, 4, 5, 6])
+        tape.describe(description(background="bg.png"))
+    recording = outcome(tmp_path, (tmp_path / "run.mcap").read_bytes())
+    assert {(finding.code, finding.severity) for finding in recording.findings} == {("background-missing", "damage")}
