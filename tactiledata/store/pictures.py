@@ -169,15 +169,18 @@ class Pictures:
             for index, (row, (encoding, span)) in enumerate(zip(rows, found, strict=True))
         ]
 
-        def run(part: list[tuple[int, str, bytes, Picture]]) -> None:
-            for row, encoding, content, target in part:
+        # threads take the next picture when they are done with one: shares fixed beforehand would wait for the slowest
+        waiting = iter(jobs)
+
+        def run(_: int) -> None:
+            for row, encoding, content, target in waiting:
                 self._decode(row, encoding, content, target, when_missing)
 
         n_threads = min(threads or default_threads(), len(jobs), MOST_THREADS)
         if n_threads == 1:
-            run(jobs)
+            run(0)
         else:
-            list(self._threads(n_threads).map(run, [jobs[first::n_threads] for first in range(n_threads)]))
+            list(self._threads(n_threads).map(run, range(n_threads)))
         return out
 
     def _threads(self, count: int) -> ThreadPoolExecutor:
