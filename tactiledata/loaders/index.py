@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.loaders.selection import Selection
@@ -31,7 +32,9 @@ class FrameIndex:
     in_split : (n_frames,) bool
     starts : (n_items + 1,) int64
         Item i has the frames ``starts[i]`` to ``starts[i + 1]``, without the last.
-    sensors : (n_frames,) object of str
+    sensor_code : (n_frames,) int32
+        Place of each frame's sensor in ``sensor_names``.
+    sensor_names : tuple of str
     uids, indenters : (n_trajectories + 1,) object of str
         Of the store's trajectories; the last entry is empty, for frames outside any.
     signal_rows : (n_trajectories + 1,) object of str
@@ -43,7 +46,8 @@ class FrameIndex:
     trajectory: NDArray[np.int32]
     in_split: NDArray[np.bool_]
     starts: NDArray[np.int64]
-    sensors: NDArray[np.object_]
+    sensor_code: NDArray[np.int32]
+    sensor_names: tuple[str, ...]
     uids: NDArray[np.object_]
     indenters: NDArray[np.object_]
     signal_rows: NDArray[np.object_]
@@ -57,6 +61,10 @@ class FrameIndex:
             [np.arange(self.starts[item], self.starts[item + 1]) for item in items] or [np.empty(0, int)]
         )
 
+    def sensors(self, places: NDArray[np.int64]) -> list[str]:
+        """Sensors of some frames."""
+        return [self.sensor_names[code] for code in self.sensor_code[places].tolist()]
+
     def segment(self, trajectory: int, signal: str) -> tuple[int, int]:
         """Rows [start, stop) of a signal in a trajectory; (0, 0) where it has none."""
         start, stop = json.loads(self.signal_rows[trajectory] or "{}").get(signal, (0, 0))
@@ -68,6 +76,7 @@ def build_index(store: Store, selection: Selection, unit: Unit) -> FrameIndex:
     frames = store.frames(["trajectory", "sensor", "t_ns"]).take(selection.rows)
     trajectories = store.trajectories(["uid", "indenter", "signal_rows"])
     trajectory = frames["trajectory"].to_numpy()
+    sensors = frames["sensor"].cast(pa.string()).combine_chunks().dictionary_encode()  # only those that occur
     rows, in_split = selection.rows, selection.in_split
     starts = np.arange(len(rows) + 1, dtype=np.int64)
     order: Any = slice(None)
@@ -83,7 +92,8 @@ def build_index(store: Store, selection: Selection, unit: Unit) -> FrameIndex:
         trajectory[order],
         in_split[order],
         starts,
-        np.array(frames["sensor"].to_pylist(), object)[order],
+        np.asarray(sensors.indices)[order],
+        tuple(sensors.dictionary.to_pylist()),
         texts["uid"],
         texts["indenter"],
         texts["signal_rows"] if unit == "trajectory" else np.empty(0, object),

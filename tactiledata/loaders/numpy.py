@@ -182,7 +182,7 @@ class TactileArrays:
         index = self.index
         trajectory = index.trajectory[places]
         return {
-            "sensor": index.sensors[places].tolist(),
+            "sensor": index.sensors(places),
             "indenter": index.indenters[trajectory].tolist(),
             "trajectory": index.uids[trajectory].tolist(),
             "frame": index.rows[places],
@@ -244,7 +244,7 @@ class TactileArrays:
 
     def _require_references(self) -> None:
         if any(stream.kind == "background" for stream in self.streams):
-            lacking = sorted(set(self.index.sensors.tolist()) - set(self.store.manifest["references"]))
+            lacking = sorted(set(self.index.sensor_names) - set(self.store.manifest["references"]))
             if lacking:
                 names = ", ".join(map(repr, lacking))
                 raise StoreError(
