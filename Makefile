@@ -20,10 +20,10 @@ demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; 
 	$(BIN)/tactiledata demo --out $(OUT)
 
 test: $(INSTALLED)   ## every test, slow ones included
-	TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest
+	TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2
 
 quick: $(INSTALLED)  ## the fast tests
-	$(BIN)/python -m pytest -m 'not slow'
+	$(BIN)/python -m pytest -n 2 -m 'not slow'
 
 check: $(INSTALLED)  ## formatting, lint, types
 	$(BIN)/ruff format --check .

@@ -11,15 +11,8 @@ import pyarrow as pa
 from contestants import Pixels
 from digit_frames import COLUMNS, ROWS
 
-from tactiledata.contract.records import (
-    FRAME_SCHEMA,
-    TRAJECTORY_SCHEMA,
-    AlignedSignal,
-    Image,
-    Source,
-    Take,
-    findings_table,
-)
+from tactiledata.contract.records import Image, Source
+from tactiledata.contract.take import FRAME_SCHEMA, TRAJECTORY_SCHEMA, AlignedSignal, Take, findings_table
 from tactiledata.store.commit import commit, create
 from tactiledata.store.spool import Spool
 from tactiledata.store.writer import stage, staging_folder

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from tactiledata.contract.records import FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA
+from tactiledata.contract.take import FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA
 from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import frame_rows, load_split

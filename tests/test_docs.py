@@ -26,13 +26,12 @@ def blocks(page):
 @pytest.fixture(scope="session")
 def prepared(tmp_path_factory):
     """A folder as the pages assume it: recordings/ of a tiny recorded world, and ds.zarr made of them, with a split."""
-    from tactiledata.store.reader import Store
-
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.rig.record import record
     from tactiledata.rig.scenario import load_scenario
     from tactiledata.rig.worlds import find_scenario
     from tactiledata.splits.make import make_split
+    from tactiledata.store.reader import Store
 
     folder = tmp_path_factory.mktemp("pages")
     record(load_scenario(find_scenario("tiny")), folder / "recordings", "mcap")
@@ -41,6 +40,7 @@ def prepared(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_blocks_run(page, prepared, tmp_path):
     """The runnable blocks of a page run one after another in one folder, as a reader would run them."""

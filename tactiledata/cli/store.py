@@ -120,7 +120,7 @@ def merge(
 def sensors(
     words: list[str] = typer.Argument(None, help="A store, or: add NAME."),
     background: Path = typer.Option(None, "--background", help="With add: a picture of the sensor without contact."),
-    model: str = typer.Option("digit", "--model", help="With add: the sensor's model."),
+    model: str = typer.Option(None, "--model", help="With add: the sensor's model [default: what is known, else digit]."),
     licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
     store: str = typer.Option(None, "--store", help="With add: the store [default: the only *.zarr here]."),
     as_json: bool = JSON_OPTION,
@@ -142,7 +142,7 @@ def sensors(
 
 
 def _add_sensor(
-    names: list[str], background: Path | None, model: str, licence: str, store: str | None, as_json: bool
+    names: list[str], background: Path | None, model: str | None, licence: str, store: str | None, as_json: bool
 ) -> None:
     from tactiledata.store.add_sensor import add_sensor
 

@@ -15,13 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LOG_FORMAT, LogDescription
-from tactiledata.contract.records import (
-    ImageSink,
-    Recording,
-    Signal,
-    Source,
-    Trajectory,
-)
+from tactiledata.contract.records import ImageSink, Recording, Signal, Source, Trajectory
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.formats.base import Format, Inspection, TopicInfo
 from tactiledata.formats.intake import Intake, Payload

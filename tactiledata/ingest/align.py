@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactiledata.contract.records import AlignedSignal, StoredSignal, Times
+from tactiledata.contract.records import Times
+from tactiledata.contract.take import AlignedSignal, StoredSignal
 from tactiledata.transforms import interpolate_poses
 
 POSE_COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")

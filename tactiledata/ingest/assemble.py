@@ -12,15 +12,8 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import provenance
-from tactiledata.contract.records import (
-    Finding,
-    FrameValues,
-    Recording,
-    StoredSignal,
-    Take,
-    Trajectory,
-    findings_table,
-)
+from tactiledata.contract.records import Finding, FrameValues, Recording, Trajectory
+from tactiledata.contract.take import StoredSignal, Take, findings_table
 from tactiledata.ingest import frames as frame_tables
 from tactiledata.ingest.align import align
 from tactiledata.ingest.contact import ContactWrench, contact_wrench

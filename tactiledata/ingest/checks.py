@@ -8,7 +8,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import Finding, FrameFlag, Take
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import FrameFlag, Take
 from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import Sensor

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Finding, StoredSignal
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.gravity import tool_weight
 from tactiledata.ingest.tare import Zero, find_zero
 from tactiledata.transforms import move_wrench

@@ -9,7 +9,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import FRAME_SCHEMA, Finding, FrameFlag, Recording, Stamps, Times
+from tactiledata.contract.records import Finding, Recording, Stamps, Times
+from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
 from tactiledata.ingest.timeline import image_times
 
 

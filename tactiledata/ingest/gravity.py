@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import StoredSignal, Times, Values
+from tactiledata.contract.records import Times, Values
+from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.align import align
 from tactiledata.transforms import pose_matrices
 

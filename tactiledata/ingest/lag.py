@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from tactiledata.contract.records import Finding, Take
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import Take
 
 LAGS = np.arange(-300, 301, 10) * 1_000_000
 """ns. Lags that are tried; positive: the camera is late."""

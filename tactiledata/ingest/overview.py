@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.records import FrameFlag, findings_of
+from tactiledata.contract.take import FrameFlag, findings_of
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
 from tactiledata.splits.manifest import read_split_document

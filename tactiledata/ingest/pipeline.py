@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from tactiledata.compute import SCHEDULERS
 from tactiledata.compute.base import Outcome
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
-from tactiledata.contract.records import Finding, Recording, Source, Take, findings_of, findings_table
+from tactiledata.contract.records import Finding, Recording, Source
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.take import Take, findings_of, findings_table
 from tactiledata.errors import BrokenLog, MissingFile
 from tactiledata.formats import FORMATS
 from tactiledata.ingest.assemble import IngestOptions, assemble

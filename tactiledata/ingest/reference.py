@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import Finding, Recording, Reference
+from tactiledata.contract.records import Finding, Recording
+from tactiledata.contract.take import Reference
 
 FREE_AIR = 0.2
 """N. Frames below this contact force show no contact; the paper sees no deformation below 1 N."""

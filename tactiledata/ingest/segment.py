@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactiledata.contract.records import Finding, StoredSignal, Times, Trajectory
+from tactiledata.contract.records import Finding, Times, Trajectory
+from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.tare import touch_threshold, touching
 
 MARGIN = 1_000_000_000

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.contract.records import Finding, Recording, Signal, Stamps, StoredSignal, Times
+from tactiledata.contract.records import Finding, Recording, Signal, Stamps, Times
+from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.clocks import choose_clock, time_order
 from tactiledata.ingest.rates import measure_rate, rate_findings
 

@@ -11,7 +11,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import TRAJECTORY_SCHEMA, Finding, StoredSignal, Times, Trajectory
+from tactiledata.contract.records import Finding, Times, Trajectory
+from tactiledata.contract.take import TRAJECTORY_SCHEMA, StoredSignal
 
 Rows = NDArray[np.int64]
 

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import FrameFlag
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import MissingSplit, UsageError
 from tactiledata.splits.manifest import Split, frame_rows, load_split, partition_rows
 from tactiledata.splits.options import PARTITIONS

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import FrameFlag
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
 
 FRAME_COLUMNS = ("trajectory", "flags", "contact_force")

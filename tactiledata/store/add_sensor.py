@@ -29,7 +29,7 @@ LARGEST_PICTURE = 64 * 2**20
 
 
 def add_sensor(
-    store_path: Path | str, name: str, background: Path, model: str = "digit", licence: str = ""
+    store_path: Path | str, name: str, background: Path, model: str | None = None, licence: str = ""
 ) -> list[Finding]:
     """What is worth saying after a sensor and its picture without contact became part of a store.
 
@@ -44,7 +44,7 @@ def add_sensor(
     background : Path
         JPEG or PNG.
     model : str
-        A name of the sensors table.
+        A name of the sensors table; where it is not given, what the store knows of the sensor, else ``digit``.
     licence : str
         Of the picture.
 
@@ -57,7 +57,6 @@ def add_sensor(
     """
     if not name.strip() or "/" in name or "\\" in name or len(name) > 200:
         raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
-    sensor = SENSORS[model]
     image = read_picture(background)
     folder = Path(store_path)
     recover(folder)
@@ -71,19 +70,24 @@ def add_sensor(
                 "a sensor that is new, or the same picture",
                 "A background that changed is another look of the sensor: give it a name of its own.",
             )
+        known = facts.get(name, {}).get("model") or None
+        if model is not None and known not in (None, model):
+            raise UsageError(f"the store knows {name!r} as a {known}", f"--model {known}, not {model}", "Leave it out.")
+        chosen = model or known or "digit"
+        sensor = SENSORS[chosen]
         if name in manifest["references"] and name in facts:
             return []
         # a kill from here on leaves the manifest as it was, and the next writer clears what is beside it
         marker = folder / STAGING / COMMITTING
         write_atomic(marker, b"")
-        facts[name] = {**facts.get(name, {}), "model": model}
+        facts[name] = {**facts.get(name, {}), "model": chosen}
         with Batch(folder) as batch:
-            attributes = {"sensor": name, "origin": background.name, "licence": licence, "model": model}
+            attributes = {"sensor": name, "origin": background.name, "licence": licence, "model": chosen}
             write_image(open_root(batch), reference_path(name), image, attributes)
             manifest["references"][name] = crc
             manifest["sensors"] = write_sensors(batch, facts)
             batch.publish()
-        manifest["digest"] = extended_digest(manifest["digest"], f"sensor {name} {model} {crc}")
+        manifest["digest"] = extended_digest(manifest["digest"], f"sensor {name} {chosen} {crc}")
         write_manifest(folder, manifest)
         marker.unlink()
         write_card(folder, manifest)

@@ -13,7 +13,8 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.contract.records import SOURCE_SCHEMA, Finding, findings_table
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import SOURCE_SCHEMA, findings_table
 from tactiledata.store.arrays import open_root
 from tactiledata.store.batch import Batch
 from tactiledata.store.image_appender import ImageAppender

@@ -12,8 +12,9 @@ import google_crc32c
 import numpy as np
 
 from tactiledata.contract.provenance import digest_of
-from tactiledata.contract.records import Finding, FrameFlag
+from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import SchemaError, TactileDataError
 from tactiledata.store.index_checks import index_findings
 from tactiledata.store.layout import (

@@ -10,7 +10,7 @@ from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.provenance import digest_of
-from tactiledata.contract.records import Reference
+from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.appender import Appender
 from tactiledata.store.arrays import open_root, write_image

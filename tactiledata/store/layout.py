@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA
+from tactiledata.contract.take import FINDING_SCHEMA, FRAME_SCHEMA, SOURCE_SCHEMA, TRAJECTORY_SCHEMA
 from tactiledata.errors import UsageError
 
 FORMAT_NAME = "tactiledata-store"

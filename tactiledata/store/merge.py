@@ -13,19 +13,8 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.contract.records import (
-    FRAME_SCHEMA,
-    AlignedSignal,
-    Encoding,
-    Finding,
-    FrameFlag,
-    FrameValues,
-    Image,
-    Source,
-    Stamps,
-    StoredSignal,
-    Take,
-)
+from tactiledata.contract.records import Encoding, Finding, FrameValues, Image, Source, Stamps
+from tactiledata.contract.take import FRAME_SCHEMA, AlignedSignal, FrameFlag, StoredSignal, Take
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.commit import commit_groups, create, keep_sensors, recover
 from tactiledata.store.layout import MANIFEST, staging_folder

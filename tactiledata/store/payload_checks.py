@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import google_crc32c
 import numpy as np
 
-from tactiledata.contract.records import FrameFlag
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import TactileDataError
 from tactiledata.store.pictures import default_threads
 from tactiledata.store.reader import Store

@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from tactiledata.contract.records import FrameFlag
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
 from tactiledata.store.files import Span, StoreFiles, missing_file
 from tactiledata.store.layout import heap_path, rgb_path

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import zarr
 from numpy.typing import ArrayLike, NDArray
 
-from tactiledata.contract.records import Reference
+from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.files import StoreFiles, missing_file, open_files
 from tactiledata.store.layout import (

@@ -12,7 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from tactiledata.contract.provenance import digest_of
-from tactiledata.contract.records import Finding, FrameFlag
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import TactileDataError
 from tactiledata.store.appender import write_part
 from tactiledata.store.arrays import set_length

@@ -15,7 +15,8 @@ import google_crc32c
 import numpy as np
 import pyarrow as pa
 
-from tactiledata.contract.records import FRAME_SCHEMA, Image
+from tactiledata.contract.records import Image
+from tactiledata.contract.take import FRAME_SCHEMA
 from tactiledata.errors import StoreError
 from tactiledata.store.layout import Settings, folder_name
 from tactiledata.store.lock import unwritable

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.contract.records import FINDING_SCHEMA, FRAME_SCHEMA, TRAJECTORY_SCHEMA, Take
+from tactiledata.contract.take import FINDING_SCHEMA, FRAME_SCHEMA, TRAJECTORY_SCHEMA, Take
 from tactiledata.errors import StoreError
 from tactiledata.store.layout import folder_name
 from tactiledata.store.spool import Spool

@@ -17,7 +17,8 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import file_digest, json_bytes
-from tactiledata.contract.records import Stamps, Take
+from tactiledata.contract.records import Stamps
+from tactiledata.contract.take import Take
 from tactiledata.store.images import damaged_spool
 from tactiledata.store.layout import STAGING, TABLE_SCHEMAS, staging_folder
 from tactiledata.store.lock import unwritable

@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tactiledata.contract.records import Stamps, StoredSignal
+from tactiledata.contract.records import Stamps
+from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.align import POSE_COLUMNS, align
 
 START = 1_700_000_000_000_000_000

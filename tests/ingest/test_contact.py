@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Stamps, StoredSignal
+from tactiledata.contract.records import Stamps
+from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.contact import contact_wrench
 from tactiledata.ingest.gravity import STANDARD_GRAVITY
 from tactiledata.ingest.segment import contact_spans, segment_by_contact

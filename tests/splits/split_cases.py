@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pyarrow as pa
 
-from tactiledata.contract.records import FRAME_SCHEMA, TRAJECTORY_SCHEMA
+from tactiledata.contract.take import FRAME_SCHEMA, TRAJECTORY_SCHEMA
 from tactiledata.errors import MissingFile
 
 

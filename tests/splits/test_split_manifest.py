@@ -5,8 +5,8 @@ import pyarrow.parquet as pq
 import pytest
 from split_cases import MemoryStore, frames, many, parts, trajectories
 
-from tactiledata.contract.records import FrameFlag
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import LeakError, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import frame_rows, load_split

@@ -10,17 +10,13 @@ import cv2
 import numpy as np
 import pyarrow as pa
 
-from tactiledata.contract.records import (
+from tactiledata.contract.records import Finding, FrameValues, Image, Source, Stamps
+from tactiledata.contract.take import (
     FRAME_SCHEMA,
     TRAJECTORY_SCHEMA,
     AlignedSignal,
-    Finding,
     FrameFlag,
-    FrameValues,
-    Image,
     Reference,
-    Source,
-    Stamps,
     StoredSignal,
     Take,
     findings_table,

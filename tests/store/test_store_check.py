@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from random_takes import SMALL, random_images, staged_take
 
-from tactiledata.contract.records import FrameFlag, Image
+from tactiledata.contract.records import Image
+from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
 from tactiledata.store.check import check
 from tactiledata.store.commit import commit, create

@@ -15,7 +15,8 @@ import pyarrow as pa
 import pytest
 from random_takes import SMALL, random_take, staged_take
 
-from tactiledata.contract.records import Image, Reference
+from tactiledata.contract.records import Image
+from tactiledata.contract.take import Reference
 from tactiledata.errors import MissingFile, StoreBusy, StoreError, TactileDataError, UsageError
 from tactiledata.store.check import check
 from tactiledata.store.commit import commit, create, recover

@@ -16,7 +16,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_takes import SMALL, random_images, random_take, staged_take
 
-from tactiledata.contract.records import Image, Take
+from tactiledata.contract.records import Image
+from tactiledata.contract.take import Take
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.store.commit import commit, commit_groups, create
 from tactiledata.store.images import place_payloads
