@@ -38,8 +38,8 @@ class Seat:
         theirs.close()
         self._answer(START_LIMIT_S)
 
-    def call(self, method: str, *arguments: Any) -> tuple[float, Any]:
-        """Seconds that a method took inside the process, and what it returned."""
+    def call(self, method: str, *arguments: Any) -> tuple[float, float, Any]:
+        """Seconds, and processor seconds of all threads, that a method took in the process; and what it returned."""
         self._ours.send((method, arguments))
         return self._answer(CALL_LIMIT_S)
 
@@ -49,7 +49,7 @@ class Seat:
         Measured from the moment at which the contestant was built.
         """
         self._ours.send(("watched", (method, *arguments)))
-        return self._answer(CALL_LIMIT_S)[1]
+        return self._answer(CALL_LIMIT_S)[-1]
 
     def _answer(self, limit: float) -> Any:
         if not self._ours.poll(limit):
@@ -110,25 +110,30 @@ def _sit(pipe: Any, build: Callable[..., Any], arguments: tuple[Any, ...]) -> No
         except EOFError:
             return
         try:
-            started = time.perf_counter()
+            started, cpu_started = time.perf_counter(), time.process_time()
             result = getattr(contestant, method)(*call_arguments)
-            pipe.send(("ok", (time.perf_counter() - started, result)))
+            pipe.send(("ok", (time.perf_counter() - started, time.process_time() - cpu_started, result)))
         except Exception as error:  # noqa: BLE001 - as above
             pipe.send(("error", repr(error)))
 
 
-def interleaved(seats: Mapping[str, Seat], calls: Sequence[tuple[str, tuple[Any, ...]]]) -> dict[str, list[float]]:
-    """Seconds of every call at every seat; call by call, the seats take turns, and who begins rotates.
+def interleaved(
+    seats: Mapping[str, Seat], calls: Sequence[tuple[str, tuple[Any, ...]]]
+) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """Seconds and processor seconds of every call at every seat; the seats take turns, and who begins rotates.
 
-    So whatever else the machine does meanwhile falls on all contestants alike.
+    So whatever else the machine does meanwhile falls on all contestants alike; processor seconds hardly feel it.
     """
     seconds: dict[str, list[float]] = {name: [] for name in seats}
+    cpu_seconds: dict[str, list[float]] = {name: [] for name in seats}
     names = list(seats)
     for number, (method, arguments) in enumerate(calls):
         turn = number % len(names)
         for name in names[turn:] + names[:turn]:
-            seconds[name].append(seats[name].call(method, *arguments)[0])
-    return seconds
+            wall, cpu, _ = seats[name].call(method, *arguments)
+            seconds[name].append(wall)
+            cpu_seconds[name].append(cpu)
+    return seconds, cpu_seconds
 
 
 def median_ratio(ours: Sequence[float], other: Sequence[float]) -> float:

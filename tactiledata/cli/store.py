@@ -120,7 +120,9 @@ def merge(
 def sensors(
     words: list[str] = typer.Argument(None, help="A store, or: add NAME."),
     background: Path = typer.Option(None, "--background", help="With add: a picture of the sensor without contact."),
-    model: str = typer.Option(None, "--model", help="With add: the sensor's model [default: what is known, else digit]."),
+    model: str = typer.Option(
+        None, "--model", help="With add: the sensor's model [default: what is known, else digit]."
+    ),
     licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
     store: str = typer.Option(None, "--store", help="With add: the store [default: the only *.zarr here]."),
     as_json: bool = JSON_OPTION,

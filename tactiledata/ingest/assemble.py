@@ -141,7 +141,8 @@ def _cut(
 ) -> tuple[tuple[Trajectory, ...], str, ContactWrench | None]:
     """Trajectories, who named them, and the contact wrench."""
     checked = check_trajectories(recording.trajectories)
-    said.add(*checked.findings)
+    known = {finding.code for finding in recording.findings}
+    said.add(*(finding for finding in checked.findings if finding.code not in known))
     if checked.trajectories:
         contact = _contact(recording.description, signals, checked.trajectories)
         if contact is not None:

@@ -200,7 +200,9 @@ def _read_source(task: _Task) -> _Read:
 
 def _checked_take(recording: Recording, images: SpooledImages, sha256: str, options: IngestOptions) -> Take:
     """The take of a recording, with what the checks of its images found."""
-    broken, said = broken_images(images)
+    broken, cut = broken_images(images)
+    known = {finding.code for finding in recording.findings}
+    said = [finding for finding in cut if finding.code not in known]
     assembled = assemble(recording, images.columns, images.decode, sha256, options)
     take = replace(assembled.take, frames=flag_broken(assembled.take.frames, assembled.order, broken))
 

@@ -167,10 +167,12 @@ def _unique(
 
 
 def _overlaps(trajectories: Sequence[Trajectory]) -> list[Finding]:
-    """One finding about all trajectories that start before one that started earlier has ended."""
+    """One finding about all trajectories that start before one of the same sensor has ended."""
     overlaps: list[Finding] = []
     latest: Trajectory | None = None
-    for touch in sorted(trajectories, key=lambda touch: (touch.start_ns, touch.end_ns)):
+    for touch in sorted(trajectories, key=lambda touch: (touch.sensor, touch.start_ns, touch.end_ns)):
+        if latest is not None and touch.sensor != latest.sensor:
+            latest = None
         if latest is not None and touch.start_ns < latest.end_ns:
             end = min(touch.end_ns, latest.end_ns)
             message = (
