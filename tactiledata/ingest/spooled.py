@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from tactiledata.store.pictures import DECODE_FLAGS
 from tactiledata.store.shards import unpack_frame
 from tactiledata.store.spool import spool_name
 
@@ -71,7 +72,7 @@ class SpooledImages:
             image = np.empty((facts["height"], facts["width"], 3), np.uint8)
             unpack_frame(payload, image)
             return image
-        decoded = cv2.imdecode(np.frombuffer(payload, np.uint8), cv2.IMREAD_COLOR_RGB)
+        decoded = cv2.imdecode(np.frombuffer(payload, np.uint8), DECODE_FLAGS)
         return None if decoded is None else decoded.astype(np.uint8, copy=False)
 
     def _facts(self, row: int) -> dict:
