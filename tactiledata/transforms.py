@@ -35,12 +35,20 @@ class Transform:
     @classmethod
     def from_parts(cls, to: str, source: str, xyz: ArrayLike, xyzw: ArrayLike) -> Transform:
         """A transform from a translation (3,), metres, and a quaternion (4,), x y z w."""
-        quaternion = np.asarray(xyzw, dtype=float)
-        if not np.isfinite(quaternion).all() or np.linalg.norm(quaternion) < 1e-9:
+        try:
+            quaternion, position = np.asarray(xyzw, dtype=float), np.asarray(xyz, dtype=float)
+        except (OverflowError, TypeError, ValueError) as error:
+            raise SchemaError(
+                f"{to}_from_{source} holds what is no number a machine can keep ({error})",
+                "xyz in metres and a unit quaternion xyzw",
+                path=f"{to}_from_{source}",
+            ) from error
+        is_sound = np.isfinite(quaternion).all() and np.isfinite(position).all() and np.abs(quaternion).max() < 1e6
+        if not is_sound or np.linalg.norm(quaternion) < 1e-9:
             raise UsageError(f"rotation of {to}_from_{source} is {quaternion.tolist()}", "a unit quaternion x y z w")
         matrix = np.eye(4)
         matrix[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
-        matrix[:3, 3] = np.asarray(xyz, dtype=float)
+        matrix[:3, 3] = position
         return cls(to, source, matrix)
 
     @classmethod

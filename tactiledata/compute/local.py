@@ -40,7 +40,7 @@ class LocalScheduler(Scheduler):
             ahead = iter(tasks)
             try:
                 for task in ahead:
-                    waiting.append((task, pool.submit(attempt, function, task)))
+                    waiting.append((task, _submitted(pool, function, task)))
                     if len(waiting) >= 2 * self.workers:
                         yield _collect(*waiting.popleft())
                 while waiting:
@@ -50,13 +50,24 @@ class LocalScheduler(Scheduler):
                     future.cancel()
 
 
+def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[Any, Any]]:
+    try:
+        return pool.submit(attempt, function, task)
+    except BrokenProcessPool as error:
+        raise _death(task) from error
+
+
 def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
     try:
         return future.result()
     except BrokenProcessPool as error:
-        raise TactileDataError(
-            f"a worker process died while it, or another worker, was at {str(task)[:300]}",
-            "",
-            "Most often the machine ran out of memory: use fewer --workers. (A Python script that starts workers must "
-            "do so under `if __name__ == '__main__':`.) Run it again to go on; what is finished is kept.",
-        ) from error
+        raise _death(task) from error
+
+
+def _death(task: Any) -> TactileDataError:
+    return TactileDataError(
+        f"a worker process died while it, or another worker, was at {str(task)[:300]}",
+        "",
+        "Most often the machine ran out of memory: use fewer --workers. (A Python script that starts workers must "
+        "do so under `if __name__ == '__main__':`.) Run it again to go on; what is finished is kept.",
+    )

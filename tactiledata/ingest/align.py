@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tactiledata.contract.records import Times
+from tactiledata.contract.records import Times, Values
 from tactiledata.contract.take import AlignedSignal, StoredSignal
 from tactiledata.transforms import interpolate_poses
 
 POSE_COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
 LINEAR = "linear interpolation between the neighbouring samples"
 SLERP = "linear in position, slerp in rotation, between the neighbouring samples"
+
+
+def broken_rotations(poses: Values) -> NDArray[np.bool_]:
+    """Which poses (n, 7) have a quaternion that is no rotation: its norm is off 1 by more than a tenth."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return ~(np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) < 0.1)
 
 
 def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
@@ -27,6 +34,9 @@ def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
     """
     is_pose = signal.columns == POSE_COLUMNS
     usable = np.isfinite(signal.values).all(axis=1)
+    if is_pose:
+        # no quaternion near zero turns anything; `timeline` says how many there are
+        usable &= ~broken_rotations(signal.values)
     times, first = np.unique(signal.t_ns[usable], return_index=True)
     samples = signal.values[usable][first]
     values = np.full((len(frame_t_ns), len(signal.columns)), np.nan)

@@ -7,7 +7,7 @@ import numpy as np
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Times, Values
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.align import align
+from tactiledata.ingest.align import align, broken_rotations
 from tactiledata.transforms import pose_matrices
 
 STANDARD_GRAVITY = 9.80665
@@ -32,7 +32,10 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
     tcp_from_ft = description.transform("tcp_from_ft")
     if tool is None or tcp_from_ft is None or tcp is None or not len(tcp.t_ns):
         return None
-    held = np.clip(t_ns, tcp.t_ns[0], tcp.t_ns[-1])
+    sound = tcp.t_ns[np.isfinite(tcp.values).all(axis=1) & ~broken_rotations(tcp.values)]
+    if not len(sound):
+        return None
+    held = np.clip(t_ns, sound[0], sound[-1])
     base_from_tcp = pose_matrices(align(tcp, held).values)
     ft_from_tcp = tcp_from_ft.inverse()
     weight_in_base = np.array([0.0, 0.0, -tool["mass"] * STANDARD_GRAVITY])
