@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 
@@ -36,8 +37,10 @@ def split(
     from tactiledata.splits.make import make_split
     from tactiledata.store.reader import Store
 
-    opened = Store.open(working_store(store))
-    report = make_split(opened, name, by, hold_out, fractions, force, seed, replace)
+    location = working_store(store)
+    with damage_explains(location):
+        opened = Store.open(location)
+        report = make_split(opened, name, by, hold_out, fractions, force, seed, replace)
     if as_json:
         emit(report.document())
         return
@@ -63,8 +66,9 @@ def audit(
     from tactiledata.splits.audit import audit as look
     from tactiledata.store.reader import Store
 
-    opened = Store.open(working_store(store))
-    with progress("auditing", quiet=as_json) as tell:
+    location = working_store(store)
+    with damage_explains(location), progress("auditing", quiet=as_json) as tell:
+        opened = Store.open(location)
         report = look(opened, split, images, tell)
     if as_json:
         emit(report.document())

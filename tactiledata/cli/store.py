@@ -7,6 +7,7 @@ from typing import Any
 
 import typer
 
+from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UsageError
@@ -29,8 +30,10 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     from tactiledata.store.overview import overview
     from tactiledata.store.reader import Store
 
-    opened = Store.open(working_store(store))
-    facts = overview(opened)
+    location = working_store(store)
+    with damage_explains(location):
+        opened = Store.open(location)
+        facts = overview(opened)
     if as_json:
         emit(facts)
         return
@@ -85,9 +88,10 @@ def check(
     from tactiledata.store.repair import repair as mend
 
     location = working_store(store)
-    said = mend(location) if repair else []
+    with damage_explains(location):
+        said = mend(location) if repair else []
+        found = look(location, decode=decode)
     mended = [finding for finding in said if finding.code == "store-mended"]
-    found = look(location, decode=decode)
     if as_json:
         emit({"mended": [vars(finding) for finding in mended], "findings": [vars(finding) for finding in found]})
     else:
@@ -168,11 +172,13 @@ def _list_sensors(store: str | None, as_json: bool) -> None:
     bundled = bundled_backgrounds()
     rows: list[tuple[Any, ...]] = []
     if store is not None or list(Path.cwd().glob("*.zarr")):
-        opened = Store.open(working_store(store))
-        references = opened.references()
-        for name, facts in sorted(opened.sensors().items()):
-            reference = references.get(name)
-            rows.append((name, facts.get("model", "") or "-", reference.origin if reference else "no background"))
+        location = working_store(store)
+        with damage_explains(location):
+            opened = Store.open(location)
+            references = opened.references()
+            for name, facts in sorted(opened.sensors().items()):
+                reference = references.get(name)
+                rows.append((name, facts.get("model", "") or "-", reference.origin if reference else "no background"))
     if as_json:
         emit({
             "store": [dict(zip(("sensor", "model", "background"), row, strict=True)) for row in rows],
@@ -201,7 +207,9 @@ def report(
     from tactiledata.ingest.overview import write_report
     from tactiledata.store.reader import Store
 
-    written = write_report(Store.open(working_store(store)), out, split)
+    location = working_store(store)
+    with damage_explains(location):
+        written = write_report(Store.open(location), out, split)
     if as_json:
         emit({name: str(path) for name, path in written.items()})
         return

@@ -12,7 +12,6 @@ from tactiledata.ingest.align import POSE_COLUMNS, broken_rotations
 from tactiledata.ingest.clocks import choose_clock, time_order
 from tactiledata.ingest.rates import measure_rate, rate_findings
 
-
 LATEST = 2.0**62
 """ns since the epoch, in either direction: the year 2116. Differences of such times still fit an int64."""
 

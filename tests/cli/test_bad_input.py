@@ -13,6 +13,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from tactiledata.cli.main import DEBUG_VARIABLE, run
@@ -374,6 +376,49 @@ def a_store_with_a_flipped_byte(bench):
         stream.seek(1000)
         stream.write(bytes([byte[0] ^ 0xFF]))
     return ["check", bench.store]
+
+
+@case(1, "is damaged")
+def a_store_whose_sensors_were_edited_to_nonsense(bench):
+    (bench.store / "sensors.json").write_text('{"D20001": 1, "D20002": []}')
+    return ["info", bench.store]
+
+
+@case(1, "is damaged")
+def a_store_whose_tables_were_rewritten(bench):
+    part = next((bench.store / "index" / "trajectories.parquet").glob("*.parquet"))
+    table = pq.read_table(part)
+    column = table.schema.get_field_index("signal_rows")
+    pq.write_table(table.set_column(column, "signal_rows", pa.array(["1 2"] * len(table))), part)
+    return ["report", bench.store, "--out", bench.folder / "page"]
+
+
+@case(1, "no number a machine can keep")
+def a_pose_with_a_number_beyond_all_machines(bench):
+    import yaml
+
+    document = yaml.safe_load((bench.log / "log.yaml").read_text())
+    document["robot"]["tcp_from_gel"]["xyz"] = [10**400, 0, 0]
+    (bench.log / "log.yaml").write_text(yaml.safe_dump(document))
+    return bench.ingest()
+
+
+@case(1, "a time beyond the year 2116")
+def times_at_the_end_of_the_world(bench):
+    bench.lines(
+        "wrench.csv",
+        lambda rows: [*rows[:20], ",".join(["-9223372036854775807", *rows[20].split(",")[1:]]), *rows[21:]],
+    )
+    return bench.ingest()
+
+
+@case(0, "beyond 300 N")
+def forces_beyond_all_sensors(bench):
+    bench.lines(
+        "wrench.csv",
+        lambda rows: [*rows[:20], ",".join([rows[20].split(",")[0], "1e308", *rows[20].split(",")[2:]]), *rows[21:]],
+    )
+    return bench.ingest()
 
 
 @case(2, "several stores")
