@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,6 +28,7 @@ from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.store.commit import commit_groups, create, recover
 from tactiledata.store.layout import INTAKE_LOCK, staging_folder
 from tactiledata.store.lock import writing_lock
+from tactiledata.store.reader import Store
 from tactiledata.store.spool import Spool
 from tactiledata.store.writer import StagedTake, find_staged, stage
 
@@ -158,20 +160,22 @@ def ingest(
         present = frozenset(recover(folder)["sources"])
         tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
         outcomes = runner.outcomes(_read_source, tasks)
-        commit_groups(folder, _staged_takes(outcomes, set(present), len(tasks), reports, progress))
+        otherwise = _ingested_otherwise(folder, chosen)
+        commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, len(tasks), reports, progress))
     return IngestReport(str(store), tuple(reports), tuple(str(path) for path in unclaimed))
 
 
 def _staged_takes(
     outcomes: Iterator[Outcome[_Task, _Read]],
     seen: set[str],
+    otherwise: set[str],
     n_tasks: int,
     reports: list[SourceReport],
     progress: Progress | None,
 ) -> Iterator[StagedTake]:
     """Takes that the store does not have yet, in order; every outcome is noted in ``reports``."""
     for outcome in outcomes:
-        reports.append(_report(outcome, seen))
+        reports.append(_report(outcome, seen, otherwise))
         if progress is not None:
             progress(len(reports), n_tasks, outcome.task.source.key)
         if outcome.result is not None and outcome.result.staged is not None and outcome.result.sha256 not in seen:
@@ -246,13 +250,24 @@ def _refuse_damage(take: Take, source: Source) -> None:
         )
 
 
-def _report(outcome: Outcome[_Task, _Read], seen: set[str]) -> SourceReport:
+def _ingested_otherwise(folder: Path, options: IngestOptions) -> set[str]:
+    """Digests of the sources that the store took with another mapping or other options than these."""
+    sources = Store.open(folder).sources(["sha256", "provenance"]).to_pylist()
+    wanted = digest_of(options.document())
+    return {row["sha256"] for row in sources if json.loads(row["provenance"]).get("settings_sha256") != wanted}
+
+
+def _report(outcome: Outcome[_Task, _Read], seen: set[str], otherwise: set[str]) -> SourceReport:
     key = outcome.task.source.key
     if outcome.result is None:
         return SourceReport(key, "failed", error=str(outcome.error))
     staged = outcome.result.staged
     if staged is None or outcome.result.sha256 in seen:
-        return SourceReport(key, "present")
+        text = (
+            "the store took it with another mapping or other options, and keeps that; into a new store it goes as asked"
+        )
+        other = Finding("ingested-otherwise", "warning", text)
+        return SourceReport(key, "present", findings=(other,) if outcome.result.sha256 in otherwise else ())
     return SourceReport(
         key,
         "added",

@@ -40,6 +40,15 @@ def test_poses_turn_on_the_sphere():
     np.testing.assert_allclose(Rotation.from_quat(aligned.values[0, 3:]).as_rotvec(), [0, 0, 0.5], atol=1e-12)
 
 
+def test_a_quaternion_of_zeros_is_left_out():
+    """A pose whose quaternion is no rotation is interpolated over, not turned into an error or a number."""
+    quaternions = np.array([[0, 0, 0, 1.0], [0, 0, 0, 0], [0, 0, 0, 1]])
+    poses = np.concatenate([np.array([[0, 0, 0], [9, 9, 9], [2, 2, 2.0]]), quaternions], axis=1)
+    aligned = align(signal(START + np.array([0, 50, 100]), poses, POSE_COLUMNS), START + np.array([50]))
+    np.testing.assert_allclose(aligned.values[0, :3], 1.0)
+    assert aligned.gap_ns[0] == 100
+
+
 def test_an_empty_signal_gives_nan():
     """No samples, no values, no crash."""
     aligned = align(signal(np.zeros(0, np.int64), np.zeros((0, 1))), START + np.arange(3))

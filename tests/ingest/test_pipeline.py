@@ -73,6 +73,19 @@ def test_the_same_source_twice_is_no_change(tiny_mcaps, tiny_store, tmp_path):
     assert manifest(store) == before
 
 
+def test_another_mapping_for_a_recording_that_is_there_is_said(tiny_mcaps, tiny_store, tmp_path):
+    """Nothing changes, and the report says that the store took it otherwise; with the same options it says nothing."""
+    store = tmp_path / "ds.zarr"
+    shutil.copytree(tiny_store, store)
+    mapping = {"format": "tactiledata-mapping/1", "clock": "log"}
+    codes = [
+        finding.code for finding in ingest(tiny_mcaps[:1], store, IngestOptions(mapping=mapping)).sources[0].findings
+    ]
+    assert codes == ["ingested-otherwise"]
+    assert ingest(tiny_mcaps[:1], store).sources[0].findings == ()
+    assert manifest(store) == manifest(tiny_store)
+
+
 def test_appending_equals_ingesting_at_once(tiny_mcaps, tiny_store, tmp_path):
     """One source after the other gives the rows that both at once give."""
     for log in tiny_mcaps:
