@@ -19,7 +19,7 @@ from tactiledata.store.arrays import open_root, write_image
 from tactiledata.store.batch import Batch
 from tactiledata.store.card import write_card
 from tactiledata.store.commit import recover, store_errors
-from tactiledata.store.layout import COMMITTING, STAGING, reference_path
+from tactiledata.store.layout import COMMITTING, INTAKE_LOCK, STAGING, reference_path
 from tactiledata.store.lock import writing_lock
 from tactiledata.store.manifest import extended_digest, read_manifest, write_manifest
 from tactiledata.store.sensors_table import image_crc, read_sensors, write_sensors
@@ -59,7 +59,9 @@ def add_sensor(
         raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
     image = read_picture(background)
     folder = Path(store_path)
-    recover(folder)
+    with writing_lock(folder, INTAKE_LOCK):
+        # what an ingest is staging right now must not be swept away
+        recover(folder)
     with store_errors(folder), writing_lock(folder):
         manifest = copy.deepcopy(read_manifest(folder))
         facts = read_sensors(folder, manifest)

@@ -17,7 +17,8 @@ from tactiledata.contract.records import Encoding, Finding, FrameValues, Image, 
 from tactiledata.contract.take import FRAME_SCHEMA, AlignedSignal, FrameFlag, StoredSignal, Take
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.commit import commit_groups, create, keep_sensors, recover
-from tactiledata.store.layout import MANIFEST, staging_folder
+from tactiledata.store.layout import INTAKE_LOCK, MANIFEST, staging_folder
+from tactiledata.store.lock import writing_lock
 from tactiledata.store.manifest import settings_of
 from tactiledata.store.reader import Store
 from tactiledata.store.spool import Spool
@@ -83,10 +84,14 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str) -> list[Findi
     target = Path(into)
     if any(Path(store.location).resolve() == target.resolve() for store in stores):
         raise UsageError(f"{into} is merged into itself", "another store to write into", "Name a new store.")
-    if (target / MANIFEST).exists():
-        recover(target)
-    else:
+    if not (target / MANIFEST).exists():
         create(target, settings_of(stores[0].manifest))
+    with writing_lock(target, INTAKE_LOCK):
+        recover(target)
+        return _merge(stores, target)
+
+
+def _merge(stores: Sequence[Store], target: Path) -> list[Finding]:
     n_before = len(Store.open(target).findings())
     findings: list[Finding] = []
     pieces = _plan([_Origin.of(store) for store in stores], Store.open(target), findings)

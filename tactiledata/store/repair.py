@@ -21,7 +21,7 @@ from tactiledata.store.batch import Batch
 from tactiledata.store.card import write_card
 from tactiledata.store.check import check
 from tactiledata.store.commit import recover, store_errors
-from tactiledata.store.layout import TABLE_SCHEMAS, table_folder
+from tactiledata.store.layout import INTAKE_LOCK, TABLE_SCHEMAS, table_folder
 from tactiledata.store.lock import writing_lock
 from tactiledata.store.manifest import Manifest, extended_digest, read_manifest, settings_of, write_manifest
 from tactiledata.store.payload_checks import payload_faults
@@ -37,7 +37,10 @@ def repair(store_path: Path | str) -> list[Finding]:
     lost stay lost: those findings remain, and the recordings are the place to take them from.
     """
     folder = Path(store_path)
-    recover(folder)
+    read_manifest(folder)
+    with writing_lock(folder, INTAKE_LOCK):
+        # what an ingest is staging right now must not be swept away
+        recover(folder)
     with store_errors(folder), writing_lock(folder):
         manifest = read_manifest(folder)
         mended = list(_stretch(folder, manifest))
