@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +59,20 @@ class FrameIndex:
         """Places in ``rows`` of all frames of some items, item after item."""
         return np.concatenate(
             [np.arange(self.starts[item], self.starts[item + 1]) for item in items] or [np.empty(0, int)]
+        )
+
+    def only(self, items: NDArray[np.bool_]) -> FrameIndex:
+        """The index of some items, by a mask (n_items,)."""
+        lengths = np.diff(self.starts)
+        places = np.repeat(items, lengths)
+        return replace(
+            self,
+            rows=self.rows[places],
+            t_ns=self.t_ns[places],
+            trajectory=self.trajectory[places],
+            in_split=self.in_split[places],
+            sensor_code=self.sensor_code[places],
+            starts=np.concatenate([[0], np.cumsum(lengths[items])]),
         )
 
     def sensors(self, places: NDArray[np.int64]) -> list[str]:

@@ -205,8 +205,8 @@ class Cache:
         return ""
 
 
-def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[dict[str, Normaliser], str]:
-    """Normalisers of streams, from the cache or computed and kept; and why they could not be kept, if so."""
+def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[dict[str, Normaliser], tuple[str, ...]]:
+    """Normalisers of streams, from the cache or computed and kept; and notes: rows left out, not kept and why."""
     cache = Cache(store, split)
     kept = cache.read()
     keys = {stream.name: f"{stream.kind}:{stream.name}" for stream in streams}
@@ -215,7 +215,14 @@ def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[
     }
     note = cache.write(fresh) if fresh else ""
     found = {**kept, **fresh}
-    return {name: found[key] for name, key in keys.items()}, note
+    chosen = {name: found[key] for name, key in keys.items()}
+    left_out = [
+        f"normalisation of {name}: {one.left_out} of {one.left_out + one.rows} train rows have no finite value and do "
+        "not count"
+        for name, one in chosen.items()
+        if one.left_out
+    ]
+    return chosen, (*left_out, *([note] if note else []))
 
 
 def measure_stream(store: Store, split: Split, stream: Stream) -> Normaliser:

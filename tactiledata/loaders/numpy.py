@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.loaders.index import build_index
+from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
 from tactiledata.loaders.order import Order
 from tactiledata.loaders.selection import LoadReport, Selection, select
@@ -43,6 +44,9 @@ class TactileArrays:
     normalise : bool or sequence of str
         Streams to scale to mean 0 and standard deviation 1, by the train part of the split; ``True``: all streams of
         numbers.
+    missing : "warn", "keep" or "drop"
+        What to do where a stream of numbers has NaN, or a trajectory no samples of a signal: warn
+        (`MissingValuesWarning`) and keep, keep, or leave the item out. ``report.missing`` counts them by stream.
     image_dtype : "float32" or "uint8"
         float32 in [0, 1], or the bytes as stored.
     allow_leaks : bool
@@ -72,6 +76,7 @@ class TactileArrays:
         unit: Unit = "frame",
         *,
         normalise: bool | Sequence[str] = False,
+        missing: Missing = "warn",
         image_dtype: str = "float32",
         allow_leaks: bool = False,
         threads: int | None = None,
@@ -90,17 +95,14 @@ class TactileArrays:
         camera = next((stream.name for stream in self.streams if stream.kind == "image"), None)
         selection = select(store, split, camera, whole=unit == "trajectory", allow_leaks=allow_leaks)
         self.index = build_index(store, selection, unit)
-        if not len(self.index):
-            raise UsageError(
-                f"{selection.report} of the store {self.location}",
-                "at least one frame",
-                "Name another part, or make the split again with other fractions or another force filter.",
-                report=selection.report.document(),
-            )
+        self.report: LoadReport = selection.report
+        self._require_items("Name another part, or make the split again with other fractions or another force filter.")
+        self.index, self.report = treat_missing(store, self.index, self.streams, self.report, missing)
+        self._require_items("Name other streams, or say missing='keep' to have those items with NaN.")
         self._require_references()
         self._require_one_size(camera)
-        self.normalisers, note = self._find_normalisers(selection, normalise)
-        self.report: LoadReport = selection.report.noted(note)
+        self.normalisers, notes = self._find_normalisers(selection, normalise)
+        self.report = self.report.noted(*notes)
         self.fingerprint = digest_of([store.digest, selection.report.split, unit, self._rows_digest()])
 
     def _rows_digest(self) -> str:
@@ -242,6 +244,15 @@ class TactileArrays:
             self._references = {name: reference.image for name, reference in store.references().items()}
         return self._references[sensor]
 
+    def _require_items(self, remedy: str) -> None:
+        if not len(self.index):
+            raise UsageError(
+                f"{self.report} of the store {self.location}",
+                "at least one frame",
+                remedy,
+                report=self.report.document(),
+            )
+
     def _require_references(self) -> None:
         if any(stream.kind == "background" for stream in self.streams):
             lacking = sorted(set(self.index.sensor_names) - set(self.store.manifest["references"]))
@@ -268,7 +279,7 @@ class TactileArrays:
 
     def _find_normalisers(
         self, selection: Selection, normalise: bool | Sequence[str]
-    ) -> tuple[dict[str, Normaliser], str]:
+    ) -> tuple[dict[str, Normaliser], tuple[str, ...]]:
         by_name = {stream.name: stream for stream in self.streams}
         if isinstance(normalise, bool):
             names = [name for name, stream in by_name.items() if normalise and not stream.is_picture]
@@ -280,7 +291,7 @@ class TactileArrays:
             if by_name[name].is_picture and self.image_dtype == "uint8":
                 raise UsageError(f"normalise names {name!r} with image_dtype='uint8'", "float32 for scaled pictures")
         if not names:
-            return {}, ""
+            return {}, ()
         if selection.split is None:
             raise UsageError(
                 "normalise with split='all'",

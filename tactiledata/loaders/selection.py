@@ -37,6 +37,8 @@ class LoadReport:
         How many it holds.
     left_out : dict, reason -> frames
         Frames of the part's trajectories that it does not hold.
+    missing : dict, stream -> Gaps
+        Where streams of numbers have no values; streams that are whole are not named.
     notes : tuple of str
     """
 
@@ -44,6 +46,7 @@ class LoadReport:
     frames: int
     trajectories: int
     left_out: Mapping[str, int] = field(default_factory=dict)
+    missing: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     def noted(self, *notes: str) -> LoadReport:
@@ -52,11 +55,13 @@ class LoadReport:
 
     def document(self) -> dict[str, Any]:
         """As JSON values."""
-        return {**vars(self), "left_out": dict(self.left_out), "notes": list(self.notes)}
+        missing = {stream: gaps.document() for stream, gaps in self.missing.items()}
+        return {**vars(self), "left_out": dict(self.left_out), "missing": missing, "notes": list(self.notes)}
 
     def __str__(self) -> str:
         parts = [f"{self.split}: {self.frames} frames of {self.trajectories} trajectories"]
         parts += [f"left out: {count} frames, {reason}" for reason, count in self.left_out.items()]
+        parts += [f"{stream}: {gaps}" for stream, gaps in self.missing.items()]
         return "; ".join([*parts, *self.notes])
 
 

@@ -11,6 +11,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset, Sampler, get_worker_info
 
 from tactiledata.loaders.collate import Frames, collate
+from tactiledata.loaders.missing import Missing
 from tactiledata.loaders.normalise import Normaliser
 from tactiledata.loaders.numpy import Item, TactileArrays
 from tactiledata.loaders.order import Order
@@ -39,6 +40,8 @@ class TactileDataset(Dataset[Item]):
     unit : "frame" or "trajectory"
     normalise : bool or sequence of str
         By mean and spread of the train part, whatever part this is; see ``normalisers``.
+    missing : "warn", "keep" or "drop"
+        Items without values of a stream of numbers: warn and keep, keep, or leave out.
     transform : callable, optional
         Item -> item, applied last. It must be importable (no lambda) where workers are spawned.
     image_dtype : "float32" or "uint8"
@@ -60,6 +63,7 @@ class TactileDataset(Dataset[Item]):
         unit: Unit = "frame",
         *,
         normalise: bool | Sequence[str] = False,
+        missing: Missing = "warn",
         transform: Callable[[Item], Item] | None = None,
         image_dtype: str = "float32",
         allow_leaks: bool = False,
@@ -72,6 +76,7 @@ class TactileDataset(Dataset[Item]):
             streams,
             unit,
             normalise=normalise,
+            missing=missing,
             image_dtype=image_dtype,
             allow_leaks=allow_leaks,
             threads=threads,

@@ -77,7 +77,7 @@ def test_what_is_left_out_is_said(place):
 
 def test_trajectories_have_all_their_readable_frames(place):
     """A trajectory's item has its frames in time order, free air included, and the samples of its own signal rows."""
-    arrays = TactileArrays(place, "default/train", ALL_STREAMS, unit="trajectory", image_dtype="uint8")
+    arrays = TactileArrays(place, "default/train", ALL_STREAMS, unit="trajectory", missing="keep", image_dtype="uint8")
     frames = TactileArrays(place, "default/train", "digit")
     store = arrays.store
     table = store.trajectories().to_pylist()

@@ -99,7 +99,7 @@ def test_values_outside_train_change_nothing(tmp_path, monkeypatch):
 
 def test_native_rate_signals_have_their_own_scale(place):
     """In trajectory mode a signal is scaled by its native samples in train trajectories."""
-    arrays = TactileArrays(place, "default/train", "wrench", unit="trajectory", normalise=True)
+    arrays = TactileArrays(place, "default/train", "wrench", unit="trajectory", missing="keep", normalise=True)
     samples = np.concatenate([item["wrench"] for item in arrays])
     np.testing.assert_allclose(samples.mean(axis=0), 0, atol=1e-5)
     np.testing.assert_allclose(samples.std(axis=0), 1, atol=1e-5)

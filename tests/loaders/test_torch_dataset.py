@@ -78,7 +78,7 @@ def test_a_missing_split_is_an_error(place):
 @pytest.mark.parametrize("unit", ["frame", "trajectory"])
 def test_workers_change_nothing(place, unit):
     """0, 1 and 2 forked workers give the same batches, also after the parent has read from the store."""
-    dataset = TactileDataset(place, "default/train", STREAMS, unit=unit, normalise=True)
+    dataset = TactileDataset(place, "default/train", STREAMS, unit=unit, normalise=True, missing="keep")
     _ = dataset[0]
     batches = [
         list(DataLoader(dataset, batch_size=4, num_workers=n, collate_fn=collate, multiprocessing_context=context))
@@ -139,7 +139,7 @@ def test_collating_frames_is_stacking(place):
 
 def test_trajectories_are_padded_and_masked(place):
     """Padding is zero and masked; under the mask stands exactly each item."""
-    dataset = TactileDataset(place, "default/train", STREAMS, unit="trajectory")
+    dataset = TactileDataset(place, "default/train", STREAMS, unit="trajectory", missing="keep")
     items = dataset.__getitems__(range(len(dataset)))
     batch = collate(items)
     assert len(set(batch["wrench_lengths"].tolist())) > 2
