@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import typer
+from rich.markup import escape
 
-from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
-from tactiledata.errors import UsageError
+from tactiledata.cli.output import JSON_OPTION, emit, err, findings, say, table
+from tactiledata.errors import TactileDataError, UsageError
 
 
 def register(app: typer.Typer) -> None:
@@ -80,37 +81,57 @@ def inspect(
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
     from tactiledata.contract.schema import read_document
-    from tactiledata.formats import FORMATS
     from tactiledata.ingest.discover import find_sources
 
     sources, unclaimed = find_sources([path])
     document = read_document(mapping, "mapping") if mapping is not None else None
-    looked = [FORMATS[source.format]().inspect(source, document) for source in sources]
+    looked, failed = _looked_at(sources, document)
     if suggest_mapping:
-        _print_mapping(looked)
-        return
-    if as_json:
-        emit({"sources": [_document(one) for one in looked], "unclaimed": [str(item) for item in unclaimed]})
+        _print_mapping(looked, failed)
+    elif as_json:
+        emit({
+            "sources": [_document(one) for one in looked],
+            "failed": [{"key": key, "error": reason} for key, reason in failed.items()],
+            "unclaimed": [str(item) for item in unclaimed],
+        })  # fmt: skip
     else:
         for one in looked:
             _print_inspection(one)
+        for key, reason in failed.items():
+            say(f"{key}: cannot be read: {reason}")
         for item in unclaimed:
             say(f"{item}: no format claims it")
-    if any(finding.severity == "damage" for one in looked for finding in one.findings):
+    if failed or any(finding.severity == "damage" for one in looked for finding in one.findings):
         raise typer.Exit(1)
 
 
-def _print_mapping(looked: list[Any]) -> None:
-    import yaml
+def _looked_at(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, str]]:
+    """Inspections of the sources that can be read, and the reason for each that cannot; one alone raises it."""
+    from tactiledata.formats import FORMATS
 
-    suggestions = [one.suggested_mapping for one in looked if one.suggested_mapping is not None]
-    if not suggestions:
+    looked, failed = [], {}
+    for source in sources:
+        try:
+            looked.append(FORMATS[source.format]().inspect(source, mapping))
+        except (TactileDataError, OSError) as error:
+            if len(sources) == 1:
+                raise
+            failed[source.key] = str(error)
+    return looked, failed
+
+
+def _print_mapping(looked: list[Any], failed: dict[str, str]) -> None:
+    for key, reason in failed.items():
+        err().print(escape(f"{key}: cannot be read: {reason}"))
+    suggestions = [one.suggested_text for one in looked if one.suggested_mapping is not None]
+    if suggestions:
+        typer.echo(suggestions[0], nl=False)
+    elif looked:
         raise UsageError(
             f"{looked[0].source.key} is a {looked[0].source.format} recording, which needs no mapping",
             "a recording with topics, as MCAP files are",
             "Ingest it as it is.",
         )
-    typer.echo(yaml.safe_dump(suggestions[0], sort_keys=False, allow_unicode=True), nl=False)
 
 
 def _document(one: Any) -> dict[str, Any]:

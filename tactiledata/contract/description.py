@@ -12,6 +12,9 @@ from tactiledata.transforms import Transform
 
 LOG_FORMAT = "tactiledata-log/1"
 
+PLACEHOLDER = "REPLACE"
+"""What names begin with that a draft leaves for a person to fill in."""
+
 
 @dataclass(frozen=True)
 class LogDescription:

@@ -49,6 +49,7 @@ class Inspection:
     """What a source holds.
 
     ``suggested_mapping`` is a document that fits ``schemas/mapping.json``; ``None`` where the format needs no mapping.
+    ``suggested_text`` is the same as YAML, with remarks and alternatives in comments.
     """
 
     source: Source
@@ -56,6 +57,7 @@ class Inspection:
     findings: tuple[Finding, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     suggested_mapping: Mapping[str, Any] | None = None
+    suggested_text: str = ""
 
 
 class Format(ABC):

@@ -19,10 +19,11 @@ from tactiledata.formats.mcap_parts.bags import bag_sources, files_of, is_bag_fi
 from tactiledata.formats.mcap_parts.collect import SignalBuffer
 from tactiledata.formats.mcap_parts.decode import Decoder, decoder_for, kind_of
 from tactiledata.formats.mcap_parts.describe import backgrounds_of, description_of
-from tactiledata.formats.mcap_parts.images import CameraBuffer, image_taker
+from tactiledata.formats.mcap_parts.images import CameraBuffer, image_taker, stated_serials
+from tactiledata.formats.mcap_parts.mapping_draft import Draft, Glimpse, draft_mapping
 from tactiledata.formats.mcap_parts.playback import Handler, Playback
 from tactiledata.formats.mcap_parts.readers import signal_taker
-from tactiledata.formats.mcap_parts.roles import Roles, Topic, roles_of, suggested_mapping
+from tactiledata.formats.mcap_parts.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
 from tactiledata.formats.mcap_parts.survey import Survey, survey
 from tactiledata.formats.mcap_parts.tally import Tally
 
@@ -104,12 +105,14 @@ bag/bag_0.mcap, bag_1.mcap …"""
             findings += Playback(inventory, tally.handler_for(inventory, decoders.get)).run()
         topics = _topics(inventories, decoders)
         roles = roles_of(topics, mapping)
+        draft = _draft(topics, roles, tally.glimpses(), description)
         return Inspection(
             source,
             tally.topics(roles),
             (*findings, *said, *roles.findings),
             _facts(inventories, tally, description),
-            suggested_mapping(topics, roles),
+            draft.document,
+            draft.text,
         )
 
 
@@ -175,6 +178,17 @@ def _topics(inventories: Sequence[Survey], decoders: _Decoders) -> list[Topic]:
 def _cameras(roles: Roles, sink: ImageSink, description: LogDescription) -> list[CameraBuffer]:
     sensors = tuple(description.sensors)
     return [CameraBuffer(role, sink, sensors, len(roles.images) == 1) for role in roles.images]
+
+
+def _draft(topics: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse], description: LogDescription) -> Draft:
+    """A mapping to start from, with the serials that image topics say."""
+    cameras = roles.images or tuple(ImageRole("", topic.name) for topic in topics if topic.kind in IMAGE_KINDS)
+    serials = {}
+    for role in cameras:
+        frame = glimpses[role.topic].frame if role.topic in glimpses else ""
+        stated = stated_serials(role, tuple(description.sensors), len(cameras) == 1, frame)
+        serials[role.topic] = next(iter(stated.values()), "")
+    return draft_mapping(topics, roles, glimpses, serials, description)
 
 
 def _handlers(

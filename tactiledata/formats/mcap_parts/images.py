@@ -32,6 +32,36 @@ SERIAL = re.compile(r"(?<![A-Za-z0-9])([A-Z]\d{5})(?![A-Za-z0-9])", re.IGNORECAS
 """A DIGIT's serial in a topic or frame_id."""
 
 
+def stated_serials(role: ImageRole, sensors: tuple[str, ...], is_only_camera: bool, frame: str) -> dict[str, str]:
+    """Who calls the sensor of a camera by which serial, whoever is to be believed first.
+
+    Parameters
+    ----------
+    role : ImageRole
+    sensors : tuple of str
+        Serials that the recording's description states.
+    is_only_camera : bool
+    frame : str
+        ``frame_id`` of an image.
+    """
+    claims = {
+        "the mapping": role.sensor,
+        "the description": sensors[0] if len(sensors) == 1 and is_only_camera else "",
+        "frame_id": _serial_in(frame, sensors),
+        "the topic": _serial_in(role.topic, sensors),
+    }
+    return {origin: serial for origin, serial in claims.items() if serial}
+
+
+def _serial_in(text: str, sensors: tuple[str, ...]) -> str:
+    parts = set(re.split(r"[/\s]+", text))
+    stated = [sensor for sensor in sensors if sensor in parts]
+    if len(stated) == 1:
+        return stated[0]
+    match = SERIAL.search(text.replace("_", "/"))
+    return match[1].upper() if match else ""
+
+
 @dataclass
 class CameraBuffer:
     """What is noted while a camera's images pass into the sink.
@@ -61,25 +91,11 @@ class CameraBuffer:
     def serial(self, frame: str) -> str:
         """The serial of the sensor that took an image with this frame_id."""
         if frame not in self.serials:
-            claims = {
-                "the mapping": self.role.sensor,
-                "the description": self.sensors[0] if len(self.sensors) == 1 and self.is_only_camera else "",
-                "frame_id": self._named_in(frame),
-                "the topic": self._named_in(self.role.topic),
-            }
-            stated = {origin: serial for origin, serial in claims.items() if serial}
+            stated = stated_serials(self.role, self.sensors, self.is_only_camera, frame)
             for origin, serial in stated.items():
                 self.claims.setdefault(serial, set()).add(origin)
             self.serials[frame] = next(iter(stated.values()), "")
         return self.serials[frame]
-
-    def _named_in(self, text: str) -> str:
-        parts = set(re.split(r"[/\s]+", text))
-        stated = [sensor for sensor in self.sensors if sensor in parts]
-        if len(stated) == 1:
-            return stated[0]
-        match = SERIAL.search(text.replace("_", "/"))
-        return match[1].upper() if match else ""
 
     def push(
         self, image: tuple[bytes, str, int, int] | None, frame: str, log_ns: int, publish_ns: int, header_ns: int | None

@@ -157,9 +157,7 @@ def roles_of(topics: Iterable[Topic], mapping: Mapping[str, Any] | None = None) 
     ]
     taken = {role.name for role in signals} | set(document.get("signals", {}))
     mapped_topics = {role.topic for role in signals}
-    signals += [
-        role for role in _guessed_signals(known, notes) if role.name not in taken and role.topic not in mapped_topics
-    ]
+    signals += _guessed_signals([topic for topic in known if topic.name not in mapped_topics], taken, notes)
     if "images" in document:
         images = [
             camera_role
@@ -251,9 +249,11 @@ def _mapped_camera(
 # guesses
 
 
-def _guessed_signals(known: list[Topic], notes: dict[str, str]) -> list[SignalRole]:
+def _guessed_signals(known: list[Topic], taken: set[str], notes: dict[str, str]) -> list[SignalRole]:
     found = []
     for name, endings in (("wrench", WRENCH_TOPICS), ("tcp", (TCP_TOPIC,)), ("joints", (JOINT_TOPIC,))):
+        if name in taken:
+            continue
         kinds = KINDS_OF_SIGNAL[name]
         for ending in endings:
             fits = [topic for topic in known if topic.kind in kinds and ends_with(topic.name, ending)]
@@ -271,7 +271,7 @@ def _guessed_signals(known: list[Topic], notes: dict[str, str]) -> list[SignalRo
         for topic in known
         if topic.kind in KINDS_OF_SIGNAL["ur_wrench"] and ends_with(topic.name, UR_WRENCH_TOPIC)
     ]
-    if len(ur) == 1 and ur[0].is_readable:
+    if len(ur) == 1 and ur[0].is_readable and "ur_wrench" not in taken:
         found.append(SignalRole("ur_wrench", ur[0].name, COLUMNS_OF["ur_wrench"]))
         notes[ur[0].name] = "the robot's own wrist sensor, not the Robotiq; a mapping can name it as wrench"
     named = {role.topic for role in found}
@@ -316,45 +316,3 @@ def _one_per_camera(images: list[Topic], notes: dict[str, str]) -> list[Topic]:
         else:
             kept.append(topic)
     return kept
-
-
-def suggested_mapping(topics: Iterable[Topic], roles: Roles) -> dict[str, Any]:
-    """A draft for a mapping: what is read now, and what a person may want to name."""
-    known = sorted(topics, key=lambda topic: natural_key(topic.name))
-    signals: dict[str, Any] = {}
-    for role in roles.signals:
-        entry: dict[str, Any] = {"topic": role.topic}
-        if role.frame:
-            entry["frame"] = role.frame
-        if role.fields:
-            entry["fields"] = list(role.fields)
-        if role.units:
-            entry["units"] = list(role.units)
-        if role.child_frame:
-            entry["child_frame"] = role.child_frame
-        if role.joint_names:
-            entry["joint_names"] = list(role.joint_names)
-        signals[role.name] = entry
-    for name, kinds in KINDS_OF_SIGNAL.items():
-        if name in signals or name == "ur_wrench":
-            continue
-        free = [
-            t for t in known if t.kind in kinds and t.kind != TF_KIND and t.name not in roles.topics and t.is_readable
-        ]
-        if len(free) == 1:
-            signals[name] = {"topic": free[0].name}
-    tree = next((topic for topic in known if topic.kind == TF_KIND and topic.name.strip("/") == "tf"), None)
-    if "tcp" not in signals and tree is not None:
-        signals["tcp"] = {"topic": tree.name, "frame": "base", "child_frame": "tool0_controller"}
-    images: dict[str, Any] = {
-        role.camera: {"topic": role.topic, **({"sensor": role.sensor} if role.sensor else {})} for role in roles.images
-    }
-    if not images:
-        pictures = [topic for topic in known if topic.kind in IMAGE_KINDS and topic.is_readable]
-        images = {("digit" if n == 0 else f"digit_{n + 1}"): {"topic": t.name} for n, t in enumerate(pictures)}
-    document: dict[str, Any] = {"format": "tactiledata-mapping/1"}
-    if signals:
-        document["signals"] = signals
-    if images:
-        document["images"] = images
-    return document

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from mcap.records import Channel, Schema
 
 from tactiledata.formats.base import TopicInfo
-from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, encoding_of, kind_of
+from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, encoding_of, frame_of, kind_of, value_at
+from tactiledata.formats.mcap_parts.mapping_draft import Glimpse
 from tactiledata.formats.mcap_parts.playback import Handler
-from tactiledata.formats.mcap_parts.roles import Roles
+from tactiledata.formats.mcap_parts.roles import TF_KIND, Roles
 from tactiledata.formats.mcap_parts.survey import Survey
 from tactiledata.formats.natural_order import natural_key
 
@@ -19,6 +20,8 @@ EXAMPLE_LENGTH = 240
 DEPTH = 6
 SHOWN_ITEMS = 8
 SHOWN_TEXT = 60
+TREE_MESSAGES = 50
+"""Messages of a tree of transforms that are looked into: its edges come in several messages."""
 
 
 @dataclass
@@ -30,6 +33,20 @@ class _Row:
     end_ns: int = 0
     note: str = ""
     example: str = ""
+    frame: str = ""
+    joints: tuple[str, ...] = ()
+    parents: dict[str, str] = field(default_factory=dict)
+
+    def look(self, message: Any) -> None:
+        """Note what a mapping would need of a decoded message."""
+        self.example = self.example or shortened(message)
+        self.frame = self.frame or frame_of(message)
+        if self.kind == "sensor_msgs/JointState" and not self.joints:
+            self.joints = tuple(value_at(message, ("name",)))
+        if self.kind == TF_KIND:
+            for transform in value_at(message, ("transforms",)):
+                child = str(value_at(transform, ("child_frame_id",))).strip("/")
+                self.parents.setdefault(child, frame_of(transform).strip("/"))
 
 
 class Tally:
@@ -62,9 +79,10 @@ class Tally:
                     row.start_ns = row.end_ns = log_ns
                 row.messages += 1
                 row.start_ns, row.end_ns = min(row.start_ns, log_ns), max(row.end_ns, log_ns)
-                if decoder is not None and not row.example and faults < SHOWN_ITEMS:
+                is_wanted = not row.example or (row.kind == TF_KIND and row.messages <= TREE_MESSAGES)
+                if decoder is not None and is_wanted and faults < SHOWN_ITEMS:
                     try:
-                        row.example = shortened(decoder.decode(content[start:stop]))
+                        row.look(decoder.decode(content[start:stop]))
                     except FAULTS as error:
                         faults += 1
                         row.note = f"a message that does not decode as {row.kind}: {error}"[:EXAMPLE_LENGTH]
@@ -89,6 +107,10 @@ class Tally:
     def end_ns(self) -> int | None:
         """Log time of the last message, ns."""
         return max((row.end_ns for row in self._rows.values() if row.messages), default=None)
+
+    def glimpses(self) -> dict[str, Glimpse]:
+        """What a draft of a mapping needs of each topic."""
+        return {name: Glimpse(row.frame, row.joints, row.parents) for name, row in self._rows.items()}
 
     def topics(self, roles: Roles) -> tuple[TopicInfo, ...]:
         """The rows, in natural order of their topics."""
