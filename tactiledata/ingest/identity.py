@@ -25,22 +25,24 @@ def name_sensors(
     """The sensor of each image (in the order of the sink), and the trajectories with their sensors.
 
     An image's serial comes from the recording, else from the trajectory that it lies in. What stays unknown is called
-    ``unknown-<digest>``, so that two recordings of unknown sensors are never taken for one sensor.
+    ``unknown-<digest>``, so that two recordings of unknown sensors are never taken for one sensor; where several cameras
+    of a recording are unknown, the camera's name is added.
     """
     sensors = list(captured.sensors)
     cameras = captured.images["camera"].to_pylist()
     _fill_from_trajectories(sensors, captured, trajectories)
     _one_camera_per_serial(sensors, cameras, say)
-    unknown = f"unknown-{sha256[:8]}"
     known = sorted({sensor for sensor in sensors if sensor} | {t.sensor for t in trajectories if t.sensor})
     lost = sum(not sensor for sensor in sensors)
+    unknown = _unknown_names({camera for camera, sensor in zip(cameras, sensors, strict=True) if not sensor}, sha256)
     if lost:
+        names = " and ".join(repr(name) for name in sorted(unknown.values()))
         text = (
-            f"{lost} of {len(sensors)} images do not say which sensor took them; they are filed under {unknown!r}. "
+            f"{lost} of {len(sensors)} images do not say which sensor took them; they are filed under {names}. "
             "Name the serial in log.yaml (sensors:) or in a mapping (images: … sensor:)"
         )
         say(Finding("sensor-unknown", "warning", text, count=lost))
-    sensors = [sensor or unknown for sensor in sensors]
+    sensors = [sensor or unknown[camera] for camera, sensor in zip(cameras, sensors, strict=True)]
     alone = known[0] if len(known) == 1 and not lost else ""
     named = tuple(
         trajectory
@@ -51,6 +53,12 @@ def name_sensors(
         for trajectory in trajectories
     )
     return sensors, named
+
+
+def _unknown_names(cameras: set[str], sha256: str) -> dict[str, str]:
+    """A name for the sensor of each camera that nobody names, the same whenever the recording is read."""
+    name = f"unknown-{sha256[:8]}"
+    return {camera: name if len(cameras) == 1 else f"{name}-{camera}" for camera in cameras}
 
 
 def _fill_from_trajectories(sensors: list[str], captured: CapturedFrames, trajectories: tuple[Trajectory, ...]) -> None:

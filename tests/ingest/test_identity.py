@@ -35,6 +35,14 @@ def test_images_of_nobody_get_a_name_of_their_own():
     assert said == [("sensor-unknown", "warning")]
 
 
+def test_two_cameras_of_nobody_are_two_sensors():
+    """Each unknown camera of a recording has a name of its own; a known one beside an unknown one keeps its serial."""
+    sensors, _, said = named(["", "", ""], ["digit", "digit_2", "digit"])
+    assert sensors == ["unknown-abababab-digit", "unknown-abababab-digit_2", "unknown-abababab-digit"]
+    assert said == [("sensor-unknown", "warning")]
+    assert named(["D20542", ""], ["digit", "digit_2"])[0] == ["D20542", "unknown-abababab"]
+
+
 @pytest.mark.parametrize(("second", "expected"), [("", "D20542"), ("D20001", "D20001")])
 def test_a_trajectory_lends_its_sensor(second, expected):
     """An image without a serial inside a trajectory takes that of the trajectory; its own serial wins."""
