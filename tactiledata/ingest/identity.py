@@ -25,8 +25,8 @@ def name_sensors(
     """The sensor of each image (in the order of the sink), and the trajectories with their sensors.
 
     An image's serial comes from the recording, else from the trajectory that it lies in. What stays unknown is called
-    ``unknown-<digest>``, so that two recordings of unknown sensors are never taken for one sensor; where several cameras
-    of a recording are unknown, the camera's name is added.
+    ``unknown-<digest>``, so that two recordings of unknown sensors are never taken for one sensor; where several
+    cameras of a recording are unknown, the name of the camera is added.
     """
     sensors = list(captured.sensors)
     cameras = captured.images["camera"].to_pylist()
