@@ -25,6 +25,7 @@ from tactiledata.ingest.checks import broken_images, check_take, flag_broken
 from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.lag import camera_lag
 from tactiledata.ingest.spooled import SpooledImages
+from tactiledata.ingest.twins import twin_findings
 from tactiledata.store.commit import commit_groups, create, recover
 from tactiledata.store.layout import INTAKE_LOCK, staging_folder
 from tactiledata.store.lock import writing_lock
@@ -51,6 +52,8 @@ class SourceReport:
     findings : tuple of Finding
     error : str
         Why it failed.
+    sha256 : str
+        Digest of its files; empty where it failed.
     """
 
     key: str
@@ -60,6 +63,7 @@ class SourceReport:
     trajectories: int = 0
     findings: tuple[Finding, ...] = ()
     error: str = ""
+    sha256: str = ""
 
 
 @dataclass(frozen=True)
@@ -162,7 +166,16 @@ def ingest(
         outcomes = runner.outcomes(_read_source, tasks)
         otherwise = _ingested_otherwise(folder, chosen)
         commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, len(tasks), reports, progress))
-    return IngestReport(str(store), tuple(reports), tuple(str(path) for path in unclaimed))
+    return IngestReport(str(store), _with_twins(reports, folder), tuple(str(path) for path in unclaimed))
+
+
+def _with_twins(reports: list[SourceReport], folder: Path) -> tuple[SourceReport, ...]:
+    """Reports, each with the word that its recording has a twin in the store, where it has one."""
+    twins = twin_findings(Store.open(folder), [report.sha256 for report in reports])
+    return tuple(
+        replace(report, findings=(*report.findings, twins[report.sha256])) if report.sha256 in twins else report
+        for report in reports
+    )
 
 
 def _staged_takes(
@@ -267,7 +280,8 @@ def _report(outcome: Outcome[_Task, _Read], seen: set[str], otherwise: set[str])
             "the store took it with another mapping or other options, and keeps that; into a new store it goes as asked"
         )
         other = Finding("ingested-otherwise", "warning", text)
-        return SourceReport(key, "present", findings=(other,) if outcome.result.sha256 in otherwise else ())
+        said = (other,) if outcome.result.sha256 in otherwise else ()
+        return SourceReport(key, "present", findings=said, sha256=outcome.result.sha256)
     return SourceReport(
         key,
         "added",
@@ -275,4 +289,5 @@ def _report(outcome: Outcome[_Task, _Read], seen: set[str], otherwise: set[str])
         staged.n_frames,
         staged.table("trajectories").num_rows,
         findings_of(staged.table("findings")),
+        sha256=outcome.result.sha256,
     )

@@ -1,0 +1,68 @@
+"""Copies whose files differ are found by what they hold: one sensor at one time; clocks that start at 0 say nothing."""
+
+import shutil
+
+import pytest
+
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.twins import ABSOLUTE, overlaps
+
+
+def touch(source, start, end, sensor="D20542", parent="", origin=ABSOLUTE):
+    return {"source": source, "sensor": sensor, "start_ns": origin + start, "end_ns": origin + end, "parent": parent}
+
+
+def test_one_sensor_at_one_time_makes_twins():
+    """Each touch that overlaps one of another source is counted once, on both sides."""
+    found = overlaps([touch(0, 0, 10), touch(0, 20, 30), touch(0, 40, 50), touch(1, 5, 25), touch(2, 60, 70)])
+    assert found == {0: {1: 2}, 1: {0: 1}}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        touch(1, 10, 20),
+        touch(1, 0, 10, sensor="D20001"),
+        touch(1, 0, 10, sensor=""),
+        touch(1, 0, 10, parent="ab"),
+        touch(0, 0, 10),
+        touch(1, 1, 10, sensor="unknown-22"),
+    ],
+    ids=["afterwards", "another sensor", "no sensor", "derived", "the same source", "unknown, another time"],
+)
+def test_others_are_no_twins(other):
+    """Touches that end before the next begins, of other sensors, derived, or of one recording are no twins."""
+    first = "unknown-11" if other["sensor"].startswith("unknown") else "D20542"
+    assert overlaps([touch(0, 0, 10, sensor=first), other]) == {}
+
+
+def test_a_clock_that_starts_at_zero_says_nothing():
+    """Corpora whose times are indices all begin at 0, and are no copies of each other for that."""
+    assert overlaps([touch(0, 0, 10, origin=0), touch(1, 0, 10, origin=0)]) == {}
+    assert overlaps([touch(0, 0, 10), touch(1, 0, 10)]) != {}
+
+
+def test_unknown_sensors_are_twins_at_equal_times():
+    """A sensor without a name goes by the recording's digest, which a copy does not share; its times are the same."""
+    assert overlaps([touch(0, 0, 10, "unknown-11"), touch(1, 0, 10, "unknown-22")]) == {0: {1: 1}, 1: {0: 1}}
+
+
+def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
+    """In one run or in a later one, and again when it is there already; independent logs have no twin."""
+
+    def said(report):
+        return [[finding.code for finding in source.findings].count("recording-twin") for source in report.sources]
+
+    store = tmp_path / "ds.zarr"
+    assert said(ingest(tiny_folders, store)) == [0, 0]
+    copy = tmp_path / "copy"
+    shutil.copytree(tiny_folders[0], copy)
+    text = (copy / "log.yaml").read_text()
+    (copy / "log.yaml").write_text(text + "\n# edited\n")
+    report = ingest([copy], store)
+    assert said(report) == [1]
+    [twin] = [finding for finding in report.sources[0].findings if finding.code == "recording-twin"]
+    assert tiny_folders[0].name in twin.message
+    assert twin.count == 2
+    assert said(ingest([*tiny_folders, copy], store)) == [1, 0, 1]
+    assert said(ingest([tiny_folders[1], copy, tiny_folders[0]], tmp_path / "once.zarr")) == [0, 1, 1]
