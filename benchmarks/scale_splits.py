@@ -34,6 +34,7 @@ from tactiledata.store.reader import Store
 SECONDS, BYTES = 20.0, 2e9
 PER_SOURCE = 100
 PART = 50_000
+START_NS = 1_700_000_000_000_000_000
 SENSORS = np.array([f"D{20540 + k}" for k in range(5)])
 INDENTERS = np.array([f"indenter{k:02d}" for k in range(13)])
 
@@ -54,20 +55,25 @@ def sources(n_trajectories: int, n_frames: int) -> pa.Table:
 
 
 def trajectories(n: int, frames_each: np.ndarray) -> pa.Table:
-    """A trajectories table: one in twenty is derived from an earlier one of its source."""
+    """A trajectories table: one in twenty is derived from an earlier one of its source, and the last tenth of the
+    recordings are copies of the first.
+    """
     rows = np.arange(n)
     rng = np.random.default_rng(0)
     uids = np.array([f"{(0x9E3779B97F4A7C15 * (k + 1)) % 2**64:016x}" for k in range(n)])
     parent = np.where((rows % 20 == 19), uids[np.maximum(rows - 7, 0)], "")
     stops = np.cumsum(frames_each)
+    first_copy = 9 * n // (10 * PER_SOURCE) * PER_SOURCE
+    moment = np.where(rows < first_copy, rows, rows - first_copy)
+    start_ns = START_NS + moment * 10**10
     made: dict[str, Any] = {
         "uid": uids,
         "trajectory": np.char.add("press ", rows.astype(str)),
         "source": rows // PER_SOURCE,
-        "sensor": SENSORS[rng.integers(0, len(SENSORS), n)],
+        "sensor": SENSORS[rng.integers(0, len(SENSORS), n)[moment]],
         "indenter": INDENTERS[rng.integers(0, len(INDENTERS), n)],
-        "start_ns": rows * 10**10,
-        "end_ns": rows * 10**10 + 5 * 10**9,
+        "start_ns": start_ns,
+        "end_ns": start_ns + 5 * 10**9,
         "frame_start": stops - frames_each,
         "frame_stop": stops,
         "signal_rows": ["{}"] * n,

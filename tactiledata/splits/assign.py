@@ -1,6 +1,7 @@
 """Who goes where: a draw by keyed hash that depends on nothing but the trajectory's root and the seed.
 
-So the order of a store, the day on which data arrived and what else is there move nobody.
+So the order of a store, the day on which data arrived and what else is there move nobody; only twins, which two
+recordings hold, go by the one that came first (see `twins`).
 """
 
 from __future__ import annotations
@@ -134,6 +135,7 @@ def assign(
     partition = np.asarray(SHARES, object)[shares]
     partition[any_own] = EXCLUDED
     partition[any_group] = "test_unseen"
+    partition[_between_parts(trajectories["uid"].to_pylist(), groups, partition)] = EXCLUDED
     if len(partition) and not np.isin(partition, SHARES).any():
         raise UsageError(
             f"all {len(partition)} trajectories carry a held-out unit ({describe_held(held_out)})",
@@ -152,18 +154,35 @@ def assign(
     return pa.table({name: columns[name] for name in SPLIT_SCHEMA.names}, schema=SPLIT_SCHEMA)
 
 
+def _between_parts(uids: Sequence[str], groups: Groups, partition: NDArray[np.object_]) -> NDArray[np.bool_]:
+    """Whether each trajectory (n,) goes back to a touch that no part may have.
+
+    Such a touch came after touches that it overlaps and that stand in several parts, or it carries a held-out unit
+    while they do not. What was derived from it is in no part either.
+    """
+    facts = list(zip(uids, groups.root, groups.group, partition.tolist(), groups.founding, strict=True))
+    part_of_group = {group: part for _, _, group, part, founds in facts if founds}
+    barred = {
+        uid
+        for uid, root, group, part, founds in facts
+        if uid == root and not founds  # recorded, and it joined a group that was there
+        if any(part_of_group[other] != part for other in (group, *groups.rivals.get(uid, ())))
+    }
+    return np.array([root in barred for root in groups.root], bool)
+
+
 def _carried(
     trajectories: pa.Table, groups: Groups, held_out: Held
 ) -> tuple[dict[str, NDArray[np.bool_]], dict[str, NDArray[np.bool_]]]:
-    """By unit kind, (n,) each: carries a held-out unit itself; a recorded member of its group does."""
+    """By unit kind, (n,) each: carries a held-out unit itself; a founding member of its group does."""
     own, of_group = {}, {}
     for kind in UNIT_KINDS:
         names = set(held_out.get(kind, ()))
         own[kind] = np.array([name in names for name in trajectories[kind].to_pylist()], bool)
         held_groups = {
             group
-            for group, is_held, recorded in zip(groups.group, own[kind], groups.recorded, strict=True)
-            if is_held and recorded
+            for group, is_held, founds in zip(groups.group, own[kind], groups.founding, strict=True)
+            if is_held and founds
         }
         of_group[kind] = np.array([group in held_groups for group in groups.group], bool)
     return own, of_group

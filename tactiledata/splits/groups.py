@@ -1,8 +1,8 @@
-"""Which trajectories belong together: families of derived ones, and touches that a recording names twice."""
+"""Which trajectories belong together: families of derived ones, and touches that recordings hold twice."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.errors import StoreError
+from tactiledata.splits.twins import join_twins, tells_a_moment
 
 UNIT_KINDS = ("sensor", "indenter")
 """Columns of the trajectories table whose values are units: what can be held out and what strata are made of."""
@@ -26,13 +27,16 @@ class Groups:
         Uid of the recorded trajectory that each one goes back to; its own uid for recorded ones.
     group : (n,) list of str
         Uid by which each one is drawn: the root's, or that of the first of several touches that overlap.
-    recorded : (n,) bool
-        Whether it is a recorded trajectory, not a derived one.
+    founding : (n,) bool
+        Whether it is a recorded trajectory of the recording that brought its group to the store.
+    rivals : dict, root -> uids
+        Groups that a touch overlaps beside its own: it bridges touches that were apart when it came.
     """
 
     root: list[str]
     group: list[str]
-    recorded: NDArray[np.bool_]
+    founding: NDArray[np.bool_]
+    rivals: Mapping[str, tuple[str, ...]]
 
 
 def family_roots(uids: Sequence[str], parents: Sequence[str]) -> list[str]:
@@ -122,6 +126,13 @@ def place_of(trajectories: pa.Table) -> NDArray[np.int64]:
     return source * (int(sensor.max(initial=0)) + 1) + sensor
 
 
+def shared_place_of(trajectories: pa.Table) -> NDArray[np.int64]:
+    """As `place_of`, but one number for a sensor in all recordings where their times tell a moment."""
+    named = pc.not_equal(trajectories["sensor"], "").to_numpy()
+    is_absolute = tells_a_moment(trajectories["start_ns"].to_numpy(), named)
+    return np.where(is_absolute, -1 - codes(trajectories["sensor"]), place_of(trajectories))
+
+
 def codes(column: pa.ChunkedArray) -> NDArray[np.int64]:
     """A number (n,) for each distinct text of a column."""
     encoded = pc.dictionary_encode(column.combine_chunks().cast(pa.string()))
@@ -147,12 +158,20 @@ def group_trajectories(trajectories: pa.Table) -> Groups:
             uid=twice,
         )
     roots = family_roots(uids, parents)
-    recorded = np.array([not parent for parent in parents], bool)
-    rows = np.flatnonzero(recorded)
-    leaders = overlapping_touches(
-        place_of(trajectories)[rows],
-        trajectories["start_ns"].to_numpy()[rows],
-        trajectories["end_ns"].to_numpy()[rows],
+    # in the order of their uids, so that the order of the table decides no tie
+    rows = np.array(sorted((row for row, parent in enumerate(parents) if not parent), key=uids.__getitem__), np.int64)
+    recorded = trajectories.select(["source", "sensor", "start_ns", "end_ns"]).take(rows)
+    start, end = recorded["start_ns"].to_numpy(), recorded["end_ns"].to_numpy()
+    cluster = overlapping_touches(place_of(recorded), start, end)
+    component = overlapping_touches(shared_place_of(recorded), start, end)
+    joined = join_twins(cluster, component, recorded["source"].to_numpy(), start, end)
+    named = [uids[row] for row in rows]
+    groups = {uids[row]: joined.get(leader, (leader,)) for row, leader in zip(rows, cluster.tolist(), strict=True)}
+    founding = np.zeros(len(uids), bool)
+    founding[rows] = [leader not in joined for leader in cluster.tolist()]
+    return Groups(
+        roots,
+        [named[groups[root][0]] if root in groups else root for root in roots],
+        founding,
+        {uid: tuple(named[other] for other in those[1:]) for uid, those in groups.items() if len(those) > 1},
     )
-    leader_of = {uids[row]: uids[rows[leader]] for row, leader in zip(rows, leaders, strict=True)}
-    return Groups(roots, [leader_of.get(root, root) for root in roots], recorded)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding
 from tactiledata.splits.assign import Held, assign
-from tactiledata.splits.groups import UNIT_KINDS, family_roots, overlapping_touches, place_of
+from tactiledata.splits.groups import UNIT_KINDS, family_roots, overlapping_touches, shared_place_of
 from tactiledata.splits.options import PARTITIONS, SplitOptions
 
 SHOWN = 3
@@ -44,7 +44,9 @@ def shared_uids(table: pa.Table) -> list[Finding]:
 
 
 def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Finding]:
-    """Recorded trajectories of one recording and sensor that overlap in time and stand in different partitions.
+    """Recorded trajectories of one sensor that overlap in time and stand in different partitions.
+
+    Across recordings only absolute times are compared: a clock that starts at 0 tells no moment.
 
     Parameters
     ----------
@@ -57,18 +59,23 @@ def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Find
     rows = np.flatnonzero((part >= 0) & recorded)
     leader = rows[
         overlapping_touches(
-            place_of(trajectories)[rows],
+            shared_place_of(trajectories)[rows],
             trajectories["start_ns"].to_numpy()[rows],
             trajectories["end_ns"].to_numpy()[rows],
         )
     ]
     parted = _groups_in_several_parts(leader, part[rows])
-    names = trajectories["trajectory"]
+    names, source = trajectories["trajectory"], trajectories["source"].to_numpy()
 
     def cases() -> Iterable[str]:
         for group in parted:
             members = rows[leader == group]
-            yield " and ".join(f"{names[int(row)].as_py()!r} ({PARTITIONS[part[row]]})" for row in members[:4])
+            is_twin = len(np.unique(source[members])) > 1
+            shown = members[np.unique(part[members], return_index=True)[1]]
+            yield " and ".join(
+                f"{names[int(row)].as_py()!r}{f' of recording {source[row]}' * is_twin} ({PARTITIONS[part[row]]})"
+                for row in shown
+            )
 
     return leak(
         "touch-in-two-parts",

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from tactiledata.splits.assign import describe_held, draw, part_of
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SHARES, SplitOptions
@@ -130,11 +131,7 @@ def notes_on(
     """What stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part."""
     wanted = [part for part, share in zip(SHARES, options.fractions, strict=True) if share > 0]
     notes = [*_empty_parts(table, options, counts, wanted), *_thin_strata(strata, wanted)]
-    if counts[EXCLUDED].trajectories:
-        notes.append(
-            f"{counts[EXCLUDED].trajectories} derived trajectories are in no part: they carry a held-out unit, and "
-            "what they were derived from is in train, val or test"
-        )
+    notes += _excluded(table)
     for kind in ("sensor", "indenter"):
         unnamed = table[kind].to_pylist().count("")
         if unnamed:
@@ -149,6 +146,24 @@ def notes_on(
     silent = table.num_rows - int(np.count_nonzero(table["frames"].to_numpy()))
     if silent:
         notes.append(f"{silent} trajectories have no frame that the split takes (see the contact filter, --force)")
+    return notes
+
+
+def _excluded(table: pa.Table) -> list[str]:
+    left_out = table.filter(pc.equal(table["partition"], EXCLUDED))
+    recorded = int(pc.sum(pc.equal(left_out["root"], left_out["uid"]), min_count=0).as_py())
+    derived = left_out.num_rows - recorded
+    notes = []
+    if recorded:
+        notes.append(
+            f"{recorded} recorded trajectories are in no part: they hold the same moments of a sensor as earlier ones "
+            "that stand in several parts, or carry a held-out unit that those do not"
+        )
+    if derived:
+        notes.append(
+            f"{derived} derived trajectories are in no part: they carry a held-out unit, and what they were derived "
+            "from is in train, val or test, or in no part"
+        )
     return notes
 
 

@@ -15,6 +15,7 @@ from tactiledata.errors import MissingSplit
 from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import load_split
+from tactiledata.splits.twins import ABSOLUTE_NS
 
 
 def audited(store):
@@ -69,11 +70,12 @@ def test_a_clean_split_passes(store):
         max_size=30,
     ),
     st.integers(0, 5),
+    st.sampled_from([0, ABSOLUTE_NS]),
 )
-def test_whatever_is_split_passes(tmp_path_factory, spec, seed):
-    """Any store that can be split, overlaps and chains of parents included, passes its audit."""
+def test_whatever_is_split_passes(tmp_path_factory, spec, seed, clock):
+    """Any store that can be split, overlaps, twins and chains of parents included, passes its audit."""
     rows = [
-        {"source": s, "sensor": unit, "start_ns": 1000 * t, "parent": f"{p:016x}" if 0 <= p < k else ""}
+        {"source": s, "sensor": unit, "start_ns": clock + 1000 * t, "parent": f"{p:016x}" if 0 <= p < k else ""}
         for k, (s, unit, t, p) in enumerate(spec)
     ]
     store = MemoryStore(tmp_path_factory.mktemp("any"), trajectories(rows))
@@ -94,6 +96,23 @@ def test_a_touch_under_two_names_is_found(store):
     found = audited(store)["touch-in-two-parts"]
     assert found.severity == "damage"
     assert f"'t{train}' (train) and 't{test}' (test)" in found.message
+
+
+@pytest.mark.parametrize(
+    ("clock", "sensor", "is_leak"), [(ABSOLUTE_NS, "A", True), (0, "A", False), (ABSOLUTE_NS, "", False)]
+)
+def test_a_touch_in_two_recordings_is_found(store, clock, sensor, is_leak):
+    """The same moment of one sensor in two recordings: found by absolute times of a named sensor, and only by those."""
+    train, test = rows_of(store, "train")[0], rows_of(store, "test")[0]
+    rows = store.table.to_pylist()
+    for row, source in ((train, 900), (test, 901)):
+        rows[row] |= {"source": source, "sensor": sensor, "start_ns": clock + 10**9, "end_ns": clock + 2 * 10**9}
+    store.table = trajectories(rows)
+    found = audited(store)
+    assert ("touch-in-two-parts" in found) == is_leak
+    if is_leak:
+        text = found["touch-in-two-parts"].message
+        assert f"'t{train}' of recording 900 (train) and 't{test}' of recording 901 (test)" in text
 
 
 def test_neighbouring_touches_are_no_leak(store):

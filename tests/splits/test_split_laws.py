@@ -11,6 +11,7 @@ from tactiledata.splits.assign import assign, choose_held_out, draw, part_of
 from tactiledata.splits.groups import family_roots, overlapping_touches
 from tactiledata.splits.make import split_tables
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions
+from tactiledata.splits.twins import ABSOLUTE_NS
 
 FEW = settings(max_examples=40)
 NONE = SplitOptions.checked(hold_out="none")
@@ -18,15 +19,16 @@ NONE = SplitOptions.checked(hold_out="none")
 
 @st.composite
 def stores(draw_from, orphans=False):
-    """Trajectories of a few sources, some derived, some overlapping."""
+    """Trajectories of a few sources, some derived, some overlapping, some of clocks that tell absolute time."""
     n = draw_from(st.integers(2, 40))
+    clock = draw_from(st.sampled_from([0, ABSOLUTE_NS]))
     rows = []
     for number in range(n):
         row = {
             "source": draw_from(st.integers(0, 3)),
             "sensor": draw_from(st.sampled_from(["A", "B", "C", "D", ""])),
             "indenter": draw_from(st.sampled_from(["ball", "star", "edge", ""])),
-            "start_ns": draw_from(st.integers(0, 50)) * 1000,
+            "start_ns": clock + draw_from(st.integers(0, 50)) * 1000,
         }
         row["end_ns"] = row["start_ns"] + draw_from(st.sampled_from([0, 500, 1000, 3000]))
         above = [f"{k:016x}" for k in range(number)] + (["f" * 16] if orphans else [])
@@ -116,7 +118,9 @@ def test_held_out_units_are_seen_nowhere(rows, held_out):
 @FEW
 @given(stores(orphans=True), held)
 def test_overlapping_touches_stand_together(rows, held_out):
-    """Recorded trajectories of one source and sensor that overlap in time share a partition."""
+    """Recorded trajectories of one sensor that overlap in time share a partition, in one source and, by absolute
+    times, in several; only those of a later source may be in none instead.
+    """
     table = assigned(rows, held_out)
     if table is None:
         return
@@ -124,9 +128,13 @@ def test_overlapping_touches_stand_together(rows, held_out):
     recorded = [row for row in trajectories(rows).to_pylist() if not row["parent"]]
     for one in recorded:
         for other in recorded:
+            is_shared = one["sensor"] == other["sensor"] != "" and one["start_ns"] >= ABSOLUTE_NS
             same = one["source"] == other["source"] and one["sensor"] == other["sensor"]
-            if same and max(one["start_ns"], other["start_ns"]) < min(one["end_ns"], other["end_ns"]):
-                assert where[one["uid"]] == where[other["uid"]]
+            if (same or is_shared) and max(one["start_ns"], other["start_ns"]) < min(one["end_ns"], other["end_ns"]):
+                found = {where[one["uid"]], where[other["uid"]]}
+                assert len(found) == 1 or (one["start_ns"] >= ABSOLUTE_NS and len(found - {EXCLUDED}) == 1)
+    first = min((row["source"] for row in recorded), default=0)
+    assert all(where[row["uid"]] != EXCLUDED for row in recorded if row["source"] == first)
 
 
 @FEW

@@ -1,0 +1,72 @@
+"""Twins: touches that several recordings hold, such as an edited copy of a log or a damaged copy of a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+ABSOLUTE_NS = 10**18
+"""9 September 2001. Earlier times are counted from the start of a recording or of a machine: they tell no moment."""
+
+
+def tells_a_moment(start: NDArray[np.int64], sensor_is_named: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether touches (n,) can be compared across recordings: absolute times ``start`` (n,) ns, of a named sensor."""
+    return (start >= ABSOLUTE_NS) & sensor_is_named
+
+
+def join_twins(
+    cluster: NDArray[np.int64],
+    component: NDArray[np.int64],
+    source: NDArray[np.int64],
+    start: NDArray[np.int64],
+    end: NDArray[np.int64],
+) -> dict[int, tuple[int, ...]]:
+    """Which clusters of touches stand with clusters of earlier recordings.
+
+    Recordings are gone through in the order in which they came to the store, so that what comes later joins what is
+    there, and never moves it.
+
+    Parameters
+    ----------
+    cluster : (n,) int
+        Row of the touch that leads each one within its recording.
+    component : (n,) int
+        Equal for touches that overlap across recordings, directly or through others.
+    source : (n,) int
+        Place of the recording in the store.
+    start, end : (n,) int64 ns
+        Half-open intervals.
+
+    Returns
+    -------
+    dict, leader of a cluster -> leaders of the groups it overlaps
+        Only clusters that join; the earliest group first. Several, where it bridges groups that were apart.
+    """
+    joined: dict[int, tuple[int, ...]] = {}
+    for rows in _over_several_sources(component, source):
+        first_row = np.unique(cluster[rows], return_index=True)[1]
+        order = rows[first_row][np.argsort(source[rows][first_row], kind="stable")]
+        seen = np.empty(0, np.int64)
+        for leader in cluster[order].tolist():
+            members = rows[cluster[rows] == leader]
+            touching = [seen[(start[seen] < end[row]) & (end[seen] > start[row])] for row in members]
+            met = dict.fromkeys(cluster[np.unique(np.concatenate(touching))].tolist())
+            groups = dict.fromkeys(group for other in met for group in joined.get(other, (other,)))
+            if groups:
+                joined[leader] = tuple(sorted(groups, key=lambda group: (source[group], start[group], group)))
+            seen = np.concatenate([seen, members])
+    return joined
+
+
+def _over_several_sources(component: NDArray[np.int64], source: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """Rows of each component that spans several recordings, in ascending order."""
+    order = np.argsort(component, kind="stable")
+    ends = np.flatnonzero(np.diff(component[order])) + 1
+    mixed = np.zeros(len(order), bool)
+    mixed[1:] = (np.diff(component[order]) == 0) & (np.diff(source[order]) != 0)
+    counts = np.concatenate([[0], np.cumsum(mixed)])
+    for first, last in zip([0, *ends], [*ends, len(order)], strict=True):
+        if counts[last] > counts[first]:
+            yield order[first:last]
