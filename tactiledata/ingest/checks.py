@@ -8,9 +8,12 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag, Take
+from tactiledata.ingest.plausible import description_findings
 from tactiledata.ingest.spooled import SpooledImages
+from tactiledata.ingest.units_seen import unit_findings
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import Sensor
 from tactiledata.sensors.image_checks import channel_order, orientation_of
@@ -55,7 +58,7 @@ def flag_broken(frames: pa.Table, order: NDArray[np.int64], broken: NDArray[np.i
 
 
 def check_take(take: Take, decode: Decode) -> list[Finding]:
-    """Findings on sizes, channel order, stuck cameras, forces and empty trajectories.
+    """Findings on what is stated, units, image sizes, channel order, stuck cameras, forces and empty trajectories.
 
     Parameters
     ----------
@@ -63,7 +66,14 @@ def check_take(take: Take, decode: Decode) -> list[Finding]:
     decode : callable
         Images of rows of ``take.frames``.
     """
-    return [*_picture_findings(take, decode), *_stuck_camera(take), *_force_findings(take), *_empty_trajectories(take)]
+    return [
+        *description_findings(LogDescription(take.description)),
+        *unit_findings(take),
+        *_picture_findings(take, decode),
+        *_stuck_camera(take),
+        *_force_findings(take),
+        *_empty_trajectories(take),
+    ]
 
 
 def _picture_findings(take: Take, decode: Decode) -> list[Finding]:

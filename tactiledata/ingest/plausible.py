@@ -1,0 +1,126 @@
+"""What a recording states, against what can be: names that nobody knows, and numbers in another unit than SI.
+
+Nothing is changed: the recording is kept as it says, and a finding names what to look at.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tactiledata.contract.description import PLACEHOLDER, LogDescription
+from tactiledata.contract.records import Finding
+from tactiledata.errors import TactileDataError
+from tactiledata.indenters import INDENTERS, make_indenter
+from tactiledata.sensors import SENSORS
+
+UNDESCRIBED_MODELS = frozenset({"biotac", "camera", "gelsight", "gelsight_mini", "unknown"})
+"""Models that corpora hold and the toolkit does not describe."""
+
+OTHER_WORDS = {
+    "ball": "sphere",
+    "cube": "box",
+    "cylinder": "cylinder_flat or cylinder_side",
+    "plus": "cross",
+    "square": "box",
+    "wedge": "edge",
+}
+"""What people call shapes, and what they are called here."""
+
+LARGEST_GEL = 0.1
+"""m. No gel is longer or thicker; larger numbers are millimetres."""
+SMALLEST_GEL = 1e-4
+FARTHEST = {"tcp_from_gel": 1.5, "tcp_from_ft": 1.5, "base_from_indenter": 5.0, "robot.tool.centre_of_gravity": 1.5}
+"""m. Beyond this a stated distance is in millimetres."""
+HEAVIEST_TOOL = 30.0
+"""kg. More than any arm of these carries; a larger number is grams."""
+UNIT_TOLERANCE = 1e-3
+"""Deviation of a stated quaternion's length from 1 that rounding explains."""
+
+
+def description_findings(description: LogDescription) -> list[Finding]:
+    """What is implausible about what a recording says of itself."""
+    found = [
+        Finding("stated-implausible", "warning", f"{place} is {value}: {why}")
+        for place, value, why in _implausible_numbers(description)
+    ]
+    for name, entry in description.indenters.items():
+        found.extend(_indenter_findings(name, entry))
+    for serial, facts in description.sensors.items():
+        found.extend(_model_findings(serial, str(facts.get("model", ""))))
+    left = [name for names in (description.sensors, description.indenters) for name in names if _is_placeholder(name)]
+    if left:
+        text = f"{', '.join(left)}: a placeholder of a draft was not replaced by the real name"
+        found.append(Finding("placeholder-left", "warning", text, count=len(left)))
+    return found
+
+
+def _is_placeholder(name: str) -> bool:
+    return name.startswith(f"{PLACEHOLDER}-")
+
+
+def _indenter_findings(name: str, entry: Mapping[str, Any]) -> list[Finding]:
+    """Whether the shape can be made; a mesh is looked at by whoever uses it."""
+    if entry.get("mesh") is not None:
+        return []
+    try:
+        make_indenter(entry, None, f"indenters.{name}")
+    except TactileDataError as error:
+        shape = str(entry.get("shape", "")).lower()
+        hint = f" {entry['shape']!r} is called {OTHER_WORDS[shape]} here." if shape in OTHER_WORDS else ""
+        if shape in INDENTERS and shape != entry["shape"]:
+            hint = f" Names are written in small letters: {shape}."
+        return [Finding("indenter-unusable", "warning", f"{error}{hint}")]
+    return []
+
+
+def _model_findings(serial: str, model: str) -> list[Finding]:
+    if model in SENSORS or model in UNDESCRIBED_MODELS:
+        return []
+    near = difflib.get_close_matches(model.lower().replace(" ", "_").replace("-", "_"), list(SENSORS), n=2, cutoff=0.5)
+    meant = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(SENSORS)}"
+    text = (
+        f"sensors.{serial}.model is {model!r}, which is not known: {meant} Its images were not checked against a model"
+    )
+    return [Finding("sensor-model-unknown", "warning", text)]
+
+
+def _implausible_numbers(description: LogDescription) -> Iterator[tuple[str, object, str]]:
+    """Place, value and reason of numbers that are most likely in another unit, or no rotation."""
+    for place, pose in _poses(description):
+        xyz, xyzw = pose
+        limit = FARTHEST[place.rpartition(".")[2]]
+        if np.linalg.norm(xyz) > limit:
+            yield f"{place}.xyz", list(xyz), f"more than {limit:g} m away; lengths are in metres"
+        length = float(np.linalg.norm(xyzw))
+        if abs(length - 1) > UNIT_TOLERANCE:
+            yield f"{place}.xyzw", list(xyzw), f"a quaternion of length {length:.4g}; it was scaled to 1"
+    for serial, facts in description.sensors.items():
+        gel = facts.get("gel", {})
+        lengths = [*gel.get("outline", ()), *(gel[key] for key in ("thickness", "edge_thickness") if key in gel)]
+        beyond = [length for length in lengths if not SMALLEST_GEL < length < LARGEST_GEL]
+        if beyond:
+            why = f"expected {SMALLEST_GEL:g} to {LARGEST_GEL:g}; lengths are in metres"
+            yield f"sensors.{serial}.gel", beyond, why
+    tool = description.robot.get("tool", {})
+    if tool.get("mass", 0) > HEAVIEST_TOOL:
+        yield "robot.tool.mass", tool["mass"], f"more than {HEAVIEST_TOOL:g} kg; masses are in kilograms"
+    place = "robot.tool.centre_of_gravity"
+    if np.linalg.norm(tool.get("centre_of_gravity", [0.0])) > FARTHEST[place]:
+        why = f"more than {FARTHEST[place]:g} m from the tcp; lengths are in metres"
+        yield place, tool["centre_of_gravity"], why
+
+
+def _poses(description: LogDescription) -> Iterator[tuple[str, tuple[Sequence[float], Sequence[float]]]]:
+    """Stated poses with their places; those that are matrices were checked when they were read."""
+    stated = {f"robot.{name}": description.robot.get(name) for name in ("tcp_from_gel", "tcp_from_ft")}
+    for name, entry in description.indenters.items():
+        stated[f"indenters.{name}.base_from_indenter"] = entry.get("base_from_indenter")
+    for place, value in stated.items():
+        if isinstance(value, Mapping):
+            yield place, (value.get("xyz", (0.0, 0.0, 0.0)), value.get("xyzw", (0.0, 0.0, 0.0, 1.0)))
+        elif value is not None:
+            yield place, ([row[3] for row in value[:3]], (0.0, 0.0, 0.0, 1.0))
