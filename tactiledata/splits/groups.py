@@ -11,7 +11,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.errors import StoreError
-from tactiledata.splits.twins import join_twins, tells_a_moment
+from tactiledata.splits.twins import UNNAMED, join_twins, tells_a_moment
 
 UNIT_KINDS = ("sensor", "indenter")
 """Columns of the trajectories table whose values are units: what can be held out and what strata are made of."""
@@ -127,10 +127,16 @@ def place_of(trajectories: pa.Table) -> NDArray[np.int64]:
 
 
 def shared_place_of(trajectories: pa.Table) -> NDArray[np.int64]:
-    """As `place_of`, but one number for a sensor in all recordings where their times tell a moment."""
-    named = pc.not_equal(trajectories["sensor"], "").to_numpy()
-    is_absolute = tells_a_moment(trajectories["start_ns"].to_numpy(), named)
-    return np.where(is_absolute, -1 - codes(trajectories["sensor"]), place_of(trajectories))
+    """As `place_of`, but one number for a sensor in all recordings where their times tell a moment.
+
+    Sensors that a recording leaves unnamed have another made-up name in each: there only equal spans are one place.
+    """
+    sensor = trajectories["sensor"].combine_chunks().cast(pa.string())
+    start, end = (trajectories[name].combine_chunks() for name in ("start_ns", "end_ns"))
+    is_absolute = tells_a_moment(start.to_numpy(), pc.not_equal(sensor, "").to_numpy(zero_copy_only=False))
+    span = pc.binary_join_element_wise(start.cast(pa.string()), end.cast(pa.string()), "-")
+    shared = pc.if_else(pc.starts_with(sensor, UNNAMED), span, sensor)
+    return np.where(is_absolute, -1 - codes(pa.chunked_array([shared])), place_of(trajectories))
 
 
 def codes(column: pa.ChunkedArray) -> NDArray[np.int64]:

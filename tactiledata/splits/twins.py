@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 ABSOLUTE_NS = 10**18
 """9 September 2001. Earlier times are counted from the start of a recording or of a machine: they tell no moment."""
+UNNAMED = "unknown-"
+"""How the made-up names of sensors begin that their recording does not name."""
 
 
 def tells_a_moment(start: NDArray[np.int64], sensor_is_named: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -50,6 +50,14 @@ def test_a_copy_stands_with_its_original(tmp_path, only):
     assert audit(store, images=False).findings == ()
 
 
+@pytest.mark.parametrize(("shift", "is_twin"), [(0, True), (1, False)])
+def test_unnamed_sensors_are_told_by_equal_spans(shift, is_twin):
+    """A sensor without a name is called otherwise in each recording: twins have equal spans, to the nanosecond."""
+    rows = [{**row, "sensor": "unknown-1"} for row in recorded()]
+    found = group_trajectories(trajectories([*rows, *copied(rows, shift, sensor="unknown-2")])).group
+    assert (found[60:] == found[:60]) == is_twin
+
+
 @pytest.mark.parametrize(
     ("clock", "changes"),
     [(0, {}), (3600 * SECOND, {}), (ABSOLUTE_NS, {"sensor": "B"}), (ABSOLUTE_NS, {"sensor": ""})],
