@@ -53,7 +53,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     )
     table(
         "",
-        ("signal", "columns", "frame", "samples", "Hz", "news at Hz"),
+        ("signal", "columns", "frame", "samples", "Hz", "changes at Hz while moving"),
         [
             (
                 name,
@@ -61,7 +61,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
                 row["frame"] or "-",
                 row["samples"],
                 row["rate_hz"],
-                row["effective_rate_hz"],
+                row["effective_rate_hz"] or "-",
             )
             for name, row in facts["signals"].items()
         ],

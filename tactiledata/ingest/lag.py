@@ -58,11 +58,18 @@ def camera_lag(take: Take, decode: Callable[[NDArray[np.int64]], list[NDArray[np
     if mean[best] < MIN_CORRELATION or mean[best] - beside.max() < MIN_PEAK:
         return []
     each = [LAGS[int(np.nanargmax(curve))] / 1e6 for curve in curves]
+    spread = f"; the {len(curves)} touches judged one by one spread over {np.ptp(each):.0f} ms" if curves[1:] else ""
     text = (
-        f"the camera is {LAGS[best] / 1e6:+.0f} ms against the force sensor (median over {len(curves)} touches "
-        f"{np.median(each):+.0f} ms, spread {np.ptp(each):.0f} ms); reported, not applied"
+        f"the camera is {LAGS[best] / 1e6:+.0f} ms against the force sensor, give or take one frame "
+        f"({_frame_distance(take) / 1e6:.0f} ms); + means that images come late{spread}. Reported, not applied"
     )
     return [Finding("camera-lag", "info", text, count=len(curves))]
+
+
+def _frame_distance(take: Take) -> float:
+    """Median time between neighbouring frames of a trajectory, ns: a lag is not known any finer."""
+    trajectory, t_ns = take.frames["trajectory"].to_numpy(), take.frames["t_ns"].to_numpy()
+    return float(np.median(np.diff(t_ns)[np.diff(trajectory) == 0]))
 
 
 def _moving_touches(take: Take) -> list[NDArray[np.int64]]:

@@ -151,11 +151,11 @@ def _signals(facts: dict) -> Section | None:
             row["frame"] or "not stated",
             row["samples"],
             row["rate_hz"],
-            row["effective_rate_hz"],
+            row["effective_rate_hz"] or "-",
         )
         for name, row in facts["signals"].items()
     ]
-    columns = ("signal", "columns", "frame", "samples", "Hz", "news at Hz")
+    columns = ("signal", "columns", "frame", "samples", "Hz", "changes at Hz while moving")
     return Section("Signals", columns=columns, rows=rows) if rows else None
 
 

@@ -1,4 +1,4 @@
-"""At what rate a signal really brings news: runs of equal samples are one measurement read several times."""
+"""At what rate a signal really changes: a short run of equal samples is one measurement read several times."""
 
 from __future__ import annotations
 
@@ -11,14 +11,29 @@ from tactiledata.contract.records import Finding, Times, Values
 REPEATS_WORTH_SAYING = 0.05
 """Share of samples equal to the one before, from which on it is reported."""
 
+STILL = 500_000_000
+"""ns. A longer run of equal samples is a robot at rest, and says nothing about the rate of its measurements."""
+
 
 @dataclass(frozen=True)
 class Rate:
-    """Rates in Hz over the span of a signal, and its largest gap."""
+    """Rates of a signal and its largest gap.
+
+    Parameters
+    ----------
+    nominal : float
+        Hz, at which samples come.
+    effective : float
+        Hz, at which their values change while the signal is not at rest; 0 where it never changes.
+    repeated, steps : int
+        How many samples are equal to the one before, of how many.
+    largest_gap_ns : int
+    """
 
     nominal: float
     effective: float
     repeated: int
+    steps: int
     largest_gap_ns: int
 
     def document(self) -> dict[str, float | int]:
@@ -34,25 +49,28 @@ class Rate:
 def measure_rate(t_ns: Times, values: Values) -> Rate:
     """Rates of a signal: ``t_ns`` (n,) non-decreasing, ``values`` (n, k)."""
     if len(t_ns) < 2 or t_ns[-1] == t_ns[0]:
-        return Rate(0.0, 0.0, 0, 0)
+        return Rate(0.0, 0.0, 0, 0, 0)
     steps = np.diff(t_ns)
-    typical = np.median(steps[steps > 0])
-    same = (values[1:] == values[:-1]).all(axis=1)
-    repeated = int(same.sum())
-    nominal = 1e9 / float(typical)
-    return Rate(nominal, nominal * (1 - repeated / len(steps)), repeated, int(steps.max()))
+    nominal = 1e9 / float(np.median(steps[steps > 0]))
+    changed = np.flatnonzero((values[1:] != values[:-1]).any(axis=1))
+    # samples from one change to the next; those of a long rest are left out
+    runs, lasted = np.diff(changed), np.diff(t_ns[changed + 1])
+    moving = runs[lasted <= STILL]
+    effective = nominal * len(moving) / moving.sum() if len(moving) else 0.0
+    return Rate(nominal, float(effective), len(steps) - len(changed), len(steps), int(steps.max()))
 
 
 def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Finding]:
     """What is to be said about a signal's rate; only forces always carry noise, an arm at rest does repeat itself."""
-    if "fx" not in columns or rate.nominal == 0 or rate.effective > (1 - REPEATS_WORTH_SAYING) * rate.nominal:
+    if "fx" not in columns or rate.repeated < REPEATS_WORTH_SAYING * rate.steps or not rate.repeated:
         return []
+    changing = rate.nominal * (1 - rate.repeated / rate.steps)
     return [
         Finding(
             "repeated-samples",
             "info",
             f"{stream}: {rate.repeated} samples repeat the one before; recorded at {rate.nominal:.1f} Hz, "
-            f"news at {rate.effective:.1f} Hz",
+            f"new values at {changing:.1f} Hz",
             stream,
             count=rate.repeated,
         )
@@ -60,24 +78,22 @@ def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Fin
 
 
 def gap_findings(stream: str, t_ns: Times, spans: list[tuple[int, int]], factor: float = 10.0) -> list[Finding]:
-    """Gaps inside the given spans (trajectories) that are ``factor`` times the usual distance of samples."""
+    """Gaps inside the given spans (trajectories) that are ``factor`` times the usual distance of samples.
+
+    Of a gap that reaches beyond a trajectory, only what lies inside counts: pauses between trajectories are no gaps.
+    """
     if len(t_ns) < 3:
         return []
     steps = np.diff(t_ns)
     limit = max(factor * float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0, 1e6)
-    wide = np.flatnonzero(steps > limit)
-    inside = [row for row in wide if any(t_ns[row] < end and t_ns[row + 1] > start for start, end in spans)]
+    lost = [
+        (int(max(t_ns[row], start)), int(min(t_ns[row + 1], end)))
+        for row in np.flatnonzero(steps > limit)
+        for start, end in spans
+    ]
+    inside = [(start, end) for start, end in lost if end - start > limit]
     if not inside:
         return []
-    largest = max(inside, key=lambda row: steps[row])
-    return [
-        Finding(
-            "gap",
-            "warning",
-            f"{stream}: {len(inside)} gaps inside trajectories, the largest {steps[largest] / 1e6:.0f} ms",
-            stream,
-            start_ns=int(t_ns[largest]),
-            end_ns=int(t_ns[largest + 1]),
-            count=len(inside),
-        )
-    ]
+    start, end = max(inside, key=lambda gap: gap[1] - gap[0])
+    text = f"{stream}: {len(inside)} gaps inside trajectories, the largest {(end - start) / 1e6:.0f} ms"
+    return [Finding("gap", "warning", text, stream, start_ns=start, end_ns=end, count=len(inside))]
