@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 RUNNABLE = {"python", "bash", "sh", "console"}
 BLOCK = re.compile(
-    r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*)[^\n]*\n(?P<code>.*?)^```",
+    r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*) ?(?P<file>[^\n]*)\n(?P<code>.*?)^```",
     re.DOTALL | re.MULTILINE,
 )
 LINK = re.compile(r"\]\((?!https?://|#|mailto:)(?P<target>[^)#\s]+)")
@@ -43,11 +43,16 @@ def prepared(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_blocks_run(page, prepared, tmp_path):
-    """The runnable blocks of a page run one after another in one folder, as a reader would run them."""
+    """The runnable blocks of a page run one after another in one folder, beside the files that its blocks show."""
     runnable = [block for block in blocks(page) if block["language"] in RUNNABLE and not block["reason"]]
     if not runnable:
         return
     shutil.copytree(prepared, tmp_path / "work")
+    for block in blocks(page):
+        if block["file"]:
+            shown = tmp_path / "work" / block["file"]
+            shown.parent.mkdir(parents=True, exist_ok=True)
+            shown.write_text(block["code"], encoding="utf-8")
     environment = {
         **os.environ,
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",

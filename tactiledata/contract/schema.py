@@ -25,6 +25,15 @@ MAX_DEPTH = 100
 MAX_VALUES = 2**25
 """Values that a document may stand for, aliases written out: a few lines of aliases of aliases can mean billions."""
 
+PAGES = {
+    "log": "docs/formats-folder.md",
+    "mapping": "docs/formats-mcap.md",
+    "scenario": "docs/rig.md",
+    "split": "docs/splits.md",
+    "store": "docs/store.md",
+}
+"""The page that explains the documents of each schema, with an example."""
+
 
 def shipped_folder(name: str) -> Traversable:
     """The folder ``schemas`` or ``recipes``: inside the installed package, or beside it in a source checkout."""
@@ -64,7 +73,7 @@ def check_document(document: Any, schema: str, where: str) -> None:
     raise SchemaError(
         f"{where} does not fit schema {schema!r}: " + "; ".join(lines) + more,
         "",
-        f"The schema with a description of every field is schemas/{schema}.json; docs/formats.md has an example.",
+        f"{PAGES[schema]} shows how it is written; every field is described in schemas/{schema}.json.",
         path=_path(faults[0]),
         file=where,
     )

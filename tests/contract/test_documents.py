@@ -1,6 +1,7 @@
 """Documents from strangers: every fault is a SchemaError with its place, and none exhausts time or memory."""
 
 import json
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -145,3 +146,13 @@ def test_every_schema_is_a_schema():
         schemas.jsonschema.Draft202012Validator.check_schema(schemas.load_schema(name))
         with pytest.raises(SchemaError):
             check_document([], name, "x")
+
+
+def test_a_fault_points_to_the_page_that_explains_it():
+    """Every schema has a page, the page is there, and the message names it."""
+    root = Path(__file__).resolve().parents[2]
+    assert set(schemas.PAGES) == {path.stem for path in (root / "schemas").glob("*.json")}
+    for name, page in schemas.PAGES.items():
+        assert (root / page).is_file()
+        with pytest.raises(SchemaError, match=page):
+            check_document({}, name, "test")

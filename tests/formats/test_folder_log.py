@@ -327,7 +327,7 @@ def test_the_page_example_is_a_valid_log(tmp_path):
     (log / "frames").mkdir(parents=True)
     (log / "backgrounds").mkdir()
     blocks = re.findall(
-        r"^```(?:yaml|csv) (\S+)\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        r"^```(?:yaml|csv) press-day1/(\S+)\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
     )
     assert [name for name, _ in blocks] == ["log.yaml", *TABLES]
     for name, content in blocks:
