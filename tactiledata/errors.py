@@ -9,7 +9,8 @@
     ├── SchemaError (ValueError)           a document does not fit its schema; carries the path inside it
     ├── BrokenLog (ValueError)             a recording that cannot be read at all
     ├── UnsafeContent (ValueError)         data that would execute, or a path that leaves its folder
-    ├── MissingFile (FileNotFoundError)    a file that was named and is not there
+    ├── MissingFile (FileNotFoundError)    a file that was named and is not there          exit code 2
+    │   └── LostFile                       a file that other files name and that is gone   exit code 1
     ├── StoreError (ValueError)            a store that is damaged, foreign or of another version
     │   └── StoreBusy (BlockingIOError)    another process writes to the store
     └── LeakError (ValueError)             data that would be on both sides of a split
@@ -113,6 +114,14 @@ class UnsafeContent(TactileDataError, ValueError):
 
 class MissingFile(TactileDataError, FileNotFoundError):
     """A file or folder that was named and does not exist."""
+
+    exit_code = 2
+
+
+class LostFile(MissingFile):
+    """A file that a store, a log or another document names and that is gone: damage, not a wrong call."""
+
+    exit_code = 1
 
 
 class StoreError(TactileDataError, ValueError):

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import typer
 
-from tactiledata.cli.output import progress, say
+from tactiledata.cli.documents import wrong_document_is_wrong_usage
+from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
 MARKER = ".tactiledata-demo"
@@ -23,8 +26,9 @@ def demo(
     out: Path = typer.Option(Path("demo-out"), "--out", help="Folder for everything that the demo makes."),
     world: str = typer.Option("demo", "--world", help="Scenario to record: demo, tiny, or a file."),
     workers: int = typer.Option(2, "--workers", help="Local processes for the ingest."),
+    as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a small world, ingest it, split and audit it, load a batch, and write a report.
+    """Record a small world and take it all the way to a report. Ingest, split, audit and a batch lie between.
 
     Example: tactiledata demo --out demo-out
     """
@@ -37,36 +41,52 @@ def demo(
     from tactiledata.splits.make import make_split
     from tactiledata.store.reader import Store
 
-    _empty_folder(out)
-    say("1. Record: a UR5e presses DIGIT sensors on indenters (known truth, real backgrounds), as ROS 2 MCAP")
-    with progress("recording") as tell:
-        logs = record(load_scenario(find_scenario(world)), out / "recordings", "mcap", tell)
-    say(f"   {len(logs)} recordings in {out / 'recordings'}")
+    def tell(text: str) -> None:
+        if not as_json:
+            say(text)
 
-    say("2. Ingest: clocks, contact forces, trajectories and checks into one Zarr store")
+    with wrong_document_is_wrong_usage():
+        scenario = load_scenario(find_scenario(world))
+    _empty_folder(out)
+    tell("1. Record: a UR5e presses DIGIT sensors on indenters (known truth, real backgrounds), as ROS 2 MCAP")
+    with progress("recording", quiet=as_json) as bar:
+        logs = record(scenario, out / "recordings", "mcap", bar)
+    tell(f"   {counted(len(logs), 'recording')} in {out / 'recordings'}")
+
+    tell("2. Ingest: clocks, contact forces, trajectories and checks into one Zarr store")
     store_path = out / "demo.zarr"
-    with progress("ingesting") as tell:
-        report = ingest(logs, store_path, workers=workers, progress=tell)
+    with progress("ingesting", quiet=as_json) as bar:
+        report = ingest(logs, store_path, workers=workers, progress=bar)
     added = [source for source in report.sources if source.state == "added"]
     trajectories, images = sum(one.trajectories for one in added), sum(one.frames for one in added)
-    say(f"   {store_path}: {trajectories} trajectories, {images} images")
+    tell(f"   {store_path}: {counted(trajectories, 'trajectory')}, {counted(images, 'image')}")
 
-    say("3. Split: whole trajectories, one sensor never seen in training; audit for leaks")
+    tell("3. Split: whole trajectories, one sensor never seen in training; audit for leaks")
     store = Store.open(store_path)
     split = make_split(store)
     for part, count in split.counts.items():
-        say(f"   {part}: {count.trajectories} trajectories, {count.frames} images")
+        tell(f"   {part}: {counted(count.trajectories, 'trajectory')}, {counted(count.frames, 'image')}")
     for note in split.notes:
-        say(f"   note: {note}")
-    with progress("auditing") as tell:
-        audited = audit(store, "default", progress=tell)
-    say(f"   audit: {audited.lines()[0]}")
+        tell(f"   note: {note}")
+    with progress("auditing", quiet=as_json) as bar:
+        audited = audit(store, "default", progress=bar)
+    tell(f"   audit: {audited.lines()[0]}")
 
-    say("4. Load: a batch from PyTorch")
-    _load_batch(store_path)
+    tell("4. Load: a batch from PyTorch")
+    batch = _load_batch(store_path)
+    tell(f"   {batch['said']}")
 
     written = write_report(store, out)
-    say(f"5. Look: {written['picture']}\n   Open:  {written['page']}")
+    tell(f"5. Look: {written['picture']}\n   Open:  {written['page']}")
+    if as_json:
+        emit({
+            "recordings": [str(log) for log in logs],
+            "ingest": report.document(),
+            "split": split.document(),
+            "audit": audited.document(),
+            "batch": batch,
+            **{name: str(path) for name, path in written.items()},
+        })  # fmt: skip
     if report.fell_short or audited.leaks:
         raise typer.Exit(1)
 
@@ -87,16 +107,16 @@ def _empty_folder(out: Path) -> None:
     (out / MARKER).touch()
 
 
-def _load_batch(store_path: Path) -> None:
+def _load_batch(store_path: Path) -> dict[str, Any]:
+    """What a batch of training frames is, in words under ``said`` and, where there is PyTorch, as shapes by stream."""
     try:
         from torch.utils.data import DataLoader
     except ImportError:
-        say("   PyTorch is not installed, so this step is left out: pip install 'tactiledata[models]'")
-        return
+        return {"said": "PyTorch is not installed, so this step is left out: pip install 'tactiledata[models]'"}
     from tactiledata.loaders.torch import TactileDataset
 
-    train = TactileDataset(store_path, split="default/train", streams=["digit", "contact_wrench"])
+    train = TactileDataset(store_path, split="default/train", streams=["digit", "contact_wrench"], missing="drop")
     batch = next(iter(DataLoader(train, batch_size=min(64, len(train)))))
-    image, wrench = batch["digit"], batch["contact_wrench"]
-    say(f"   {len(train)} training frames; a batch: digit {tuple(image.shape)} {image.dtype}, "
-        f"contact_wrench {tuple(wrench.shape)} {wrench.dtype}")  # fmt: skip
+    shapes = {name: list(batch[name].shape) for name in ("digit", "contact_wrench")}
+    told = ", ".join(f"{name} {tuple(shape)} {batch[name].dtype}" for name, shape in shapes.items())
+    return {"said": f"{counted(len(train), 'training frame')}; a batch: {told}", "shapes": shapes}

@@ -8,6 +8,7 @@ from typing import Any
 import typer
 from rich.markup import escape
 
+from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.output import JSON_OPTION, emit, err, findings, say, table
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -45,7 +46,7 @@ def indenters(
     picture: Path = typer.Option(None, "--picture", help="Draw all of them into this PNG file."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Indenters that the toolkit knows by name, with their sizes in metres.
+    """Indenters that the toolkit knows by name, with their sizes. Lengths are in metres.
 
     Example: tactiledata indenters --picture indenters.png
     """
@@ -76,15 +77,14 @@ def inspect(
     mapping: Path = typer.Option(None, "--mapping", help="Look at it as this mapping file says."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """What is in a log: streams, types, rates, what they would be read as, and what is wrong.
+    """What is in a log, and what is wrong with it. Streams, types, rates, and what they would be read as.
 
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
-    from tactiledata.contract.schema import read_document
     from tactiledata.ingest.discover import find_sources
 
     sources, unclaimed = find_sources([path])
-    document = read_document(mapping, "mapping") if mapping is not None else None
+    document = mapping_document(mapping)
     looked, failed = _looked_at(sources, document)
     if suggest_mapping:
         _print_mapping(looked, failed)

@@ -8,6 +8,7 @@ from typing import Any
 
 import typer
 
+from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.errors import UsageError
 
@@ -32,14 +33,13 @@ def ingest(
 
     Example: tactiledata ingest recordings --store ds.zarr --workers 2
     """
-    from tactiledata.contract.schema import read_document
     from tactiledata.ingest.assemble import IngestOptions
     from tactiledata.ingest.pipeline import ingest as add
 
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "seconds above 0")
     options = IngestOptions(
-        mapping=read_document(mapping, "mapping") if mapping is not None else None,
+        mapping=mapping_document(mapping),
         format_name=format_name,
         strict=strict,
         gap_limit_ns=round(gap_limit * 1e9),

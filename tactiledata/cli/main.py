@@ -7,15 +7,11 @@ import os
 import sys
 
 import typer
-from rich.markup import escape
 
 from tactiledata import __version__
 from tactiledata.cli import demo, families, ingest, record, split, store
-from tactiledata.cli.output import err
+from tactiledata.cli.failure import DEBUG_VARIABLE, INTERRUPTED, report_failure, report_interruption
 from tactiledata.errors import TactileDataError
-
-DEBUG_VARIABLE = "TACTILEDATA_DEBUG"
-"""Set to 1 to see the traceback of a fault of ours."""
 
 app = typer.Typer(
     name="tactiledata",
@@ -45,31 +41,20 @@ def run() -> None:
         if isinstance(stream, io.TextIOWrapper):
             # names of files and sensors may hold what the terminal's encoding cannot show
             stream.reconfigure(errors="backslashreplace")
+    as_json = "--json" in sys.argv[1:]
     try:
-        app()
-    except TactileDataError as error:
-        err().print(f"[red]error:[/red] {escape(str(error))}")
-        sys.exit(error.exit_code)
-    except KeyboardInterrupt:
-        err().print("interrupted; what is finished is kept, run the same command again to go on")
-        sys.exit(130)
+        code = app(standalone_mode=False) or 0
     except BrokenPipeError:
         # the reader of our output went away, as `| head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    except OSError as error:
-        err().print(f"[red]error:[/red] {escape(_os_text(error))}")
-        sys.exit(1)
+        code = 0
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     except Exception as error:  # the last resort: no traceback for users
-        if os.environ.get(DEBUG_VARIABLE):
+        is_expected = isinstance(error, TactileDataError | OSError | typer.TyperException)
+        if os.environ.get(DEBUG_VARIABLE) and not is_expected:
             raise
-        err().print(
-            f"[red]error:[/red] a fault of tactiledata {__version__}: {type(error).__name__}: {escape(str(error))}. "
-            f"Please report it with the traceback that {DEBUG_VARIABLE}=1 shows."
-        )
-        sys.exit(3)
-
-
-def _os_text(error: OSError) -> str:
-    name = f" ({error.filename})" if error.filename else ""
-    return f"the system refused: {error.strerror or error}{name}. Check the path, its permissions and the free space."
+        code = report_failure(error, as_json)
+    if code == INTERRUPTED:  # typer turns Ctrl-C into this code
+        report_interruption(as_json)
+    sys.exit(code)

@@ -16,7 +16,7 @@ from rich.table import Table
 
 from tactiledata.contract.records import Finding
 
-JSON_OPTION = typer.Option(False, "--json", help="One JSON document on standard output, for machines.")
+JSON_OPTION = typer.Option(False, "--json", help="One JSON document on standard output, for machines; errors too.")
 
 COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
 

@@ -10,7 +10,9 @@ import typer
 if TYPE_CHECKING:
     from tactiledata.rig.record import Form
 
+from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.contract.wording import counted
 
 
 def register(app: typer.Typer) -> None:
@@ -24,7 +26,7 @@ def record(
     form: str = typer.Option("mcap", "--format", help="mcap or folder."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a world with known truth: a UR5e presses DIGIT sensors on indenters, as ordinary logs.
+    """Record a world with known truth, as ordinary logs. A UR5e presses DIGIT sensors on indenters.
 
     Example: tactiledata record demo --out recordings --format mcap
     """
@@ -32,11 +34,13 @@ def record(
     from tactiledata.rig.scenario import load_scenario
     from tactiledata.rig.worlds import find_scenario
 
+    with wrong_document_is_wrong_usage():
+        loaded = load_scenario(find_scenario(scenario))
     with progress("recording", quiet=as_json) as tell:
-        logs = play(load_scenario(find_scenario(scenario)), out, cast("Form", form), tell)
+        logs = play(loaded, out, cast("Form", form), tell)
     if as_json:
         emit({"logs": [str(log) for log in logs], "truth": str(out / "truth")})
         return
     for log in logs:
         say(str(log))
-    say(f"{len(logs)} logs in {out}; what really happened is in {out / 'truth'}, which the toolkit never reads")
+    say(f"{counted(len(logs), 'log')} in {out}; what really happened is in {out / 'truth'}, never read by the toolkit")

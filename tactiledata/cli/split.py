@@ -18,7 +18,7 @@ def register(app: typer.Typer) -> None:
 def split(
     store: str = STORE_ARGUMENT,
     by: str = typer.Option(
-        "trajectory,sensor", "--by", help="trajectory, and what to spread evenly: sensor, indenter."
+        "trajectory,sensor", "--by", help="trajectory, and the units to count by and to hold out: sensor, indenter."
     ),
     hold_out: str = typer.Option(
         "auto", "--hold-out", help="sensor=…,indenter=… kept for the second test; auto, or none."
@@ -30,7 +30,7 @@ def split(
     replace: bool = typer.Option(False, "--replace", help="Draw it anew where one of that name has other options."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Deal out whole trajectories to train, val, test, and a second test of unseen sensors and indenters.
+    """Deal out whole trajectories to train, val, test, test_unseen. The last holds sensors and indenters held out.
 
     Example: tactiledata split --by trajectory,sensor
     """
@@ -59,7 +59,7 @@ def audit(
     images: bool = typer.Option(True, "--images/--no-images", help="Look for near copies among the images, too."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Look for leaks between the parts of a split; exit 1 where there is one.
+    """Look for leaks between the parts of a split. Exit 1 where there is one.
 
     Example: tactiledata audit --split default
     """

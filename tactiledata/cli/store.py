@@ -10,7 +10,8 @@ import typer
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
-from tactiledata.errors import UsageError
+from tactiledata.contract.wording import counted
+from tactiledata.errors import UnknownName, UsageError
 
 
 def register(app: typer.Typer) -> None:
@@ -23,7 +24,7 @@ def register(app: typer.Typer) -> None:
 
 
 def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
-    """What a store holds: recordings, sensors, indenters, signals, splits.
+    """What a store holds: recordings, sensors, signals, splits.
 
     Example: tactiledata info ds.zarr
     """
@@ -38,8 +39,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         emit(facts)
         return
     say(
-        f"{opened.location}: {facts['sources']} recordings, {facts['trajectories']} trajectories, "
-        f"{facts['frames']} images"
+        f"{opened.location}: {counted(facts['sources'], 'recording')}, "
+        f"{counted(facts['trajectories'], 'trajectory')}, {counted(facts['frames'], 'image')}"
     )
     table(
         "",
@@ -70,7 +71,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         say(f"split: {name}")
     say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
     for code, row in sorted(facts["findings"].items()):
-        say(f"  {row['severity']:<7} {code}: {row['count']} in {row['sources']} recordings")
+        say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
     say(f"digest: {opened.digest}")
 
 
@@ -80,7 +81,7 @@ def check(
     decode: bool = typer.Option(False, "--decode", help="Decode every image, too: slow, finds what checksums cannot."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Check every byte of a store against its checksums, and its tables against each other; exit 1 on damage.
+    """Check every byte of a store against its checksums. Tables are held against each other; exit 1 on damage.
 
     Example: tactiledata check ds.zarr --repair
     """
@@ -97,7 +98,7 @@ def check(
     else:
         findings(("mended", finding) for finding in mended)
         findings(("", finding) for finding in found)
-        say("the store is whole" if not found else f"{len(found)} findings")
+        say("the store is whole" if not found else counted(len(found), "finding"))
     if any(finding.severity == "damage" for finding in found):
         raise typer.Exit(1)
 
@@ -107,7 +108,7 @@ def merge(
     into: Path = typer.Option(..., "--into", help="Store to add to; made where it is not there."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Add the recordings of several stores to one; a recording that is in two comes once. Splits are not taken along.
+    """Add the recordings of several stores to one. One that is in two comes once; splits are not taken along.
 
     Example: tactiledata merge monday.zarr tuesday.zarr --into week.zarr
     """
@@ -131,7 +132,7 @@ def sensors(
     store: str = typer.Option(None, "--store", help="With add: the store [default: the only *.zarr here]."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Sensors of a store, and the real backgrounds that come with the toolkit; `add` gives a store another one.
+    """Sensors of a store, and backgrounds that the toolkit brings. `add` gives a store another sensor.
 
     Example: tactiledata sensors add D20542 --background empty.png
     """
@@ -197,10 +198,10 @@ def _list_sensors(store: str | None, as_json: bool) -> None:
 def report(
     store: str = STORE_ARGUMENT,
     out: Path = typer.Option(Path("report"), "--out", help="Folder for report.html and recorded.png."),
-    split: str = typer.Option("default", "--split", help="Split to describe, where there is one."),
+    split: str = typer.Option(None, "--split", help="Split to describe [default: default, where there is one]."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """One page about a store: what was recorded, what was wrong with it, who may learn from what; with pictures.
+    """One page about a store, with pictures. What was recorded, what was wrong with it, who may learn from what.
 
     Example: tactiledata report ds.zarr --out report
     """
@@ -209,7 +210,10 @@ def report(
 
     location = working_store(store)
     with damage_explains(location):
-        written = write_report(Store.open(location), out, split)
+        opened = Store.open(location)
+        if split is not None and split not in opened.split_names():
+            raise UnknownName("split", split, opened.split_names(), "`tactiledata split` makes one.")
+        written = write_report(opened, out, split or "default")
     if as_json:
         emit({name: str(path) for name, path in written.items()})
         return

@@ -20,7 +20,7 @@ from typing import Any, BinaryIO, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.errors import BrokenLog, MissingFile, UnsafeContent
+from tactiledata.errors import BrokenLog, LostFile, UnsafeContent
 
 MAX_PICKLE_BYTES = 8 * 2**30
 """Largest file that is unpickled whole; lists of images are indexed instead, see `pickled_list`."""
@@ -91,9 +91,9 @@ def load_npy(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
 
 
 def open_named(path: Path) -> BinaryIO:
-    """A file opened for reading; `MissingFile` where it is not there."""
+    """A file opened for reading; `LostFile` where it is not there."""
     if not path.is_file():
-        raise MissingFile(f"{path} does not exist", "a file of the corpus", path=str(path))
+        raise LostFile(f"{path} does not exist", "a file of the corpus", path=str(path))
     return path.open("rb")
 
 

@@ -15,7 +15,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from tactiledata.contract.paths import path_inside
-from tactiledata.errors import MissingFile, SchemaError
+from tactiledata.errors import LostFile, SchemaError
 from tactiledata.indenters.base import LARGEST_PART, SMALLEST_PART, Indenter
 from tactiledata.units import metres
 
@@ -119,7 +119,7 @@ def load_mesh_indenter(entry: Mapping[str, Any], folder: Path | None, where: str
     SchemaError
         No unit, an unknown kind of file, a file that is too large or no mesh, a surface that is open or inconsistent,
         or a part whose size tells that the unit is wrong.
-    MissingFile, UnsafeContent
+    LostFile, UnsafeContent
         The file is not there, or outside ``folder``.
     """
     name, unit = entry["mesh"], entry.get("unit")
@@ -157,7 +157,7 @@ def _read(path: Path, where: str) -> trimesh.Trimesh:
             path=where,
         )
     if not path.is_file():
-        raise MissingFile(f"{where} names the mesh {path}, which does not exist", "a file", path=str(path))
+        raise LostFile(f"{where} names the mesh {path}, which does not exist", "a file", path=str(path))
     size = path.stat().st_size
     if size > MAX_MESH_BYTES:
         raise SchemaError(

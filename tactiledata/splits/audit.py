@@ -12,6 +12,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding
+from tactiledata.contract.wording import counted
 from tactiledata.errors import SchemaError, StoreError
 from tactiledata.splits import leaks
 from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
@@ -72,9 +73,21 @@ class AuditReport:
 
     def lines(self) -> list[str]:
         """The report for people."""
-        looked = ", ".join(f"{count} {what}" for what, count in self.checked.items())
-        verdict = f"{len(self.leaks)} kinds of leak" if self.leaks else "no leak found"
-        return [f"split {self.name!r}: {verdict} ({looked})", *(f"- {f.code}: {f.message}" for f in self.findings)]
+        looked = ", ".join(f"{count} {what}" for what, count in self.checked.items()) or "nothing could be checked"
+        return [
+            f"split {self.name!r}: {self._verdict()} ({looked})",
+            *(f"- {f.code}: {f.message}" for f in self.findings),
+        ]
+
+    def _verdict(self) -> str:
+        """In words, whether it leaks, and first whether it can be judged at all."""
+        codes = [finding.code for finding in self.leaks]
+        if "split-changed" in codes:
+            return "its files were changed or damaged, so that nothing can be said about leaks"
+        kinds = [code for code in codes if code != "split-out-of-date"]
+        leaks = f"{counted(len(kinds), 'kind')} of leak" if kinds else "no leak found"
+        stale = "out of date: the store holds other trajectories; run `tactiledata split` again; "
+        return (stale if "split-out-of-date" in codes else "") + leaks
 
 
 def audit(store: Store, name: str = "default", images: bool = True, progress: Progress | None = None) -> AuditReport:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.wording import counted
 from tactiledata.errors import LeakError, MissingFile, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
 from tactiledata.splits.assign import SPLIT_SCHEMA
 from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
@@ -219,8 +220,8 @@ def coverage_problem(split: Split, uids: pa.ChunkedArray) -> str:
     inside = split.table["uid"]
     new = len(uids) - pc.sum(pc.is_in(uids, value_set=inside.combine_chunks()), min_count=0).as_py()
     gone = len(inside) - pc.sum(pc.is_in(inside, value_set=uids.combine_chunks()), min_count=0).as_py()
-    parts = [f"{new} trajectories are new"] if new else []
-    parts += [f"{gone} of its trajectories are gone"] if gone else []
+    parts = [f"the store has {counted(new, 'new trajectory')}"] if new else []
+    parts += [f"{counted(gone, 'trajectory')} of the split can no longer be found"] if gone else []
     if not parts and len(inside) != len(uids):
         parts = [f"it has {len(inside)} rows for {len(uids)} trajectories"]
     return " and ".join(parts)

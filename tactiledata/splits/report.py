@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
+from tactiledata.contract.wording import counted
 from tactiledata.splits.assign import describe_held, draw, part_of
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SHARES, SplitOptions
 
@@ -86,7 +87,8 @@ class SplitReport:
         """The report for people."""
         total = sum(count.trajectories for count in self.counts.values()) or 1
         rows = [
-            f"{part:<12} {count.trajectories:>8} trajectories ({count.trajectories / total:.1%}), {count.frames} frames"
+            f"{part:<12} {counted(count.trajectories, 'trajectory'):>20} ({count.trajectories / total:.1%}), "
+            f"{counted(count.frames, 'frame')}"
             for part, count in self.counts.items()
             if part != EXCLUDED or count.trajectories
         ]
@@ -135,17 +137,17 @@ def notes_on(
     for kind in ("sensor", "indenter"):
         unnamed = table[kind].to_pylist().count("")
         if unnamed:
-            notes.append(f"{unnamed} trajectories name no {kind}: nobody knows whether it is a held-out one")
+            notes.append(f"trajectories that name no {kind}: {unnamed}; nobody knows whether it is a held-out one")
     known = set(table["uid"].to_pylist())
     orphans = len({root for root in table["root"].to_pylist() if root not in known})
     if orphans:
         notes.append(
-            f"{orphans} parents of derived trajectories are not in this store: the derived ones are drawn as "
-            "their parents are where they lie, given the same seed, fractions and hold-out"
+            f"some trajectories derive from {counted(orphans, 'parent trajectory')} that this store does not hold; "
+            "they are drawn as their parents are where those lie, given the same seed, fractions and hold-out"
         )
     silent = table.num_rows - int(np.count_nonzero(table["frames"].to_numpy()))
     if silent:
-        notes.append(f"{silent} trajectories have no frame that the split takes (see the contact filter, --force)")
+        notes.append(f"trajectories without a frame that the split takes (see the contact filter, --force): {silent}")
     return notes
 
 
@@ -156,20 +158,20 @@ def _excluded(table: pa.Table) -> list[str]:
     notes = []
     if recorded:
         notes.append(
-            f"{recorded} recorded trajectories are in no part: they hold the same moments of a sensor as earlier ones "
-            "that stand in several parts, or carry a held-out unit that those do not"
+            f"in no part: {counted(recorded, 'recorded trajectory')} that hold the same moments of a sensor as earlier "
+            "ones, which stand in several parts or do not carry the same held-out unit"
         )
     if derived:
         notes.append(
-            f"{derived} derived trajectories are in no part: they carry a held-out unit, and what they were derived "
-            "from is in train, val or test, or in no part"
+            f"in no part: {counted(derived, 'derived trajectory')} with a held-out unit, derived from what is in "
+            "train, val or test, or in no part"
         )
     return notes
 
 
 def _empty_parts(table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str]) -> list[str]:
     notes = [
-        f"{part} has {counts[part].trajectories} trajectories and no frames"
+        f"{part} has {counted(counts[part].trajectories, 'trajectory')} and no frames"
         for part in wanted
         if counts[part].trajectories and not counts[part].frames
     ]

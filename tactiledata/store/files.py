@@ -15,7 +15,7 @@ import zarr
 import zarr.abc.store
 from zarr.storage import FsspecStore, LocalStore
 
-from tactiledata.errors import MissingFile, StoreError
+from tactiledata.errors import LostFile, StoreError
 
 MOST_MAPS = 256
 """Files that are mapped at once; each keeps a file descriptor, and 1024 is a usual limit."""
@@ -223,9 +223,9 @@ def open_files(location: str | Path, storage_options: Mapping[str, Any] | None =
     return LocalFiles(Path(location))
 
 
-def missing_file(path: str, location: str) -> MissingFile:
+def missing_file(path: str, location: str) -> LostFile:
     """The error for a file that a manifest needs and that is not there."""
-    return MissingFile(
+    return LostFile(
         f"{path} is missing in the store {location}",
         "every file that the manifest names",
         "Run `tactiledata check` to see what else is missing; restore it from a copy.",

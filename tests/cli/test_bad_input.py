@@ -17,7 +17,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tactiledata.cli.main import DEBUG_VARIABLE, run
+from tactiledata.cli.failure import DEBUG_VARIABLE
+from tactiledata.cli.main import run
 
 
 def command(capsys, *arguments):
@@ -82,7 +83,7 @@ def case(code, *words):
     return register
 
 
-@case(1, "does not exist")
+@case(2, "does not exist")
 def path_that_is_not_there(bench):
     return bench.ingest(bench.folder / "nowhere.mcap")
 
@@ -302,7 +303,7 @@ def format_with_a_slip(bench):
     return [*bench.ingest(bench.mcap), "--format", "mcapp"]
 
 
-@case(1, "$.signals")
+@case(2, "$.signals")
 def mapping_that_does_not_fit(bench):
     (bench.folder / "mapping.yaml").write_text("format: tactiledata-mapping/1\nsignals: {wrench: {tpoic: /w}}\n")
     return [*bench.ingest(bench.mcap), "--mapping", "mapping.yaml"]
@@ -342,7 +343,7 @@ def a_folder_that_is_no_store(bench):
     return ["info", bench.log]
 
 
-@case(1, "no store at")
+@case(2, "no store at")
 def a_store_that_is_not_there(bench):
     return ["info", bench.folder / "nowhere.zarr"]
 
@@ -469,7 +470,7 @@ def unknown_scenario(bench):
     return ["record", "tny", "--out", bench.folder / "out"]
 
 
-@case(1, "$.")
+@case(2, "$.")
 def scenario_that_does_not_fit(bench):
     (bench.folder / "world.yaml").write_text("format: tactiledata-scenario/1\nseed: many\n")
     return ["record", bench.folder / "world.yaml", "--out", bench.folder / "out"]
@@ -490,7 +491,7 @@ def sensor_without_a_picture(bench):
     return ["sensors", "add", "D1"]
 
 
-@case(1, "does not exist")
+@case(2, "does not exist")
 def sensor_with_a_picture_that_is_not_there(bench):
     return ["sensors", "add", "D1", "--background", bench.folder / "none.png", "--store", bench.store]
 

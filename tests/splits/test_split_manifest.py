@@ -81,7 +81,7 @@ def test_growth_keeps_parts_and_held_out_units(store):
     added = [{**row, "uid": f"a{k:015x}", "source": 1000 + k} for k, row in enumerate(many(100, "FGHIJKLMN"))]
     both = trajectories([*store.table.to_pylist(), *added])
     bigger = MemoryStore(store.folder, both)
-    with pytest.raises(LeakError, match=r"100 trajectories are new.*tactiledata split --name default"):
+    with pytest.raises(LeakError, match=r"100 new trajectories.*tactiledata split --name default"):
         load_split(bigger, "default")
     second = make_split(bigger)
     after = parts(load_split(bigger, "default").table)
@@ -122,7 +122,7 @@ def test_a_split_killed_between_its_files_is_torn_and_heals(store):
 def test_a_store_that_lost_trajectories_is_refused(store):
     """A split that names more than the store holds is out of date too."""
     make_split(grown(store))
-    with pytest.raises(LeakError, match="40 of its trajectories are gone"):
+    with pytest.raises(LeakError, match="40 trajectories of the split can no longer be found"):
         load_split(store, "default")
 
 
@@ -256,8 +256,8 @@ def test_what_stands_out_is_said_in_words(tmp_path):
     notes = "\n".join(report.notes)
     assert "got no trajectory" in notes
     assert "seeds that fill every part" in notes
-    assert "1 trajectories name no sensor" in notes
-    assert "1 parents of derived trajectories are not in this store" in notes
+    assert "trajectories that name no sensor: 1" in notes
+    assert "1 parent trajectory that this store does not hold" in notes
 
 
 def test_suggested_seeds_fill_every_part(tmp_path):

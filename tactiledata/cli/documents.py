@@ -1,0 +1,29 @@
+"""Documents that a user hands to a command: one that does not fit its schema is wrong usage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from tactiledata.errors import SchemaError, UsageError
+
+
+@contextmanager
+def wrong_document_is_wrong_usage() -> Iterator[None]:
+    """A `SchemaError` in the block becomes a `UsageError`: exit code 2."""
+    try:
+        yield
+    except SchemaError as error:
+        raise UsageError(error.found, error.expected, error.remedy, **error.facts) from error
+
+
+def mapping_document(path: Path | None) -> Any:
+    """The mapping in a file; ``None`` where no file is named."""
+    from tactiledata.contract.schema import read_document
+
+    if path is None:
+        return None
+    with wrong_document_is_wrong_usage():
+        return read_document(path, "mapping")

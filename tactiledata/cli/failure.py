@@ -1,0 +1,67 @@
+"""How a failure reaches whoever typed the command: a sentence for people, one JSON object for machines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import typer
+from rich.markup import escape
+
+from tactiledata import __version__
+from tactiledata.cli.output import emit, err
+from tactiledata.errors import TactileDataError
+
+DEBUG_VARIABLE = "TACTILEDATA_DEBUG"
+"""Set to 1 to see the traceback of a fault of ours."""
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+
+
+def report_failure(error: Exception, as_json: bool) -> int:
+    """Print what went wrong, on standard error for people or on standard output for machines, and give its exit code.
+
+    The JSON object has ``error``, ``expected`` and ``hint`` (empty where there is none) and the exit ``code``.
+    """
+    if isinstance(error, typer.TyperException):
+        if as_json:
+            emit(_document(error.format_message(), "", "See --help.", error.exit_code))
+        else:
+            shown: Any = error
+            shown.show()
+        return error.exit_code
+    failure = error if isinstance(error, TactileDataError) else _as_ours(error)
+    code = 3 if failure is not error and not isinstance(error, OSError) else failure.exit_code
+    if as_json:
+        emit(_document(failure.found, failure.expected, failure.remedy, code))
+    else:
+        err().print(f"[red]error:[/red] {escape(str(failure))}")
+    return code
+
+
+def report_interruption(as_json: bool) -> None:
+    """One line after Ctrl-C."""
+    found, remedy = "interrupted", "What is finished is kept; the same command goes on from there."
+    if as_json:
+        emit(_document(found, "", remedy, INTERRUPTED))
+    else:
+        err().print(f"{found}: {remedy[0].lower()}{remedy[1:]}")
+
+
+def _document(found: str, expected: str, remedy: str, code: int) -> dict[str, Any]:
+    return {"error": found, "expected": expected, "hint": remedy, "code": code}
+
+
+def _as_ours(error: Exception) -> TactileDataError:
+    if isinstance(error, OSError):
+        name = f" ({error.filename})" if error.filename else ""
+        return TactileDataError(
+            f"the system refused: {error.strerror or error}{name}",
+            "",
+            "Check the path, its permissions and the free space.",
+        )
+    return TactileDataError(
+        f"a fault of tactiledata {__version__}: {type(error).__name__}: {error}",
+        "",
+        f"Please report it with the traceback that {DEBUG_VARIABLE}=1 shows.",
+    )

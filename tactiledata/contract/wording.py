@@ -1,0 +1,16 @@
+"""Numbers of things in words."""
+
+from __future__ import annotations
+
+
+def counted(number: int, noun: str) -> str:
+    """A number and its noun, in the plural where there is not one.
+
+    Examples
+    --------
+    >>> counted(1, "recording"), counted(2, "recording"), counted(0, "trajectory")
+    ('1 recording', '2 recordings', '0 trajectories')
+    """
+    if number == 1:
+        return f"{number} {noun}"
+    return f"{number} {noun[:-1]}ies" if noun.endswith("y") else f"{number} {noun}s"
