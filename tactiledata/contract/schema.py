@@ -200,8 +200,10 @@ def _check_shape(text: str, where: str) -> None:
 
 def read_document(path: Path, schema: str | None = None) -> Any:
     """The document in a YAML or JSON file, checked against a schema where one is named."""
-    if not path.is_file():
+    if not path.exists():
         raise MissingFile(f"{path} does not exist", "a YAML or JSON file", path=str(path))
+    if not path.is_file():
+        raise SchemaError(f"{path} is no file", "a YAML or JSON file", "Remove what stands there.", file=str(path))
     size = path.stat().st_size
     if size > MAX_DOCUMENT_BYTES:
         raise SchemaError(

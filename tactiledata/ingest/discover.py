@@ -44,6 +44,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
             raise MissingFile(
                 f"{path} does not exist", "a recording or a folder of recordings", "Check the spelling.", path=str(path)
             )
+        if not (path.is_file() or path.is_dir()):
+            raise BrokenLog(f"{path} is a pipe or a device", "a file or a folder", "Copy its content into a file.")
         found, left = _below(path, format_name, MAX_DEPTH)
         if not found:
             raise BrokenLog(
@@ -58,6 +60,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
 
 
 def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:
+    if not (path.is_file() or path.is_dir()):  # opening a pipe would wait for ever
+        return [], [path]
     member = format_of(path, format_name)
     if member is not None:
         return list(member.sources(path)), []

@@ -107,11 +107,12 @@ def test_a_huge_file_is_refused_before_it_is_read(tmp_path, monkeypatch):
         read_document(path)
 
 
-@pytest.mark.parametrize("make", [lambda path: None, lambda path: path.mkdir()])
-def test_no_file_there(tmp_path, make):
-    """A path without a file, or a folder, is a missing file."""
-    make(tmp_path / "log.yaml")
-    with pytest.raises(MissingFile, match=r"log\.yaml"):
+def test_no_file_there(tmp_path):
+    """A path without a file is a missing file; a folder in its place is no document."""
+    with pytest.raises(MissingFile, match=r"log\.yaml does not exist"):
+        read_document(tmp_path / "log.yaml")
+    (tmp_path / "log.yaml").mkdir()
+    with pytest.raises(SchemaError, match=r"log\.yaml is no file"):
         read_document(tmp_path / "log.yaml")
 
 

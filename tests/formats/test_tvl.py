@@ -14,7 +14,7 @@ from tactiledata.formats.modality import DECISION, look_of, votes_tactile
 from tactiledata.formats.tvl import TvlFormat
 
 FORMAT = TvlFormat()
-BACKGROUNDS = Path(__file__).resolve().parents[1] / "data" / "digit_backgrounds"
+BACKGROUNDS = Path(__file__).resolve().parents[2] / "tactiledata" / "sensors" / "digit_backgrounds"
 
 
 def first(folder, settings=None, **faults):
@@ -98,7 +98,6 @@ def test_photographs_of_a_touch_s_size_are_still_told_apart():
     assert votes_tactile(touches, photographs) > DECISION
 
 
-@pytest.mark.skipif(not BACKGROUNDS.is_dir(), reason="real DIGIT backgrounds are not among the test data")
 def test_real_digit_pictures_look_tactile():
     """Real DIGIT pictures of every unit are told from photographs."""
     rng = np.random.default_rng(2)

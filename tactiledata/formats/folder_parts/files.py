@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -27,13 +28,12 @@ _FORMAT = re.compile(rb"""(?m)^[\s{]*["']?format["']?\s*:\s*["']?tactiledata-log
 def is_folder_log(path: Path) -> bool:
     """Whether a folder holds a log.yaml of ours, or a log.yaml (however broken) beside tables of ours."""
     description = path / DESCRIPTION
-    if not description.is_file():
+    if not description.exists():
         return False
-    try:
-        with description.open("rb") as stream:
+    start = b""
+    if description.is_file():  # a pipe would be waited for
+        with suppress(OSError), description.open("rb") as stream:
             start = stream.read(SNIFFED)
-    except OSError:
-        start = b""
     return bool(_FORMAT.search(start)) or any((path / name).is_file() for name in TABLES)
 
 

@@ -41,7 +41,7 @@ class Bag:
 def is_bag_file(path: Path) -> bool:
     """Whether a file is an MCAP by its first bytes, or one by its name that deserves a clear word."""
     name = path.name.lower()
-    if name.startswith("."):
+    if name.startswith(".") or not path.is_file():
         return False
     if name.endswith((".mcap", ".mcap.zst", ".mcap.zstd")):
         return True
