@@ -23,6 +23,9 @@ def ingest(
     store: str = typer.Option(None, "--store", help="Store to add to [default: the only *.zarr here, else ds.zarr]."),
     mapping: Path = typer.Option(None, "--mapping", help="Which topic is what (schemas/mapping.json)."),
     format_name: str = typer.Option(None, "--format", help="Read as this format, whatever sniffing says."),
+    replace: bool = typer.Option(
+        False, "--replace", help="Read again what the store has; a corrected recording takes the place of the old one."
+    ),
     strict: bool = typer.Option(False, "--strict", help="Refuse a recording with any damage."),
     gap_limit: float = typer.Option(0.1, "--gap-limit", help="Seconds; a longer gap around a frame flags it."),
     workers: int = typer.Option(1, "--workers", help="Local processes."),
@@ -32,6 +35,8 @@ def ingest(
     """Add recordings to a store; what it has already is left alone. Safe to kill and to run again.
 
     Example: tactiledata ingest recordings --store ds.zarr --workers 2
+
+    After log.yaml or a mapping was corrected: tactiledata ingest recordings/run7 --store ds.zarr --replace
     """
     from tactiledata.ingest.assemble import IngestOptions
     from tactiledata.ingest.pipeline import ingest as add
@@ -46,7 +51,7 @@ def ingest(
     )
     target = store or _store_here()
     with progress("ingesting", quiet=as_json) as tell:
-        report = add(paths, target, options, workers, scheduler, tell)
+        report = add(paths, target, options, workers, scheduler, tell, replace)
     if as_json:
         emit(report.document())
     else:
@@ -70,20 +75,30 @@ def _by_folder(paths: Iterable[str]) -> dict[str, list[str]]:
 
 
 def _print(report: Any) -> None:
-    words = {"added": "added", "present": "already there", "failed": "not read"}
+    words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
     rows = [
         (source.key, words[source.state], source.status or "-", source.trajectories, source.frames)
         for source in report.sources
     ]
     table("", ("recording", "", "status", "trajectories", "frames"), rows)
-    findings((source.key, finding) for source in report.sources for finding in source.findings)
+    findings(
+        [
+            *((source.key, finding) for source in report.sources for finding in source.findings),
+            *(("", finding) for finding in report.findings),
+        ]
+    )
     for source in report.sources:
         if source.error:
             say(f"  not read {source.key}: {source.error}")
     for folder, names in _by_folder(report.unclaimed).items():
         listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
         say(f"  left alone in {folder}: {listed}; no format claims them")
-    added = sum(source.state == "added" for source in report.sources)
-    say(f"{added} recordings added to {report.store}")
-    if added:
+    counts = {state: sum(source.state == state for source in report.sources) for state in ("added", "replaced")}
+    replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""
+    say(f"{counts['added']} recordings added to {report.store}{replaced}")
+    for name in report.stale_splits:
+        say(
+            f"the split {name} is of the store as it was: draw it anew with tactiledata split … --name {name} --replace"
+        )
+    if report.changed and not report.stale_splits:
         say(f"next: tactiledata split {report.store} --by trajectory,sensor")

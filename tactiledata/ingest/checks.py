@@ -124,7 +124,7 @@ def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, 
         return []
     against = "the sensor's background" if background is not None else "known DIGIT sensors"
     text = f"images of {sensor!r} look like BGR against {against}: blue and red are swapped. "
-    text += "State channel_order in a mapping"
+    text += "State channel_order in a mapping and ingest with --replace"
     return [Finding("channels-swapped", "warning", text)]
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import shutil
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -24,11 +26,13 @@ from tactiledata.ingest.assemble import IngestOptions, assemble
 from tactiledata.ingest.checks import broken_images, check_take, flag_broken
 from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.lag import camera_lag
+from tactiledata.ingest.replacing import replace_recordings
+from tactiledata.ingest.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.spooled import SpooledImages
-from tactiledata.ingest.twins import twin_findings
 from tactiledata.store.commit import commit_groups, create, recover
-from tactiledata.store.layout import INTAKE_LOCK, staging_folder
+from tactiledata.store.layout import INTAKE_LOCK, MANIFEST, staging_folder
 from tactiledata.store.lock import writing_lock
+from tactiledata.store.manifest import read_manifest
 from tactiledata.store.reader import Store
 from tactiledata.store.spool import Spool
 from tactiledata.store.writer import StagedTake, find_staged, stage
@@ -38,74 +42,12 @@ Progress = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True)
-class SourceReport:
-    """What became of one source.
-
-    Parameters
-    ----------
-    key : str
-    state : "added", "present" or "failed"
-        ``present``: the store had it already.
-    status : str
-        ``ok``, ``unverified``, ``damaged``; empty where it failed.
-    frames, trajectories : int
-    findings : tuple of Finding
-    error : str
-        Why it failed.
-    sha256 : str
-        Digest of its files; empty where it failed.
-    """
-
-    key: str
-    state: str
-    status: str = ""
-    frames: int = 0
-    trajectories: int = 0
-    findings: tuple[Finding, ...] = ()
-    error: str = ""
-    sha256: str = ""
-
-
-@dataclass(frozen=True)
-class IngestReport:
-    """What became of all sources of a call, and the files that no format claims."""
-
-    store: str
-    sources: tuple[SourceReport, ...]
-    unclaimed: tuple[str, ...]
-
-    @property
-    def fell_short(self) -> bool:
-        """Whether a source failed or lost data."""
-        return any(source.state == "failed" or source.status == "damaged" for source in self.sources)
-
-    def document(self) -> dict[str, Any]:
-        """As JSON values."""
-        return {
-            "store": self.store,
-            "sources": [
-                {
-                    "key": source.key,
-                    "state": source.state,
-                    "status": source.status,
-                    "frames": source.frames,
-                    "trajectories": source.trajectories,
-                    "error": source.error,
-                    "findings": [vars(finding) for finding in source.findings],
-                }
-                for source in self.sources
-            ],
-            "unclaimed": list(self.unclaimed),
-            "fell_short": self.fell_short,
-        }
-
-
-@dataclass(frozen=True)
 class _Task:
     source: Source
     store: str
     options: IngestOptions
     present: frozenset[str]
+    """Digests of the sources that need not be read."""
 
     def __str__(self) -> str:
         return self.source.key
@@ -126,6 +68,7 @@ def ingest(
     workers: int = 1,
     scheduler: str | None = None,
     progress: Progress | None = None,
+    replace: bool = False,
 ) -> IngestReport:
     """Add recordings to a store, creating it where there is none.
 
@@ -144,6 +87,9 @@ def ingest(
     scheduler : str, optional
         Address of a Dask scheduler, instead of local processes.
     progress : callable, optional
+    replace : bool
+        Read also what the store has already, and put it in the place of what the store holds of the same recording:
+        see `tactiledata.ingest.replacing.StoredRecordings`.
 
     Raises
     ------
@@ -158,39 +104,62 @@ def ingest(
     sources, unclaimed = find_sources([Path(path) for path in paths], chosen.format_name)
     folder = Path(store)
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
-    create(folder)
-    reports: list[SourceReport] = []
-    with writing_lock(folder, INTAKE_LOCK):
-        present = frozenset(recover(folder)["sources"])
+    with _new_store_only_if_filled(folder), writing_lock(folder, INTAKE_LOCK):
+        held = frozenset(recover(folder)["sources"])
+        present = frozenset[str]() if replace else held
         tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
-        outcomes = runner.outcomes(_read_source, tasks)
-        otherwise = _ingested_otherwise(folder, chosen)
-        commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, len(tasks), reports, progress))
-    return IngestReport(str(store), _with_twins(reports, folder), tuple(str(path) for path in unclaimed))
+        outcomes = _told(runner.outcomes(_read_source, tasks), len(tasks), progress)
+        splits = Store.open(folder).split_names()
+        findings: list[Finding] = []
+        if replace:
+            reports, findings = replace_recordings(folder, map(_as_read, outcomes))
+        else:
+            reports = []
+            otherwise = _ingested_otherwise(folder, chosen)
+            commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports))
+    left = tuple(str(path) for path in unclaimed)
+    report = IngestReport(str(store), tuple(reports), left, tuple(findings))
+    return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
 
 
-def _with_twins(reports: list[SourceReport], folder: Path) -> tuple[SourceReport, ...]:
-    """Reports, each with the word that its recording has a twin in the store, where it has one."""
-    twins = twin_findings(Store.open(folder), [report.sha256 for report in reports])
-    return tuple(
-        replace(report, findings=(*report.findings, twins[report.sha256])) if report.sha256 in twins else report
-        for report in reports
-    )
+@contextmanager
+def _new_store_only_if_filled(folder: Path) -> Iterator[None]:
+    """The store, made where there is none; one that was made here and got nothing is taken away again."""
+    is_new, had_folder = not (folder / MANIFEST).exists(), folder.exists()
+    create(folder)
+    try:
+        yield
+    finally:
+        if is_new and not read_manifest(folder)["sources"] and not find_staged(folder):
+            for place in folder.iterdir():
+                shutil.rmtree(place) if place.is_dir() else place.unlink()
+            if not had_folder:
+                folder.rmdir()
+
+
+def _told(
+    outcomes: Iterator[Outcome[_Task, _Read]], n_tasks: int, progress: Progress | None
+) -> Iterator[Outcome[_Task, _Read]]:
+    """The outcomes, each told to who watches."""
+    for done, outcome in enumerate(outcomes, start=1):
+        if progress is not None:
+            progress(done, n_tasks, outcome.task.source.key)
+        yield outcome
+
+
+def _as_read(outcome: Outcome[_Task, _Read]) -> tuple[str, StagedTake | None, str]:
+    return outcome.task.source.key, outcome.result.staged if outcome.result else None, str(outcome.error or "")
 
 
 def _staged_takes(
     outcomes: Iterator[Outcome[_Task, _Read]],
     seen: set[str],
     otherwise: set[str],
-    n_tasks: int,
     reports: list[SourceReport],
-    progress: Progress | None,
 ) -> Iterator[StagedTake]:
     """Takes that the store does not have yet, in order; every outcome is noted in ``reports``."""
     for outcome in outcomes:
         reports.append(_report(outcome, seen, otherwise))
-        if progress is not None:
-            progress(len(reports), n_tasks, outcome.task.source.key)
         if outcome.result is not None and outcome.result.staged is not None and outcome.result.sha256 not in seen:
             seen.add(outcome.result.sha256)
             yield outcome.result.staged
@@ -203,7 +172,9 @@ def _read_source(task: _Task) -> _Read:
     if sha256 in task.present:
         return _Read(sha256, None)
     waiting = find_staged(folder).get(sha256)
-    if waiting is not None:
+    if waiting is not None and waiting.document["provenance"].get("settings_sha256") == digest_of(
+        task.options.document()
+    ):
         return _Read(sha256, waiting)
     with Spool(staging_folder(folder, sha256)) as spool:
         recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
@@ -223,14 +194,14 @@ def _checked_take(recording: Recording, images: SpooledImages, sha256: str, opti
     known = {finding.code for finding in recording.findings}
     said = [finding for finding in cut if finding.code not in known]
     assembled = assemble(recording, images.columns, images.decode, sha256, options)
-    take = replace(assembled.take, frames=flag_broken(assembled.take.frames, assembled.order, broken))
+    take = dataclasses.replace(assembled.take, frames=flag_broken(assembled.take.frames, assembled.order, broken))
 
     def decode(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
         return images.decode(assembled.order[rows])
 
     said = [*said, *check_take(take, decode), *camera_lag(take, decode)]
     findings = pa.concat_tables([take.findings, findings_table(said)])
-    return replace(take, findings=findings, status=_worse(take.status, said))
+    return dataclasses.replace(take, findings=findings, status=_worse(take.status, said))
 
 
 def source_digest(source: Source) -> str:
@@ -277,17 +248,8 @@ def _report(outcome: Outcome[_Task, _Read], seen: set[str], otherwise: set[str])
     staged = outcome.result.staged
     if staged is None or outcome.result.sha256 in seen:
         text = (
-            "the store took it with another mapping or other options, and keeps that; into a new store it goes as asked"
+            "the store took it with another mapping or other options, and keeps that; with --replace it goes as asked"
         )
         other = Finding("ingested-otherwise", "warning", text)
-        said = (other,) if outcome.result.sha256 in otherwise else ()
-        return SourceReport(key, "present", findings=said, sha256=outcome.result.sha256)
-    return SourceReport(
-        key,
-        "added",
-        staged.document["status"],
-        staged.n_frames,
-        staged.table("trajectories").num_rows,
-        findings_of(staged.table("findings")),
-        sha256=outcome.result.sha256,
-    )
+        return SourceReport(key, "present", findings=(other,) if outcome.result.sha256 in otherwise else ())
+    return report_of(key, "added", staged)

@@ -2,34 +2,36 @@
 
 from __future__ import annotations
 
-import copy
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.records import Finding
+from tactiledata.contract.take import Reference
 from tactiledata.errors import MissingFile, UsageError
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import Sensor
 from tactiledata.sensors.image_checks import orientation_of
-from tactiledata.store.arrays import open_root, write_image
-from tactiledata.store.batch import Batch
-from tactiledata.store.card import write_card
-from tactiledata.store.commit import recover, store_errors
-from tactiledata.store.layout import COMMITTING, INTAKE_LOCK, STAGING, reference_path
+from tactiledata.store.commit import recover
+from tactiledata.store.keep_sensors import BY_HAND, keep_sensors, remove_picture
+from tactiledata.store.layout import INTAKE_LOCK
 from tactiledata.store.lock import writing_lock
-from tactiledata.store.manifest import extended_digest, read_manifest, write_manifest
-from tactiledata.store.sensors_table import image_crc, read_sensors, write_sensors
+from tactiledata.store.reader import Store
+from tactiledata.store.sensors_table import image_crc, read_sensors
 
 LARGEST_PICTURE = 64 * 2**20
 """Bytes of a picture file."""
 
 
 def add_sensor(
-    store_path: Path | str, name: str, background: Path, model: str | None = None, licence: str = ""
+    store_path: Path | str,
+    name: str,
+    background: Path,
+    model: str | None = None,
+    licence: str = "",
+    replace: bool = False,
 ) -> list[Finding]:
     """What is worth saying after a sensor and its picture without contact became part of a store.
 
@@ -47,6 +49,8 @@ def add_sensor(
         A name of the sensors table; where it is not given, what the store knows of the sensor, else ``digit``.
     licence : str
         Of the picture.
+    replace : bool
+        Put the picture in the place of another one, whether that was added or came with a recording.
 
     Raises
     ------
@@ -61,39 +65,52 @@ def add_sensor(
     folder = Path(store_path)
     with writing_lock(folder, INTAKE_LOCK):
         # what an ingest is staging right now must not be swept away
-        recover(folder)
-    with store_errors(folder), writing_lock(folder):
-        manifest = copy.deepcopy(read_manifest(folder))
+        manifest = recover(folder)
         facts = read_sensors(folder, manifest)
-        crc = image_crc(image)
-        if manifest["references"].get(name, crc) != crc:
-            raise UsageError(
-                f"the store has another picture of {name!r}",
-                "a sensor that is new, or the same picture",
-                "A background that changed is another look of the sensor: give it a name of its own.",
-            )
         known = facts.get(name, {}).get("model") or None
         if model is not None and known not in (None, model):
             raise UsageError(f"the store knows {name!r} as a {known}", f"--model {known}, not {model}", "Leave it out.")
         chosen = model or known or "digit"
         sensor = SENSORS[chosen]
-        if name in manifest["references"] and name in facts:
+        there = manifest["references"].get(name)
+        if there == image_crc(image) and name in facts:
             return []
-        # a kill from here on leaves the manifest as it was, and the next writer clears what is beside it
-        marker = folder / STAGING / COMMITTING
-        write_atomic(marker, b"")
-        facts[name] = {**facts.get(name, {}), "model": chosen}
-        with Batch(folder) as batch:
-            attributes = {"sensor": name, "origin": background.name, "licence": licence, "model": chosen}
-            write_image(open_root(batch), reference_path(name), image, attributes)
-            manifest["references"][name] = crc
-            manifest["sensors"] = write_sensors(batch, facts)
-            batch.publish()
-        manifest["digest"] = extended_digest(manifest["digest"], f"sensor {name} {chosen} {crc}")
-        write_manifest(folder, manifest)
-        marker.unlink()
-        write_card(folder, manifest)
+        if there not in (None, image_crc(image)):
+            _refuse_other(folder, name, replace)
+            remove_picture(folder, name)
+        reference = Reference(image, f"{BY_HAND}{background.name}", licence, chosen)
+        keep_sensors(folder, {name: {**facts.get(name, {}), "model": chosen}}, {name: reference})
     return _findings(name, image, sensor)
+
+
+def remove_sensor(store_path: Path | str, name: str) -> None:
+    """Take out what was added by hand: the picture, and the sensor itself where no recording names it.
+
+    Raises
+    ------
+    UsageError
+        The store has no picture of it that was added by hand.
+    """
+    folder = Path(store_path)
+    with writing_lock(folder, INTAKE_LOCK):
+        recover(folder)
+        store = Store.open(folder)
+        if name not in store.manifest["references"] or not store.reference(name).origin.startswith(BY_HAND):
+            raise UsageError(
+                f"the store has no picture of {name!r} that was added by hand",
+                "a sensor that `tactiledata sensors` lists as added by hand",
+                "A picture that came with a recording goes with `tactiledata ingest RECORDING --replace`.",
+            )
+        remove_picture(folder, name)
+
+
+def _refuse_other(folder: Path, name: str, replace: bool) -> None:
+    if not replace:
+        raise UsageError(
+            f"the store has another picture of {name!r} ({Store.open(folder).reference(name).origin})",
+            "a sensor that is new, or the same picture",
+            "--replace puts this one in its place. A gel that was changed is another sensor: give it another name.",
+        )
 
 
 def read_picture(path: Path) -> NDArray[np.uint8]:

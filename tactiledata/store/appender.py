@@ -35,21 +35,28 @@ class Appender:
     batch : Batch
     manifest : dict
         Changed in place.
+    first_part : dict, optional
+        Lowest number of a new part of each table.
+
+    Attributes
+    ----------
+    sensors : SensorAppender
     """
 
-    def __init__(self, batch: Batch, manifest: Manifest) -> None:
+    def __init__(self, batch: Batch, manifest: Manifest, first_part: Mapping[str, int] | None = None) -> None:
         self._batch, self._manifest = batch, manifest
+        self._first_part = first_part or dict.fromkeys(TABLES, 0)
         root = open_root(batch)
         self._images = ImageAppender(batch, root, manifest)
         self._values = ValueAppender(batch, root, manifest)
-        self._sensors = SensorAppender(batch, root, manifest)
+        self.sensors = SensorAppender(batch, root, manifest)
         self._pieces: dict[str, list[pa.Table]] = {table: [] for table in TABLES}
 
     def add(self, take: StagedTake) -> None:
         """One take: images appended at once, rows kept for the new parts, values noted for `finish`."""
         take.check()
         document, manifest = take.document, self._manifest
-        findings = self._sensors.add(take)
+        findings = self.sensors.add(take)
         contents, names, variants = self._values.add(take)
         contents |= {name: sorted(document[name]) for name in ("sensors", "references")}
         contents["content"] = document["content"]
@@ -69,18 +76,23 @@ class Appender:
         """Arrays, tables and sensors written into the batch; the manifest says so, but is not written yet."""
         self._images.finish()
         self._values.finish()
-        self._sensors.finish()
+        self.sensors.finish()
         for table, pieces in self._pieces.items():
             rows = pa.concat_tables(pieces).unify_dictionaries().combine_chunks()
             if len(rows):
-                self._manifest["index"][table].append(
-                    write_part(self._batch, table, f"part-{len(self._manifest['index'][table]):05d}.parquet", rows)
-                )
+                self._manifest["index"][table].append(write_part(self._batch, table, self._next_file(table), rows))
+
+    def _next_file(self, table: str) -> str:
+        """A file name that no part has, nor had before the manifest was emptied."""
+        return f"part-{max(self._first_part[table], 1 + last_part(self._manifest, table)):05d}.parquet"
 
     def _frames(self, take: StagedTake) -> pa.Table:
         rows = self._manifest["rows"]
         table = take.table("frames").unify_dictionaries().combine_chunks()
-        offset, length = self._images.add(take, table)
+        if take.is_placed:
+            offset, length = np.asarray(table["offset"]), np.asarray(table["length"])
+        else:
+            offset, length = self._images.add(take, table)
         trajectory = np.asarray(table["trajectory"])
         changed = {
             "trajectory": np.where(trajectory < 0, -1, trajectory + rows["trajectories"]),
@@ -115,6 +127,15 @@ class Appender:
         new = [finding for finding in ours if (finding.code, finding.stream, finding.message) not in known]
         table = pa.concat_tables([table, findings_table(new)])
         return _with_columns(table, {"source": pa.array(np.full(len(table), self._manifest["rows"]["sources"]))})
+
+
+def last_part(manifest: Manifest, table: str) -> int:
+    """The highest number among the parts of a table; -1 where there are none."""
+    numbers = [
+        int(part["file"].removeprefix("part-").removesuffix(".parquet").partition("-")[0])
+        for part in manifest["index"][table]
+    ]
+    return max(numbers, default=-1)
 
 
 def _with_columns(table: pa.Table, columns: Mapping[str, Any]) -> pa.Table:

@@ -22,6 +22,7 @@ from tactiledata.store.layout import (
     SIGNAL_ARRAYS,
     aligned_path,
     frame_values_path,
+    home_of,
     signal_path,
     table_folder,
 )
@@ -152,19 +153,19 @@ def _value_findings(store: Store) -> Iterator[Finding]:
         contents: dict[str, Any] = json.loads(source["contents"])
         frames = (first_frame, first_frame + source["frames"])
         first_frame = frames[1]
-        for path, start, stop, crc in _spans(contents, frames):
+        for path, start, stop, crc in _spans(home_of(store.manifest), contents, frames):
             fault = _span_fault(store, rows, path, start, stop, crc)
             if fault:
                 yield _damage("store-values", f"{path}, rows {start} to {stop} of {source['key']}: {fault}", path)
 
 
-def _spans(contents: dict[str, Any], frames: tuple[int, int]) -> Iterator[tuple[str, int, int, int]]:
+def _spans(home: str, contents: dict[str, Any], frames: tuple[int, int]) -> Iterator[tuple[str, int, int, int]]:
     for name, facts in contents.get("signals", {}).items():
-        yield from ((signal_path(name, array), *facts["rows"], facts["crc32c"][array]) for array in SIGNAL_ARRAYS)
+        yield from ((signal_path(home, name, array), *facts["rows"], facts["crc32c"][array]) for array in SIGNAL_ARRAYS)
     for name, facts in contents.get("aligned", {}).items():
-        yield from ((aligned_path(name, array), *frames, facts["crc32c"][array]) for array in ALIGNED_ARRAYS)
+        yield from ((aligned_path(home, name, array), *frames, facts["crc32c"][array]) for array in ALIGNED_ARRAYS)
     for name, facts in contents.get("frame_values", {}).items():
-        yield frame_values_path(name), *frames, facts["crc32c"]["value"]
+        yield frame_values_path(home, name), *frames, facts["crc32c"]["value"]
 
 
 def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop: int, expected: int) -> str:

@@ -4,30 +4,26 @@ from __future__ import annotations
 
 import copy
 import shutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.provenance import digest_of
-from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.appender import Appender
-from tactiledata.store.arrays import open_root, write_image
+from tactiledata.store.arrays import open_root
 from tactiledata.store.batch import Batch
 from tactiledata.store.card import write_card
-from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings, reference_path
+from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings
 from tactiledata.store.lock import unwritable, writing_lock
 from tactiledata.store.manifest import (
     Manifest,
     empty_manifest,
-    extended_digest,
     read_manifest,
     settings_of,
     write_manifest,
 )
-from tactiledata.store.recover import clean_commit, clean_staging, is_interrupted
-from tactiledata.store.sensors_table import image_crc, read_sensors, write_sensors
+from tactiledata.store.recover import clean_commit, clean_staging, drop_unnamed, is_interrupted
 from tactiledata.store.writer import StagedTake
 
 GROUP_BYTES = 256 * 2**20
@@ -171,37 +167,25 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Man
     return manifest
 
 
-def keep_sensors(
-    store_path: Path | str, facts: Mapping[str, Mapping[str, Any]], references: Mapping[str, Reference]
-) -> Manifest:
-    """The manifest after sensors that no recording carries, and that the store does not know, became part of it."""
+@contextmanager
+def changing(store_path: Path | str) -> Iterator[tuple[Path, Manifest]]:
+    """The store's folder and its manifest, which counts as the block has left it; what it does not name then goes.
+
+    A kill, or an error in the block, leaves the manifest as it was; the next writer clears what is beside it.
+    """
     folder = Path(store_path)
     with store_errors(folder), writing_lock(folder):
-        manifest = read_manifest(folder, checked=False)
+        before = read_manifest(folder, checked=False)
         if is_interrupted(folder):
-            clean_commit(folder, manifest)
+            clean_commit(folder, before)
+        manifest = copy.deepcopy(before)
         marker = folder / STAGING / COMMITTING
         write_atomic(marker, b"")
-        with Batch(folder) as batch:
-            root = open_root(batch)
-            manifest["sensors"] = write_sensors(
-                batch, {**{name: dict(values) for name, values in facts.items()}, **read_sensors(folder, manifest)}
-            )
-            for sensor, reference in sorted(references.items()):
-                attributes = {"sensor": sensor, "origin": reference.origin, "licence": reference.licence}
-                path = reference_path(sensor)
-                write_image(root, path, reference.image, {**attributes, "model": reference.model})
-                manifest["references"][sensor] = image_crc(reference.image)
-            batch.publish()
-        for sensor in sorted({*facts, *references}):
-            crc = manifest["references"].get(sensor)
-            manifest["digest"] = extended_digest(
-                manifest["digest"], f"sensor {sensor} {digest_of(facts[sensor])} {crc}"
-            )
+        yield folder, manifest
         write_manifest(folder, manifest)
+        drop_unnamed(folder, manifest)
         marker.unlink()
         write_card(folder, manifest)
-    return manifest
 
 
 def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[StagedTake], list[StagedTake]]:

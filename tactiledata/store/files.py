@@ -57,6 +57,10 @@ class StoreFiles(ABC):
     def exists(self) -> bool:
         """Whether there is anything at the location."""
 
+    def still_there(self, path: str) -> bool:
+        """Whether a file is there; where asking takes a round trip, it is not asked."""
+        return True
+
     @abstractmethod
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
@@ -118,6 +122,10 @@ class LocalFiles(StoreFiles):
     def exists(self) -> bool:
         """Whether the folder is there."""
         return self._folder.exists()
+
+    def still_there(self, path: str) -> bool:
+        """Whether a file is there."""
+        return (self._folder / path).exists()
 
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""

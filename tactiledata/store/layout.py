@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ FORMAT = f"{FORMAT_NAME}/{FORMAT_VERSION}"
 MANIFEST = "manifest.json"
 CARD = "README.md"
 SENSORS = "sensors.json"
+HOMES = "replaced-"
+"""The folder of all numbers is called so, and a number, after a recording was replaced."""
 STAGING = ".staging"
 LOCK = ".lock"
 INTAKE_LOCK = ".intake.lock"
@@ -31,6 +34,8 @@ TABLE_SCHEMAS = {
     "findings": FINDING_SCHEMA,
 }
 TABLES = tuple(TABLE_SCHEMAS)
+NUMBERS = ("signals", "aligned", "frame_values", "reference")
+"""What lies in the folder of all numbers, beside ``sensors.json``."""
 SIGNAL_ARRAYS = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
 ALIGNED_ARRAYS = ("value", "gap_ns")
 
@@ -105,24 +110,39 @@ def rgb_path(camera: str, height: int, width: int) -> str:
     return f"streams/{folder_name(camera)}/rgb_{height}x{width}"
 
 
-def signal_path(name: str, array: str) -> str:
-    """One of the arrays of a signal."""
-    return f"signals/{folder_name(name)}/{array}"
+def home_of(manifest: Mapping[str, Any]) -> str:
+    """The folder of all numbers, with ``/``; empty (the store itself) until a recording was replaced.
+
+    Numbers lie recording after recording, so that one that is replaced moves all after it. They are written to a folder
+    of their own then, and the manifest changes over to it in one moment.
+    """
+    generation = manifest.get("generation", 0)
+    return f"{HOMES}{generation}/" if generation else ""
 
 
-def aligned_path(name: str, array: str) -> str:
+def signal_path(home: str, name: str, array: str) -> str:
+    """One of the arrays of a signal, below the folder of all numbers."""
+    return f"{home}signals/{folder_name(name)}/{array}"
+
+
+def aligned_path(home: str, name: str, array: str) -> str:
     """One of the arrays of values at the moments of the frames."""
-    return f"aligned/{folder_name(name)}/{array}"
+    return f"{home}aligned/{folder_name(name)}/{array}"
 
 
-def frame_values_path(name: str) -> str:
+def frame_values_path(home: str, name: str) -> str:
     """The array of values that a corpus annotates image by image."""
-    return f"frame_values/{folder_name(name)}/value"
+    return f"{home}frame_values/{folder_name(name)}/value"
 
 
-def reference_path(sensor: str) -> str:
+def reference_path(home: str, sensor: str) -> str:
     """The array of a sensor's picture without contact."""
-    return f"reference/{folder_name(sensor)}/image"
+    return f"{home}reference/{folder_name(sensor)}/image"
+
+
+def sensors_path(home: str) -> str:
+    """The file of what is known of each sensor."""
+    return f"{home}{SENSORS}"
 
 
 def table_folder(table: str) -> str:

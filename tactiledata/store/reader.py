@@ -18,12 +18,13 @@ from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.files import StoreFiles, missing_file, open_files
 from tactiledata.store.layout import (
     MANIFEST,
-    SENSORS,
     TABLE_SCHEMAS,
     aligned_path,
     folder_name,
     frame_values_path,
+    home_of,
     reference_path,
+    sensors_path,
     signal_path,
     table_folder,
 )
@@ -64,12 +65,12 @@ class Meaning:
 class SignalRows:
     """A signal at its native rate; ``signal_rows`` of a trajectory are ranges of its rows."""
 
-    def __init__(self, files: StoreFiles, name: str, facts: Mapping[str, Any]) -> None:
+    def __init__(self, files: StoreFiles, home: str, name: str, facts: Mapping[str, Any]) -> None:
         self.name = name
         self.meaning = Meaning.of(facts)
         self.n_rows: int = facts["rows"]
         arrays = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
-        self._rows = {array: Rows(files, signal_path(name, array), self.n_rows) for array in arrays}
+        self._rows = {array: Rows(files, signal_path(home, name, array), self.n_rows) for array in arrays}
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -244,18 +245,21 @@ class Store:
     def signal(self, name: str) -> SignalRows:
         """A signal at its native rate."""
         if name not in self._signals:
-            self._signals[name] = SignalRows(self._files, name, self._facts("signals", "signal", name))
+            facts = self._facts("signals", "signal", name)
+            self._signals[name] = SignalRows(self._files, home_of(self.manifest), name, facts)
         return self._signals[name]
 
     def aligned(self, name: str, rows: ArrayLike | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Values (n, k) at the moments of frames, NaN where there are none, and gaps (n,) in ns, -1 likewise."""
         facts = self._facts("aligned", "aligned value", name)
-        values = self._rows(aligned_path(name, "value"), facts["rows"])
-        return values.take(rows), self._rows(aligned_path(name, "gap_ns"), facts["rows"]).take(rows)
+        home = home_of(self.manifest)
+        values = self._rows(aligned_path(home, name, "value"), facts["rows"])
+        return values.take(rows), self._rows(aligned_path(home, name, "gap_ns"), facts["rows"]).take(rows)
 
     def frame_values(self, name: str, rows: ArrayLike | None = None) -> NDArray[np.float64]:
         """Annotated values (n, k) of frames, NaN where there are none."""
-        return self._rows(frame_values_path(name), self._facts("frame_values", "frame value", name)["rows"]).take(rows)
+        facts = self._facts("frame_values", "frame value", name)
+        return self._rows(frame_values_path(home_of(self.manifest), name), facts["rows"]).take(rows)
 
     def meaning(self, kind: Literal["signals", "aligned", "frame_values"], name: str) -> Meaning:
         """Columns, units, frame, attributes and statistics of values."""
@@ -316,11 +320,12 @@ class Store:
 
     def sensors(self) -> Facts:
         """What is known of each sensor, by serial."""
+        place = sensors_path(home_of(self.manifest))
         try:
-            content = self._files.read(SENSORS) if self.manifest["sensors"] else None
+            content = self._files.read(place) if self.manifest["sensors"] else None
         except FileNotFoundError as error:
-            raise missing_file(SENSORS, self.location) from error
-        return parse_sensors(content, self.manifest, f"{self.location}/{SENSORS}")
+            raise missing_file(place, self.location) from error
+        return parse_sensors(content, self.manifest, f"{self.location}/{place}")
 
     def references(self) -> dict[str, Reference]:
         """Pictures without contact, by sensor."""
@@ -330,7 +335,7 @@ class Store:
         """The picture of a sensor without contact."""
         if sensor not in self.manifest["references"]:
             raise UnknownName("sensor with a picture without contact", sensor, self.manifest["references"])
-        array = self.array(reference_path(sensor))
+        array = self.array(reference_path(home_of(self.manifest), sensor))
         facts = {name: str(array.attrs.get(name, "")) for name in ("origin", "licence", "model")}
         return Reference(np.asarray(array[...], dtype=np.uint8), **facts)
 

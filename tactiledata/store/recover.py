@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,6 +15,8 @@ from tactiledata.store.images import ShardAppender, cut_chunk
 from tactiledata.store.layout import (
     ALIGNED_ARRAYS,
     COMMITTING,
+    HOMES,
+    NUMBERS,
     SENSORS,
     SIGNAL_ARRAYS,
     STAGING,
@@ -21,8 +24,10 @@ from tactiledata.store.layout import (
     aligned_path,
     frame_values_path,
     heap_path,
+    home_of,
     reference_path,
     rgb_path,
+    sensors_path,
     signal_path,
     table_folder,
 )
@@ -30,17 +35,16 @@ from tactiledata.store.manifest import Manifest, settings_of
 from tactiledata.store.sensors_table import read_sensors, write_sensors
 from tactiledata.store.writer import find_staged
 
-KINDS = ("streams", "signals", "aligned", "frame_values", "reference")
-
 
 def row_arrays(manifest: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
     """Paths of all arrays of numbers that a manifest names, with their lengths."""
+    home = home_of(manifest)
     for name, facts in manifest["signals"].items():
-        yield from ((signal_path(name, array), facts["rows"]) for array in SIGNAL_ARRAYS)
+        yield from ((signal_path(home, name, array), facts["rows"]) for array in SIGNAL_ARRAYS)
     for name, facts in manifest["aligned"].items():
-        yield from ((aligned_path(name, array), facts["rows"]) for array in ALIGNED_ARRAYS)
+        yield from ((aligned_path(home, name, array), facts["rows"]) for array in ALIGNED_ARRAYS)
     for name, facts in manifest["frame_values"].items():
-        yield frame_values_path(name), facts["rows"]
+        yield frame_values_path(home, name), facts["rows"]
 
 
 def heaps(manifest: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
@@ -62,15 +66,18 @@ def array_paths(manifest: Mapping[str, Any]) -> set[str]:
     """Paths of all arrays that a manifest names."""
     paths = {path for path, _ in row_arrays(manifest)} | {path for path, _ in heaps(manifest)}
     paths |= {path for path, _, _ in raw_arrays(manifest)}
-    return paths | {reference_path(sensor) for sensor in manifest["references"]}
+    return paths | {reference_path(home_of(manifest), sensor) for sensor in manifest["references"]}
 
 
 def foreign_arrays(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
-    """Folders of arrays and groups that the manifest does not name."""
+    """Folders of arrays and groups that the manifest does not name; first those of numbers that were replaced."""
     named = array_paths(manifest)
     groups = {str(Path(path).parent) for path in named}
-    strangers = []
-    for kind in KINDS:
+    home = home_of(manifest)
+    strangers = [place for place in sorted(store_path.glob(f"{HOMES}*/")) if f"{place.name}/" != home]
+    if home:
+        strangers += [store_path / kind for kind in NUMBERS if (store_path / kind).is_dir()]
+    for kind in ("streams", *(f"{home}{kind}" for kind in NUMBERS)):
         for group in sorted((store_path / kind).glob("*/")):
             if f"{kind}/{group.name}" not in groups:
                 strangers.append(group)
@@ -119,17 +126,30 @@ def clean_commit(store_path: Path, manifest: Manifest) -> None:
         place.unlink()
     if not is_interrupted(store_path):
         return
-    for folder in foreign_arrays(store_path, manifest):
-        shutil.rmtree(folder)
-    for place in foreign_parts(store_path, manifest):
-        place.unlink()
+    drop_unnamed(store_path, manifest)
     with Batch(store_path) as batch:
         _shorten(batch, manifest)
         facts = read_sensors(store_path, manifest)
-        if facts or (store_path / SENSORS).exists():
-            write_sensors(batch, facts)
+        if facts or (store_path / sensors_path(home_of(manifest))).exists():
+            write_sensors(batch, manifest, facts)
         batch.publish()
     (store_path / STAGING / COMMITTING).unlink()
+
+
+def drop_unnamed(store_path: Path, manifest: Mapping[str, Any]) -> None:
+    """Arrays and parts of tables that the manifest does not name, removed.
+
+    A folder goes in one moment: a reader that has it open would take chunks that are gone one by one for fill.
+    """
+    for folder in foreign_arrays(store_path, manifest):
+        going = store_path / STAGING / f".{secrets.token_hex(8)}.part"
+        going.parent.mkdir(exist_ok=True)
+        folder.rename(going)
+        shutil.rmtree(going)
+    for place in foreign_parts(store_path, manifest):
+        place.unlink()
+    if home_of(manifest):
+        (store_path / SENSORS).unlink(missing_ok=True)
 
 
 def _shorten(batch: Batch, manifest: Manifest) -> None:

@@ -64,6 +64,13 @@ class Rows:
                 "a chunk that fits its CRC-32C",
                 "Run `tactiledata check` to see what it concerns; restore the file from a copy.",
             ) from error
+        if not self._files.still_there(f"{self._path}/zarr.json"):
+            # zarr takes a chunk that is gone for fill
+            raise StoreError(
+                f"array {self._path} left {self._files.location} while it was open: a recording was replaced",
+                "the store as it was opened",
+                "Open it again.",
+            )
         rows.setflags(write=False)
         self._chunks[index] = rows
         while len(self._chunks) > 1 and sum(chunk.nbytes for chunk in self._chunks.values()) > CACHE_BYTES:

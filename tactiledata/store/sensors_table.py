@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
+from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError
 from tactiledata.store.arrays import open_rows, write_image
 from tactiledata.store.batch import Batch
-from tactiledata.store.layout import SENSORS, reference_path
+from tactiledata.store.layout import home_of, reference_path, sensors_path
 from tactiledata.store.manifest import Manifest
 from tactiledata.store.writer import StagedTake
 
@@ -97,13 +98,13 @@ def json_document(value: object) -> bytes:
 
 def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
     """Facts of the sensors of a local store."""
-    place = store_path / SENSORS
+    place = store_path / sensors_path(home_of(manifest))
     return parse_sensors(place.read_bytes() if place.is_file() else None, manifest, str(place))
 
 
-def write_sensors(batch: Batch, facts: Facts) -> dict[str, str]:
+def write_sensors(batch: Batch, manifest: Mapping[str, Any], facts: Facts) -> dict[str, str]:
     """Facts in their file; returns their digests for the manifest."""
-    batch.write(SENSORS, json_document(facts))
+    batch.write(sensors_path(home_of(manifest)), json_document(facts))
     return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}
 
 
@@ -121,6 +122,7 @@ class SensorAppender:
 
     def __init__(self, batch: Batch, root: zarr.Group, manifest: Manifest) -> None:
         self._batch, self._root, self._manifest = batch, root, manifest
+        self._home = home_of(manifest)
         self._facts = read_sensors(batch.root, manifest)
         self._images: dict[str, NDArray[np.uint8]] = {}
 
@@ -131,19 +133,32 @@ class SensorAppender:
         for sensor, entry in take.document["references"].items():
             image = np.asarray(take.array(entry["arrays"]["image"]))
             if sensor not in known:
-                write_image(self._root, reference_path(sensor), image, {"sensor": sensor, **entry["attributes"]})
-                known[sensor] = image_crc(image)
-                self._images[sensor] = image
+                self._write(sensor, image, entry["attributes"])
             elif conflict := reference_conflict(sensor, self._image(sensor), image):
                 findings.append(conflict)
         return findings
 
+    def keep_pictures(self, pictures: Mapping[str, Reference]) -> None:
+        """Pictures that were added by hand, before any take is added: they stay."""
+        for sensor, reference in sorted(pictures.items()):
+            facts = {name: getattr(reference, name) for name in ("origin", "licence", "model")}
+            self._write(sensor, reference.image, facts)
+
+    def fill_facts(self, facts: Facts) -> None:
+        """What was said by hand and no take says."""
+        self._facts, _ = merged_facts(self._facts, facts)
+
     def finish(self) -> None:
         """Facts written."""
         if self._facts:
-            self._manifest["sensors"] = write_sensors(self._batch, self._facts)
+            self._manifest["sensors"] = write_sensors(self._batch, self._manifest, self._facts)
+
+    def _write(self, sensor: str, image: NDArray[np.uint8], attributes: Mapping[str, Any]) -> None:
+        write_image(self._root, reference_path(self._home, sensor), image, {"sensor": sensor, **attributes})
+        self._manifest["references"][sensor] = image_crc(image)
+        self._images[sensor] = image
 
     def _image(self, sensor: str) -> NDArray[np.uint8]:
         if sensor not in self._images:
-            self._images[sensor] = np.asarray(open_rows(self._batch, reference_path(sensor))[...], np.uint8)
+            self._images[sensor] = np.asarray(open_rows(self._batch, reference_path(self._home, sensor))[...], np.uint8)
         return self._images[sensor]

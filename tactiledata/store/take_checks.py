@@ -12,13 +12,17 @@ from tactiledata.contract.provenance import json_bytes
 from tactiledata.contract.take import FINDING_SCHEMA, FRAME_SCHEMA, TRAJECTORY_SCHEMA, Take
 from tactiledata.errors import StoreError
 from tactiledata.store.layout import folder_name
-from tactiledata.store.spool import Spool
 
 STATUSES = ("ok", "unverified", "damaged")
 
 
-def check_take(take: Take, spool: Spool) -> None:
+def check_take(take: Take, n_images: int) -> None:
     """Nothing, where tables have their schemas, rows point inside, and arrays have the lengths that they should.
+
+    Parameters
+    ----------
+    n_images : int
+        Images that were spooled.
 
     Raises
     ------
@@ -28,7 +32,7 @@ def check_take(take: Take, spool: Spool) -> None:
     if take.status not in STATUSES:
         raise _fault(take, f"status {take.status!r}", f"one of {', '.join(STATUSES)}")
     _check_tables(take)
-    _check_frames(take, spool)
+    _check_frames(take, n_images)
     _check_trajectories(take)
     _check_signals(take)
     _check_documents(take)
@@ -52,7 +56,7 @@ def _check_tables(take: Take) -> None:
             raise StoreError(f"table {name} of {take.source.key} has other types: {error}", f"{schema}") from error
 
 
-def _check_frames(take: Take, spool: Spool) -> None:
+def _check_frames(take: Take, n_images: int) -> None:
     frames = take.frames
     trajectory = np.asarray(frames["trajectory"])
     if len(trajectory) and not (trajectory.min() >= -1 and trajectory.max() < len(take.trajectories)):
@@ -61,8 +65,8 @@ def _check_frames(take: Take, spool: Spool) -> None:
     kept = np.asarray(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
     if (offset[kept] < 0).any() or (length[kept] < 0).any():
         raise _fault(take, "frames with an encoding but no bytes", "offset and length in the spool")
-    if len(frames) > len(spool):
-        raise _fault(take, f"{len(frames)} frames", f"at most the {len(spool)} images of its spool")
+    if len(frames) > n_images:
+        raise _fault(take, f"{len(frames)} frames", f"at most the {n_images} images of its spool")
 
 
 def _check_trajectories(take: Take) -> None:

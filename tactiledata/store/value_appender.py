@@ -13,7 +13,14 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.store.arrays import append_rows, create_rows, set_length
 from tactiledata.store.batch import Batch
-from tactiledata.store.layout import ALIGNED_ARRAYS, SIGNAL_ARRAYS, aligned_path, frame_values_path, signal_path
+from tactiledata.store.layout import (
+    ALIGNED_ARRAYS,
+    SIGNAL_ARRAYS,
+    aligned_path,
+    frame_values_path,
+    home_of,
+    signal_path,
+)
 from tactiledata.store.manifest import Manifest, settings_of
 from tactiledata.store.statistics import added, no_statistics
 from tactiledata.store.writer import StagedTake
@@ -41,6 +48,7 @@ class ValueAppender:
 
     def __init__(self, batch: Batch, root: zarr.Group, manifest: Manifest) -> None:
         self._batch, self._root, self._manifest = batch, root, manifest
+        self._home = home_of(manifest)
         self._chunk_rows = settings_of(manifest).signal_chunk_rows
         self._first_frame: int = manifest["rows"]["frames"]
         self._first_rows = {name: facts["rows"] for name, facts in manifest["signals"].items()}
@@ -112,7 +120,7 @@ class ValueAppender:
         facts = self._manifest["signals"][name]
         start = self._first_rows.get(name, 0)
         for array in SIGNAL_ARRAYS:
-            path = signal_path(name, array)
+            path = signal_path(self._home, name, array)
             if start == 0:
                 self._create(path, array, facts)
             blocks = (take.array(entry["arrays"][array]) for _, take, entry in noted)
@@ -125,7 +133,7 @@ class ValueAppender:
         facts = self._manifest[kind][name]
         noted = self._noted.get((kind, name), [])
         for array in arrays:
-            path = aligned_path(name, array) if kind == "aligned" else frame_values_path(name)
+            path = aligned_path(self._home, name, array) if kind == "aligned" else frame_values_path(self._home, name)
             if (kind, name) not in self._known:
                 self._create(path, array, facts)
             if noted:

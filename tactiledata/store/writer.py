@@ -45,6 +45,8 @@ class StagedTake:
         What decides the borders of commit groups.
     document : dict
         Content of the marker: all of the take that is neither a table nor an array.
+    is_placed : bool
+        Whether its images lie in the store already, where its frames say.
     """
 
     folder: Path
@@ -52,6 +54,7 @@ class StagedTake:
     n_frames: int
     n_bytes: int
     document: Mapping[str, Any]
+    is_placed: bool = False
 
     def table(self, name: str) -> pa.Table:
         """``frames``, ``trajectories`` or ``findings``, rows local to the take."""
@@ -112,7 +115,7 @@ def stage(store_path: Path | str, spool: Spool, take: Take, content: str | None 
     StoreError
         The take does not fit together, or the disk is full.
     """
-    check_take(take, spool)
+    check_take(take, len(spool))
     folder = staging_folder(store_path, take.sha256)
     try:
         spool.close()
@@ -120,20 +123,36 @@ def stage(store_path: Path | str, spool: Spool, take: Take, content: str | None 
             shutil.rmtree(folder, ignore_errors=True)
             folder.parent.mkdir(parents=True, exist_ok=True)
             shutil.move(spool.folder, folder)
-        spool_bytes = sum(place.stat().st_size for place in folder.iterdir())
-        for name in STAGED_TABLES:
-            table = getattr(take, name).cast(TABLE_SCHEMAS[name])
-            pq.write_table(table, folder / f"{name}.parquet", compression="lz4")
-        with (folder / ARRAYS).open("wb") as stream:
-            document = _document(take, _Arrays(stream))
-        document["n_bytes"] = spool_bytes + (folder / ARRAYS).stat().st_size
-        document["content"] = content or content_digest(take, document)
-        document["tables"] = {name: file_digest(folder / f"{name}.parquet") for name in STAGED_TABLES}
-        (folder / f"{MARKER}.part").write_bytes(json_bytes(document))
-        (folder / f"{MARKER}.part").replace(folder / MARKER)
+        return _write(folder, take, content)
     except OSError as error:
         raise unwritable(store_path, error) from error
-    return _staged(folder, document)
+
+
+def stage_placed(store_path: Path | str, take: Take, content: str) -> StagedTake:
+    """A take whose images lie in the store already: its frames' ``offset`` and ``length`` are those of the store."""
+    check_take(take, len(take.frames))
+    folder = staging_folder(store_path, take.sha256)
+    try:
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        return _write(folder, take, content, is_placed=True)
+    except OSError as error:
+        raise unwritable(store_path, error) from error
+
+
+def _write(folder: Path, take: Take, content: str | None, is_placed: bool = False) -> StagedTake:
+    spool_bytes = sum(place.stat().st_size for place in folder.iterdir())
+    for name in STAGED_TABLES:
+        table = getattr(take, name).cast(TABLE_SCHEMAS[name])
+        pq.write_table(table, folder / f"{name}.parquet", compression="lz4")
+    with (folder / ARRAYS).open("wb") as stream:
+        document = _document(take, _Arrays(stream))
+    document["n_bytes"] = spool_bytes + (folder / ARRAYS).stat().st_size
+    document["content"] = content or content_digest(take, document)
+    document["tables"] = {name: file_digest(folder / f"{name}.parquet") for name in STAGED_TABLES}
+    (folder / f"{MARKER}.part").write_bytes(json_bytes(document))
+    (folder / f"{MARKER}.part").replace(folder / MARKER)
+    return _staged(folder, document, is_placed)
 
 
 def find_staged(store_path: Path | str) -> dict[str, StagedTake]:
@@ -149,8 +168,8 @@ def find_staged(store_path: Path | str) -> dict[str, StagedTake]:
     return {sha256: staged for sha256, staged in found.items() if staged.folder.name == sha256}
 
 
-def _staged(folder: Path, document: Mapping[str, Any]) -> StagedTake:
-    return StagedTake(folder, document["sha256"], document["n_frames"], document["n_bytes"], document)
+def _staged(folder: Path, document: Mapping[str, Any], is_placed: bool = False) -> StagedTake:
+    return StagedTake(folder, document["sha256"], document["n_frames"], document["n_bytes"], document, is_placed)
 
 
 class _Arrays:

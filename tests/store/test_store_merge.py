@@ -144,7 +144,7 @@ def test_merge_into_itself_is_refused(tmp_path: Path) -> None:
 def test_merge_carries_sensors_added_by_hand(tmp_path: Path) -> None:
     """A sensor that no recording carries goes along, with its picture."""
     from tactiledata.contract.take import Reference
-    from tactiledata.store.commit import keep_sensors
+    from tactiledata.store.keep_sensors import keep_sensors
 
     folder = made(tmp_path / "a", [1])
     picture = np.full((4, 5, 3), 7, np.uint8)

@@ -1,0 +1,160 @@
+"""A recording that was corrected takes the place of what a store holds of it, and of nothing else."""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from tactiledata.cli.main import app
+from tactiledata.ingest.assemble import IngestOptions
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.store.check import check
+from tactiledata.store.reader import Store
+
+OTHERWISE = IngestOptions(mapping={"format": "tactiledata-mapping/1", "clock": "log"})
+
+
+def states(report):
+    return [source.state for source in report.sources]
+
+
+def seen(place):
+    """All tables and aligned values of a store but where images lie."""
+    store = Store.open(place)
+    frames = store.frames().drop_columns(["offset"]).to_pylist()
+    aligned = [repr(store.aligned(name)) for name in store.aligned_names]
+    return [frames, store.trajectories(), store.sources(), store.findings(), aligned, store.digest, store.sensors()]
+
+
+@pytest.fixture
+def wrong(tiny_mcaps, tmp_path):
+    """A store whose first recording was taken with another mapping."""
+    ingest(tiny_mcaps[:1], tmp_path / "ds.zarr", OTHERWISE)
+    ingest(tiny_mcaps[1:], tmp_path / "ds.zarr")
+    return tmp_path / "ds.zarr"
+
+
+def test_a_corrected_mapping_replaces(tiny_mcaps, tiny_store, wrong):
+    """The store becomes the one that had the right mapping from the start; a second time changes nothing."""
+    assert seen(wrong) != seen(tiny_store)
+    report = ingest(tiny_mcaps, wrong, replace=True)
+    assert states(report) == ["replaced", "present"]
+    assert seen(wrong) == seen(tiny_store)
+    assert check(wrong, decode=True) == []
+    manifest = (wrong / "manifest.json").read_bytes()
+    assert states(ingest(tiny_mcaps, wrong, replace=True)) == ["present", "present"]
+    assert (wrong / "manifest.json").read_bytes() == manifest
+
+
+def test_an_edited_log_replaces_its_recording(tiny_folders, tmp_path):
+    """An edited log.yaml has another digest; by name and images it is the recording that it was before."""
+    logs = [shutil.copytree(log, tmp_path / "logs" / log.name) for log in tiny_folders]
+    ingest(logs, tmp_path / "ds.zarr")
+    for log in logs[:1]:
+        described = yaml.safe_load((log / "log.yaml").read_text())
+        described["licence"] = "CC0"
+        (log / "log.yaml").write_text(yaml.safe_dump(described))
+    report = ingest(logs, tmp_path / "ds.zarr", replace=True)
+    assert states(report) == ["replaced", "present"]
+    ingest(logs, tmp_path / "right.zarr")
+    assert seen(tmp_path / "ds.zarr") == seen(tmp_path / "right.zarr")
+
+
+def test_twins_become_one(tiny_folders, tmp_path):
+    """Where the edited copy was added as a recording of its own before, one of the two stays."""
+    log = shutil.copytree(tiny_folders[0], tmp_path / "logs" / tiny_folders[0].name)
+    ingest([log], tmp_path / "ds.zarr")
+    (log / "log.yaml").write_text((log / "log.yaml").read_text() + "\n# edited\n")
+    assert states(ingest([log], tmp_path / "ds.zarr")) == ["added"]
+    assert states(ingest([log], tmp_path / "ds.zarr", replace=True)) == ["replaced"]
+    ingest([log], tmp_path / "right.zarr")
+    assert seen(tmp_path / "ds.zarr") == seen(tmp_path / "right.zarr")
+
+
+def test_a_recording_that_only_has_the_same_name_is_added(tiny_mcaps, tmp_path):
+    """Two recordings called alike are two; that nothing was replaced is said (the negative control)."""
+    ingest(tiny_mcaps[:1], tmp_path / "ds.zarr")
+    other = tmp_path / "other" / tiny_mcaps[0].name
+    other.parent.mkdir()
+    shutil.copy(tiny_mcaps[1], other)
+    report = ingest([other], tmp_path / "ds.zarr", replace=True)
+    assert states(report) == ["added"]
+    assert "nothing-replaced" in {finding.code for finding in report.sources[0].findings}
+    assert Store.open(tmp_path / "ds.zarr").sources().num_rows == 2
+
+
+def test_the_summary_says_that_splits_are_of_before(tiny_mcaps, tiny_store, tmp_path):
+    """The command says what was replaced, and which split has to be drawn anew."""
+    store = tmp_path / "ds.zarr"
+    shutil.copytree(tiny_store, store)
+    mapping = tmp_path / "mapping.yaml"
+    mapping.write_text("format: tactiledata-mapping/1\nclock: log\n")
+    words = ["ingest", str(tiny_mcaps[0]), "--store", str(store), "--mapping", str(mapping)]
+    assert "--replace" in CliRunner().invoke(app, words).output
+    said = CliRunner().invoke(app, [*words, "--replace"]).output
+    assert "1 replaced" in said
+    assert "the split default is of the store as it was" in said
+
+
+def test_a_staged_take_of_another_mapping_is_read_again(tiny_mcaps, tiny_store, tmp_path, monkeypatch):
+    """What a killed ingest staged with another mapping is not taken for what was asked for now."""
+    store = tmp_path / "ds.zarr"
+
+    def killed(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tactiledata.store.commit.commit", killed)
+    with pytest.raises(KeyboardInterrupt):
+        ingest(tiny_mcaps, store, OTHERWISE)
+    monkeypatch.undo()
+    assert list((store / ".staging").glob("*/take.json"))
+    ingest(tiny_mcaps, store)
+    assert seen(store) == seen(tiny_store)
+
+
+def test_a_first_ingest_that_fails_leaves_no_store(tmp_path):
+    """Where nothing could be read there is no store afterwards; an empty folder of the user's stays one."""
+    (tmp_path / "run.mcap").write_bytes(b"\x89MCAP0\r\n" + b"no records" * 10)
+    (tmp_path / "mine").mkdir()
+    for store in (tmp_path / "ds.zarr", tmp_path / "mine"):
+        assert states(ingest([tmp_path / "run.mcap"], store)) == ["failed"]
+    assert not (tmp_path / "ds.zarr").exists()
+    assert list((tmp_path / "mine").iterdir()) == []
+
+
+@pytest.mark.slow
+def test_killed_while_replacing(tiny_mcaps, tiny_store, wrong, tmp_path):
+    """Kill -9 at random moments: the store is whole each time, and the same call ends with the corrected store."""
+    clock = random.Random(3)
+    program = (
+        "import sys; from tactiledata.ingest.pipeline import ingest\n"
+        "sys.stdout.write('ready\\n'); sys.stdout.flush()\n"
+        "ingest(sys.argv[2:], sys.argv[1], replace=True)"
+    )
+    started = time.monotonic()
+    ingest(tiny_mcaps, shutil.copytree(wrong, tmp_path / "timed.zarr"), replace=True)
+    span = time.monotonic() - started
+    kills = 0
+    for trial in range(4):
+        store = shutil.copytree(wrong, tmp_path / f"{trial}.zarr")
+        for _ in range(2):
+            command = [sys.executable, "-c", program, str(store), *map(str, tiny_mcaps)]
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            process.stdout.readline()
+            time.sleep(clock.uniform(0, 1.1 * span))
+            kills += process.poll() is None
+            os.kill(process.pid, signal.SIGKILL)
+            process.wait()
+            process.stdout.close()
+            assert [one.code for one in check(store) if one.severity != "info"] == []
+        ingest(tiny_mcaps, store, replace=True)
+        assert seen(store) == seen(tiny_store)
+        assert check(store) == []
+    assert kills >= 4
