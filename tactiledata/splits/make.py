@@ -108,7 +108,7 @@ def split_tables(
     counted = frames_per_trajectory(frames, taken, trajectories.num_rows)
     table = assign(trajectories, options, held_out, counted)
     counts, strata = count_parts(table), count_strata(table, options.strata)
-    notes += [*why, *notes_on(table, options, counts, strata)]
+    notes += [*why, *notes_on(table, options, held_out, counts, strata)]
     return SplitReport(name, options, held_out, counts, strata, tuple(notes)), table
 
 

@@ -128,11 +128,18 @@ def count_strata(table: pa.Table, kinds: tuple[str, ...]) -> tuple[Stratum, ...]
 
 
 def notes_on(
-    table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], strata: tuple[Stratum, ...]
+    table: pa.Table,
+    options: SplitOptions,
+    held_out: Mapping[str, tuple[str, ...]],
+    counts: Mapping[str, Count],
+    strata: tuple[Stratum, ...],
 ) -> list[str]:
     """What stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part."""
     wanted = [part for part, share in zip(SHARES, options.fractions, strict=True) if share > 0]
-    notes = [*_empty_parts(table, options, counts, wanted), *_thin_strata(strata, wanted)]
+    # which units `auto` holds out goes by the seed, so that counts with another seed can only be told without
+    is_free = options.hold_out != "auto" or not held_out
+    filled = [part for part in wanted if counts[part].trajectories]
+    notes = [*_empty_parts(table, options, counts, wanted, is_free), *_thin_strata(strata, filled)]
     notes += _excluded(table)
     for kind in ("sensor", "indenter"):
         unnamed = table[kind].to_pylist().count("")
@@ -169,7 +176,9 @@ def _excluded(table: pa.Table) -> list[str]:
     return notes
 
 
-def _empty_parts(table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str]) -> list[str]:
+def _empty_parts(
+    table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str], is_free: bool
+) -> list[str]:
     notes = [
         f"{part} has {counted(counts[part].trajectories, 'trajectory')} and no frames"
         for part in wanted
@@ -180,9 +189,13 @@ def _empty_parts(table: pa.Table, options: SplitOptions, counts: Mapping[str, Co
         return notes
     drawn = np.isin(np.asarray(table["partition"].to_pylist(), object), SHARES)
     groups = sorted({group for group, taken in zip(table["group"].to_pylist(), drawn, strict=True) if taken})
-    seeds = _filling_seeds(groups, options, len(wanted)) if options.hold_out != "auto" or not options.strata else []
-    hint = f"seeds that fill every part: {', '.join(map(str, seeds))}" if seeds else "try another seed, or add data"
-    notes.append(f"{' and '.join(empty)} got no trajectory: {len(groups)} groups are few for chance to fill it; {hint}")
+    seeds = _filling_seeds(groups, options, len(wanted)) if is_free else []
+    hint = "try another seed (--seed N --replace), or add data"
+    if seeds:
+        others = f" (and so do {' and '.join(map(str, seeds[1:]))})" if seeds[1:] else ""
+        hint = f"the same command with --seed {seeds[0]} --replace fills every part{others}"
+    few = f"{len(groups)} groups are few for chance to fill every part"
+    notes.append(f"{' and '.join(empty)} got no trajectory: {few}; {hint}")
     return notes
 
 

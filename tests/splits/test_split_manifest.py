@@ -1,5 +1,7 @@
 """Splits on disk: kept, loaded, brought up to date, and refused where they do not fit."""
 
+import re
+
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
@@ -255,21 +257,21 @@ def test_what_stands_out_is_said_in_words(tmp_path):
     report = make_split(MemoryStore(tmp_path, table), hold_out="none")
     notes = "\n".join(report.notes)
     assert "got no trajectory" in notes
-    assert "seeds that fill every part" in notes
+    assert "fills every part" in notes
     assert "trajectories that name no sensor: 1" in notes
     assert "1 parent trajectory that this store does not hold" in notes
 
 
 def test_suggested_seeds_fill_every_part(tmp_path):
-    """A seed that a note suggests leaves no part empty."""
+    """A seed that a note suggests leaves no part empty, also where `auto` has too few units to hold any out."""
     table = trajectories(many(8))
     store = MemoryStore(tmp_path, table)
     for seed in range(20):
-        report = make_split(store, hold_out="none", seed=seed, replace=True)
-        note = next((note for note in report.notes if "seeds that fill" in note), None)
+        report = make_split(store, seed=seed, by="trajectory,indenter", replace=True)
+        note = next((note for note in report.notes if "fills every part" in note), None)
         if note:
-            good = int(note.rsplit(": ", 1)[1].split(",")[0])
-            counts = make_split(store, hold_out="none", seed=good, replace=True).counts
+            good = int(re.search(r"--seed (\d+) --replace", note)[1])
+            counts = make_split(store, seed=good, by="trajectory,indenter", replace=True).counts
             assert all(counts[part].trajectories for part in ("train", "val", "test"))
             return
     pytest.fail("no seed of 20 left a part of 8 trajectories empty")
