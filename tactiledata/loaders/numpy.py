@@ -7,10 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import StoreError, UnknownName, UsageError
+from tactiledata.loaders.facts import item_table
 from tactiledata.loaders.index import build_index
 from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
@@ -131,6 +133,12 @@ class TactileArrays:
 
     def __iter__(self) -> Iterator[Item]:
         return (self[item] for item in range(len(self)))
+
+    def table(self) -> pa.Table:
+        """Facts of the items, a row each: trajectory, sensor, indenter, peak force, and the recordings' free columns as
+        ``extra.NAME``, null where a recording has none; in the order of the items, ready to be used as covariates.
+        """
+        return item_table(self.store, self.index)
 
     def items(self, numbers: Sequence[int]) -> list[Item]:
         """Items, read together.

@@ -151,7 +151,7 @@ def _trajectories(number, n, sensor):
         "peak_force": [max(FORCES)] * n,
         "segmented": ["log"] * n,
         "parent": [""] * n,
-        "extra": ["{}"] * n,
+        "extra": [json.dumps({"speed": number, "glue": "A" if place else 7}) for place in range(n)],
     }
     return pa.table(rows, TRAJECTORY_SCHEMA)
 

@@ -133,6 +133,21 @@ def test_batch_order_does_not_change_items(place):
         arrays[len(arrays)]
 
 
+@pytest.mark.parametrize("unit", ["frame", "trajectory"])
+def test_free_columns_stand_beside_the_items(place, unit):
+    """The table has a row for each item, in order, and the free columns that the recordings gave that trajectory."""
+    arrays = TactileArrays(place, "default/train", "centre", unit=unit)
+    store = arrays.store
+    given = {row["uid"]: json.loads(row["extra"]) for row in store.trajectories(["uid", "extra"]).to_pylist()}
+    rows = arrays.table().to_pylist()
+    assert len(rows) == len(arrays)
+    for row, item in zip(rows, arrays, strict=True):
+        assert row["frame"] == np.atleast_1d(item["frame"])[0]
+        assert all(row[name] == item[name] for name in ("trajectory", "sensor", "indenter"))
+        assert row["extra.speed"] == given[row["trajectory"]]["speed"]
+        assert row["extra.glue"] == str(given[row["trajectory"]]["glue"])
+
+
 @pytest.mark.parametrize("split", [None, "", "default", "train", "default/", "/train", "default/trian", "other/train"])
 def test_a_missing_split_is_an_error_that_lists_splits(place, split):
     """Without a part of a split there is no dataset; the message names splits, parts and the command."""
