@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -30,10 +31,11 @@ def file_digest(path: Path) -> str:
 
 
 def files_digest(root: Path, files: Iterable[Path]) -> str:
-    """SHA-256 (hex) over the names below ``root`` and the contents of several files, in sorted order."""
+    """SHA-256 (hex) over the names relative to ``root`` and the contents of several files, in sorted order."""
     total = hashlib.sha256()
-    for path in sorted(files, key=lambda path: path.relative_to(root).as_posix()):
-        total.update(path.relative_to(root).as_posix().encode() + b"\0" + file_digest(path).encode() + b"\n")
+    names = {Path(os.path.relpath(path, root)).as_posix(): path for path in files}
+    for name, path in sorted(names.items()):
+        total.update(name.encode() + b"\0" + file_digest(path).encode() + b"\n")
     return total.hexdigest()
 
 

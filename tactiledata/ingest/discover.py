@@ -56,7 +56,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
             )
         sources.extend(found)
         unclaimed.extend(left)
-    return _unique_keys(sources), unclaimed
+    used = {name for source in sources for name in source.files}
+    return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
 
 
 def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:

@@ -28,6 +28,8 @@ from generators.mcap_files import (
 from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.formats.mcap import McapFormat
 from tactiledata.formats.mcap_parts.readers import UR_JOINTS
+from tactiledata.ingest.discover import find_sources
+from tactiledata.ingest.pipeline import source_digest
 
 FORMAT = McapFormat()
 MAPPING = {"format": "tactiledata-mapping/1"}
@@ -287,6 +289,23 @@ def test_a_split_bag_is_one_recording(tmp_path):
     assert {(finding.code, finding.severity) for finding in recording.findings} == {("missing-file", "damage")}
     (folder / "metadata.yaml").unlink()
     assert len(FORMAT.sources(folder)) == 1
+
+
+def test_a_description_beside_a_bag_is_part_of_it(tmp_path):
+    """`bag.yaml` beside the folder `bag` is one of its files: another description makes another recording."""
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    touch(folder / "bag_0.mcap", count=4)
+    bare = FORMAT.sources(folder)[0]
+    digests = [source_digest(bare)]
+    for spot in (0, 1):
+        (tmp_path / "bag.yaml").write_text(json.dumps(description("unit_7", spot)))
+        [source] = FORMAT.sources(folder)
+        assert [Path(name).name for name in source.files] == ["bag_0.mcap", "bag.yaml"]
+        digests.append(source_digest(source))
+    assert len(set(digests)) == 3
+    assert find_sources([tmp_path])[1] == []
+    assert source_digest(bare) == digests[0]
 
 
 def test_independent_recordings_in_a_folder(tmp_path):

@@ -135,12 +135,13 @@ def _file_source(path: Path, key: str, name: str) -> Source:
 
 
 def _folder_source(folder: Path, key: str, name: str) -> Source:
-    """All files of a bag; its description beside the folder is not among them, because it lies outside."""
+    """All files of a bag, the description inside or beside its folder among them: it decides what the bag means."""
     try:
         files = list(files_of(folder).files)
     except (BrokenLog, SchemaError, UnsafeContent):
         files = []  # reading says what is wrong
-    files += [folder / extra for extra in (METADATA, INSIDE_DESCRIPTION) if (folder / extra).is_file()]
+    described = description_file(folder)
+    files += [folder / METADATA] * (folder / METADATA).is_file() + ([described] if described else [])
     return Source(str(folder), key, name, tuple(str(file) for file in files))
 
 
