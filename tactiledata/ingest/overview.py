@@ -10,9 +10,11 @@ import numpy as np
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.take import FrameFlag, findings_of
+from tactiledata.contract.wording import counted
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
-from tactiledata.splits.manifest import read_split_document
+from tactiledata.splits.manifest import coverage_problem, read_split, read_split_document
+from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.store.overview import overview
 from tactiledata.store.reader import Store
 
@@ -98,9 +100,10 @@ def page(store: Store, png: bytes | None, split: str) -> str:
     """The report as HTML."""
     facts = overview(store)
     sentences = [
-        f"The store {Path(str(store.location)).name} holds {facts['sources']} recordings with {facts['trajectories']} "
-        f"trajectories and {facts['frames']} images of {len(facts['by_sensor'])} sensors and "
-        f"{len([name for name in facts['by_indenter'] if name])} indenters.",
+        f"The store {Path(str(store.location)).name} holds {counted(facts['sources'], 'recording')} with "
+        f"{counted(facts['trajectories'], 'trajectory')} and {counted(facts['frames'], 'image')} of "
+        f"{counted(len(facts['by_sensor']), 'sensor')} and "
+        f"{counted(len([name for name in facts['by_indenter'] if name]), 'indenter')}.",
         _status_sentence(facts["status"]),
     ]
     sections = [
@@ -117,11 +120,11 @@ def page(store: Store, png: bytes | None, split: str) -> str:
 
 def _status_sentence(status: dict[str, int]) -> str:
     words = {
-        "ok": "are whole",
-        "unverified": "carry no checksums and could not be verified",
-        "damaged": "lost data to damage; what is whole was kept",
+        "ok": "whole",
+        "unverified": "without checksums, so that it could not be verified",
+        "damaged": "with data lost to damage; what is whole was kept",
     }
-    return "; ".join(f"{count} recordings {words[name]}" for name, count in sorted(status.items())) + "."
+    return "; ".join(f"{counted(count, 'recording')} {words[name]}" for name, count in sorted(status.items())) + "."
 
 
 def _recorded(png: bytes | None) -> Section | None:
@@ -180,9 +183,13 @@ def _split(store: Store, split: str) -> Section:
             "Split", sentences=[("warning", "There is no split yet; nothing may learn from this store.")],
             code=[f"tactiledata split {store.location} --by trajectory,sensor"],
         )  # fmt: skip
-    rows = [(part, count["trajectories"], count["frames"]) for part, count in document["counts"].items()]
+    counts = document["counts"]
+    rows = [(part, counts[part]["trajectories"], counts[part]["frames"]) for part in (*PARTITIONS, EXCLUDED)]
     held = "; ".join(f"{kind} {', '.join(names)}" for kind, names in document["held_out"].items() if names)
     sentences = [("", f"Split {split!r}: whole trajectories only. Held out for the second test: {held or 'nothing'}.")]
+    if problem := coverage_problem(read_split(store, split), store.trajectories(["uid"])["uid"]):
+        again = "Run `tactiledata split` again; until then it cannot be loaded."
+        sentences.append(("warning", f"The split is out of date: {problem}. {again}"))
     return Section("Split", sentences=sentences, columns=("part", "trajectories", "images"), rows=rows)
 
 
