@@ -26,6 +26,7 @@ from tactiledata.formats.mcap_parts.readers import signal_taker
 from tactiledata.formats.mcap_parts.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
 from tactiledata.formats.mcap_parts.survey import Survey, survey
 from tactiledata.formats.mcap_parts.tally import Tally
+from tactiledata.formats.mcap_parts.transform_tree import TransformTree
 
 HostClock = Literal["log", "publish", "header", "auto"]
 Buffer = SignalBuffer | CameraBuffer
@@ -74,11 +75,16 @@ bag/bag_0.mcap, bag_1.mcap …"""
         cameras = _cameras(roles, sink, description)
         if not (signals or cameras):
             raise _nothing_to_read(source, inventories, decoders, roles)
-        handler_for = _handlers(roles, signals, cameras, decoders)
+        trees = {
+            role.name: TransformTree(role.frame or "", role.child_frame, buffer)
+            for role, buffer in zip(roles.signals, signals, strict=True)
+            if role.is_tree
+        }
+        handler_for = _handlers(roles, signals, cameras, decoders, trees)
         for inventory in inventories:
             findings += Playback(inventory, handler_for).run()
         buffers: list[Buffer] = [*signals, *cameras]
-        findings += [finding for buffer in buffers for finding in buffer.findings()]
+        findings += [finding for part in (*buffers, *trees.values()) for finding in part.findings()]
         findings += [*_empty(signals, cameras), *_foreign_wrench(signals, description)]
         if not (any(len(buffer.log) for buffer in signals) or any(camera.images for camera in cameras)):
             raise _nothing_read(source, findings)
@@ -192,7 +198,11 @@ def _draft(topics: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse], d
 
 
 def _handlers(
-    roles: Roles, signals: list[SignalBuffer], cameras: list[CameraBuffer], decoders: _Decoders
+    roles: Roles,
+    signals: list[SignalBuffer],
+    cameras: list[CameraBuffer],
+    decoders: _Decoders,
+    trees: Mapping[str, TransformTree],
 ) -> Callable[[Channel, Schema | None], Handler | None]:
     """What makes the handler of a channel, for all the roles that its topic has."""
 
@@ -207,7 +217,9 @@ def _handlers(
             return _spread([_refusing(buffer, reason) for buffer in wanted])
         takers: list[Handler] = []
         for role, buffer in zip(roles.signals, signals, strict=True):
-            if role.topic == channel.topic:
+            if role.is_tree and channel.topic in (role.topic, role.static_topic):
+                takers.append(trees[role.name].taker(decoder, channel.topic == role.static_topic))
+            elif role.topic == channel.topic:
                 takers.append(signal_taker(role, decoder, buffer))
         takers += [image_taker(decoder, camera) for camera in cameras if camera.role.topic == channel.topic]
         return _spread(takers)

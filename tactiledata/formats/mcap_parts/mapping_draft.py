@@ -18,6 +18,7 @@ from tactiledata.formats.mcap_parts.roles import (
     Roles,
     SignalRole,
     Topic,
+    is_fixed_tree,
 )
 from tactiledata.formats.natural_order import natural_key
 
@@ -124,14 +125,15 @@ def _role_entry(role: SignalRole, glimpses: Mapping[str, Glimpse]) -> dict[str, 
 def _candidates(name: str, known: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse]) -> _Entry | None:
     """The likeliest of the topics that could be a signal and are not read, the others as alternatives."""
     found: list[tuple[dict[str, Any], str]] = []
+    parents = {child: parent for glimpse in glimpses.values() for child, parent in glimpse.parents.items()}
     for topic in sorted(known, key=lambda topic: not any(word in topic.name.lower() for word in LIKELY_WORDS[name])):
         if topic.kind not in KINDS_OF_SIGNAL[name] or topic.name in roles.topics:
             continue
         entry: dict[str, Any] = {"topic": topic.name}
         remark = ""
         if topic.kind == TF_KIND:
-            frames = _likely_frames(glimpses.get(topic.name, Glimpse()).parents)
-            if frames is None:
+            frames = _likely_frames(parents)
+            if frames is None or is_fixed_tree(topic.name):
                 continue
             entry |= {"frame": frames[0], "child_frame": frames[1]}
             remark = "are these the frames of the robot's base and of its tcp?"
@@ -163,14 +165,17 @@ def _joint_names(glimpse: Glimpse | None) -> tuple[dict[str, Any], str]:
 
 
 def _likely_frames(parents: Mapping[str, str]) -> tuple[str, str] | None:
-    """A base frame and a moving frame below it, where the tree has frames with such names."""
+    """A base frame and a moving frame of one tree, where it has frames with such names."""
+
+    def root(name: str) -> str:
+        for _ in parents:
+            name = parents.get(name, name)
+        return name
+
     frames = {*parents, *parents.values()}
     for base in (name for name in LIKELY_FRAMES[0] if name in frames):
         for tool in (name for name in LIKELY_FRAMES[1] if name in parents):
-            above, left = tool, len(parents)
-            while above in parents and above != base and left:
-                above, left = parents[above], left - 1
-            if above == base:
+            if root(base) == root(tool):
                 return base, tool
     return None
 

@@ -10,7 +10,7 @@ from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap_parts.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap_parts.collect import SignalBuffer
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, frame_of, stamp_of, steps_of, value_at
-from tactiledata.formats.mcap_parts.roles import FIELDS_OF, TF_KIND, SignalRole
+from tactiledata.formats.mcap_parts.roles import FIELDS_OF, SignalRole
 from tactiledata.units import FIELDS, TO_METRES
 
 UR_JOINTS = (
@@ -43,8 +43,6 @@ def signal_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take
         general = _general(order.read, decoder, sink)
         if decoder.layout == JOINT_LAYOUT:
             fast = joint_taker(order, sink)
-    elif decoder.kind == TF_KIND:
-        general = _tree_taker(role, decoder, sink)
     else:
         general = _general(_paths_reader(FIELDS_OF[decoder.kind]), decoder, sink)
         if decoder.layout in VECTOR_LAYOUTS:
@@ -118,24 +116,6 @@ def unit_factors(role: SignalRole) -> list[float]:
                 path=f"$.signals.{role.name}.units",
             )
     return factors
-
-
-def _tree_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take:
-    """Reads the transform between the two frames that a mapping names out of each tree of transforms."""
-    read = _paths_reader(FIELDS_OF["geometry_msgs/TransformStamped"])
-    child = role.child_frame.strip("/")
-    frame = (role.frame or "").strip("/")
-
-    def take(buffer: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
-        try:
-            for transform in value_at(decoder.decode(buffer[start:stop]), ("transforms",)):
-                named = (frame_of(transform).strip("/"), str(value_at(transform, ("child_frame_id",))).strip("/"))
-                if named == (frame, child):
-                    sink.add(read(transform) or (), log_ns, publish_ns, stamp_of(transform), role.frame or "")
-        except FAULTS as error:
-            sink.faults.add(log_ns, error)
-
-    return take
 
 
 class JointOrder:

@@ -88,6 +88,8 @@ class SignalRole:
         The moving frame, where the topic carries a tree of transforms.
     joint_names : tuple of str
         Joints by name, base to wrist; empty for the usual names of a UR.
+    static_topic : str
+        The topic of the fixed transforms of a tree, where there is one.
     """
 
     name: str
@@ -98,6 +100,12 @@ class SignalRole:
     frame: str | None = None
     child_frame: str = ""
     joint_names: tuple[str, ...] = ()
+    static_topic: str = ""
+
+    @property
+    def is_tree(self) -> bool:
+        """Whether the topic carries a tree of transforms, of which the pose between two frames is meant."""
+        return bool(self.child_frame) and not self.fields
 
 
 @dataclass(frozen=True)
@@ -122,18 +130,25 @@ class Roles:
     def label(self, topic: str) -> str:
         """What a topic is read as: ``wrench``, ``image:digit``; empty where it is not read."""
         names = [role.name for role in self.signals if role.topic == topic]
+        names += [f"{role.name} (fixed transforms)" for role in self.signals if role.static_topic == topic]
         names += [f"image:{role.camera}" for role in self.images if role.topic == topic]
         return ", ".join(names)
 
     @property
     def topics(self) -> set[str]:
         """All topics that are read."""
-        return {role.topic for role in self.signals} | {role.topic for role in self.images}
+        signals = {topic for role in self.signals for topic in (role.topic, role.static_topic) if topic}
+        return signals | {role.topic for role in self.images}
 
 
 def ends_with(topic: str, ending: str) -> bool:
     """Whether a topic is this one, possibly below a namespace."""
     return f"/{topic.strip('/')}".endswith(f"/{ending}")
+
+
+def is_fixed_tree(topic: str) -> bool:
+    """Whether a topic carries the fixed transforms of a tree."""
+    return topic.endswith("tf_static")
 
 
 def roles_of(topics: Iterable[Topic], mapping: Mapping[str, Any] | None = None) -> Roles:
@@ -156,7 +171,7 @@ def roles_of(topics: Iterable[Topic], mapping: Mapping[str, Any] | None = None) 
         if (role := _mapped_signal(name, entry, known, findings)) is not None
     ]
     taken = {role.name for role in signals} | set(document.get("signals", {}))
-    mapped_topics = {role.topic for role in signals}
+    mapped_topics = {topic for role in signals for topic in (role.topic, role.static_topic)}
     signals += _guessed_signals([topic for topic in known if topic.name not in mapped_topics], taken, notes)
     if "images" in document:
         images = [
@@ -224,9 +239,13 @@ def _mapped_signal(
             "'frame' and 'child_frame': between which two frames the pose is meant",
             path=f"$.{place}",
         )
+    static = ""
+    if topic.kind == TF_KIND:
+        fixed = [one.name for one in known if one.kind == TF_KIND and one.is_readable and is_fixed_tree(one.name)]
+        static = next((name for name in fixed if name == f"{topic.name}_static"), fixed[0] if len(fixed) == 1 else "")
     return SignalRole(
         name, topic.name, columns, units, fields, entry.get("frame"), entry.get("child_frame", ""),
-        tuple(entry.get("joint_names", ())),
+        tuple(entry.get("joint_names", ())), "" if static == topic.name else static,
     )  # fmt: skip
 
 
