@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
+from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UnknownName, UsageError
@@ -89,10 +89,10 @@ def check(
     from tactiledata.store.repair import repair as mend
 
     location = working_store(store)
-    with damage_explains(location):
-        said = mend(location) if repair else []
-        found = look(location, decode=decode)
+    with damage_explains(location), progress("checking", quiet=as_json) as tell:
+        said = mend(location, decode, tell) if repair else look(location, decode=decode, progress=tell)
     mended = [finding for finding in said if finding.code == "store-mended"]
+    found = [finding for finding in said if finding.code != "store-mended"]
     if as_json:
         emit({"mended": [vars(finding) for finding in mended], "findings": [vars(finding) for finding in found]})
     else:
@@ -114,7 +114,8 @@ def merge(
     """
     from tactiledata.store.merge import merge as add
 
-    found = add(stores, into)
+    with progress("merging", quiet=as_json) as tell:
+        found = add(stores, into, tell)
     if as_json:
         emit({"store": str(into), "findings": [vars(finding) for finding in found]})
         return

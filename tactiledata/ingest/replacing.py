@@ -16,8 +16,10 @@ import pyarrow.compute as pc
 from tactiledata.contract.records import Finding
 from tactiledata.ingest.reports import SourceReport, report_of
 from tactiledata.store.commit import commit_groups
+from tactiledata.store.payload_checks import payload_faults
 from tactiledata.store.reader import Store
 from tactiledata.store.replace import replace_takes
+from tactiledata.store.value_checks import source_value_findings
 from tactiledata.store.writer import StagedTake
 
 IMAGE = ("height", "width", "crc32c", "encoding")
@@ -36,7 +38,7 @@ class StoredRecordings:
 
     def __init__(self, store: Store) -> None:
         self._store = store
-        self._sources = store.sources(["sha256", "key", "contents"]).to_pylist()
+        self._sources = store.sources(["sha256", "key", "frames", "contents"]).to_pylist()
         self._contents = [json.loads(row["contents"]) for row in self._sources]
 
     @cached_property
@@ -53,11 +55,20 @@ class StoredRecordings:
         ]
 
     def holds(self, staged: StagedTake) -> bool:
-        """Whether the store has this take already, as it is."""
+        """Whether the store has this take already, as it is and undamaged."""
+        store, first = self._store, 0
         for source, contents in zip(self._sources, self._contents, strict=True):
+            rows = range(first, first + source["frames"])
+            first = rows.stop
             if source["sha256"] == staged.sha256:
-                pictures = set(staged.document["references"]) <= set(self._store.manifest["references"])
-                return contents["content"] == staged.document["content"] and pictures
+                return (
+                    contents["content"] == staged.document["content"]
+                    and set(staged.document["references"]) <= set(store.manifest["references"])
+                    and not list(payload_faults(store, rows=rows))
+                    and not list(
+                        source_value_findings(store, source["key"], source["contents"], (first - len(rows), first))
+                    )
+                )
         return False
 
     def _is_same_touch(self, row: int, staged: StagedTake) -> bool:

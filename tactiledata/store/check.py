@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import google_crc32c
 import numpy as np
 
 from tactiledata.contract.provenance import digest_of
@@ -16,16 +13,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import SchemaError, TactileDataError
-from tactiledata.store.index_checks import index_findings
-from tactiledata.store.layout import (
-    ALIGNED_ARRAYS,
-    SIGNAL_ARRAYS,
-    aligned_path,
-    frame_values_path,
-    home_of,
-    signal_path,
-    table_folder,
-)
+from tactiledata.store.index_checks import INDEX_NEEDS, index_findings
 from tactiledata.store.payload_checks import payload_faults
 from tactiledata.store.reader import Store
 from tactiledata.store.recover import (
@@ -38,14 +26,30 @@ from tactiledata.store.recover import (
     stale_staging,
     temporary_files,
 )
-from tactiledata.store.rows import Rows
 from tactiledata.store.sensors_table import image_crc
+from tactiledata.store.split_checks import split_findings
+from tactiledata.store.statistics import statistics_fault
+from tactiledata.store.table_checks import not_checked, table_findings
+from tactiledata.store.value_checks import value_findings
 
-BLOCK_ROWS = 65_536
+IMAGES = "whether images are those that were recorded"
+NEEDS = {
+    **INDEX_NEEDS,
+    "whether numbers are those of their recordings": ("sources",),
+    IMAGES: ("frames",),
+}
+"""Checks, and the tables that they need."""
+
+Progress = Callable[[int, int, str], None]
+"""Called with how much is done, how much there is, and what it is at."""
 
 
 def check(
-    store: Store | Path | str, images: bool = True, decode: bool = False, threads: int | None = None
+    store: Store | Path | str,
+    images: bool = True,
+    decode: bool = False,
+    threads: int | None = None,
+    progress: Progress | None = None,
 ) -> list[Finding]:
     """What is wrong with a store; empty where nothing is.
 
@@ -57,6 +61,7 @@ def check(
         Whether every image is decoded as well.
     threads : int, optional
         Threads that check images; one a core by default.
+    progress : callable, optional
 
     Raises
     ------
@@ -64,52 +69,65 @@ def check(
         It cannot even be opened.
     """
     opened = store if isinstance(store, Store) else Store.open(store)
-    findings = [*_manifest_findings(opened)]
-    broken_parts = list(_part_findings(opened))
-    findings += [*broken_parts, *_shape_findings(opened), *_sensor_findings(opened)]
-    if not broken_parts:
-        findings += index_findings(opened)
-        findings += _value_findings(opened)
-        findings += image_findings(opened, decode, threads) if images else []
+    of_tables = table_findings(opened)
+    broken = {table for table, found in of_tables.items() if found}
+    n_sources = opened.manifest["rows"]["sources"] if "sources" not in broken else 0
+    n_images = opened.n_frames if images and "frames" not in broken else 0
+    steps = _Steps(n_sources + n_images, progress)
+    findings = [*manifest_findings(opened.manifest), *(one for found in of_tables.values() for one in found)]
+    findings += [*_shape_findings(opened), *_sensor_findings(opened)]
+    findings += index_findings(opened, broken)
+    if "sources" not in broken:
+        findings += value_findings(opened, lambda key: steps.take(1, key))
+    if n_images:
+        findings += image_findings(opened, decode, threads, lambda count: steps.take(count, "images"))
+    findings += [*split_findings(opened), *not_checked(broken, NEEDS if images else _without_images())]
     return [*findings, *_leftover_findings(opened)]
+
+
+class _Steps:
+    """Counts what is done, for who watches."""
+
+    def __init__(self, total: int, progress: Progress | None) -> None:
+        self._done, self._total, self._progress = 0, total, progress
+
+    def take(self, count: int, what: str) -> None:
+        """So many more are done."""
+        self._done += count
+        if self._progress is not None:
+            self._progress(self._done, self._total, what)
+
+
+def _without_images() -> dict[str, tuple[str, ...]]:
+    return {what: tables for what, tables in NEEDS.items() if what != IMAGES}
 
 
 def _damage(code: str, message: str, stream: str = "", count: int = 1) -> Finding:
     return Finding(code, "damage", message, stream=stream, count=count)
 
 
-def _manifest_findings(store: Store) -> Iterator[Finding]:
+def manifest_findings(manifest: Mapping[str, Any]) -> Iterator[Finding]:
+    """What contradicts itself in a manifest."""
     try:
-        check_document(store.manifest, "store", "manifest.json")
+        check_document(manifest, "store", "manifest.json")
     except SchemaError as error:
         yield _damage("store-manifest", str(error))
         return
-    rows = store.manifest["rows"]
-    for table, parts in store.manifest["index"].items():
+    rows = manifest["rows"]
+    for table, parts in manifest["index"].items():
         total = sum(part["rows"] for part in parts)
         if total != rows[table]:
             yield _damage("store-manifest", f"the parts of {table} have {total} rows, the manifest says {rows[table]}")
-    if len(store.manifest["sources"]) != rows["sources"]:
-        yield _damage("store-manifest", f"{len(store.manifest['sources'])} digests for {rows['sources']} sources")
+    if len(manifest["sources"]) != rows["sources"]:
+        yield _damage("store-manifest", f"{len(manifest['sources'])} digests for {rows['sources']} sources")
     for kind in ("aligned", "frame_values"):
-        for name, facts in store.manifest[kind].items():
+        for name, facts in manifest[kind].items():
             if facts["rows"] != rows["frames"]:
                 yield _damage("store-manifest", f"{kind} {name!r} has {facts['rows']} rows for {rows['frames']} frames")
-
-
-def _part_findings(store: Store) -> Iterator[Finding]:
-    for table, parts in store.manifest["index"].items():
-        for part in parts:
-            path = f"{table_folder(table)}/{part['file']}"
-            try:
-                digest = hashlib.sha256(store.read_file(path)).hexdigest()
-            except (TactileDataError, OSError) as error:
-                yield _damage("store-part", f"{path} cannot be read: {error}", table)
-                continue
-            if digest != part["sha256"]:
-                yield _damage(
-                    "store-part", f"{path} is not the file that the manifest names (SHA-256 {digest[:12]}…)", table
-                )
+    for kind in ("signals", "aligned", "frame_values"):
+        for name, facts in manifest[kind].items():
+            if fault := statistics_fault(facts["statistics"], len(facts["columns"])):
+                yield _damage("store-manifest", f"the statistics of {kind} {name!r} {fault}")
 
 
 def _shape_findings(store: Store) -> Iterator[Finding]:
@@ -145,52 +163,11 @@ def _sensor_findings(store: Store) -> Iterator[Finding]:
             )
 
 
-def _value_findings(store: Store) -> Iterator[Finding]:
-    """Numbers that are not those of their sources, and times that run backwards."""
-    first_frame = 0
-    rows: dict[str, Rows] = {}
-    for source in store.sources(["key", "frames", "contents"]).to_pylist():
-        contents: dict[str, Any] = json.loads(source["contents"])
-        frames = (first_frame, first_frame + source["frames"])
-        first_frame = frames[1]
-        for path, start, stop, crc in _spans(home_of(store.manifest), contents, frames):
-            fault = _span_fault(store, rows, path, start, stop, crc)
-            if fault:
-                yield _damage("store-values", f"{path}, rows {start} to {stop} of {source['key']}: {fault}", path)
-
-
-def _spans(home: str, contents: dict[str, Any], frames: tuple[int, int]) -> Iterator[tuple[str, int, int, int]]:
-    for name, facts in contents.get("signals", {}).items():
-        yield from ((signal_path(home, name, array), *facts["rows"], facts["crc32c"][array]) for array in SIGNAL_ARRAYS)
-    for name, facts in contents.get("aligned", {}).items():
-        yield from ((aligned_path(home, name, array), *frames, facts["crc32c"][array]) for array in ALIGNED_ARRAYS)
-    for name, facts in contents.get("frame_values", {}).items():
-        yield frame_values_path(home, name), *frames, facts["crc32c"]["value"]
-
-
-def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop: int, expected: int) -> str:
-    values = rows.setdefault(path, store.rows(path, max(stop, rows[path].length if path in rows else 0)))
-    if values.length < stop:
-        values = rows[path] = store.rows(path, stop)
-    crc, last = 0, None
-    try:
-        for first in range(start, stop, BLOCK_ROWS):
-            block = values.span(first, min(first + BLOCK_ROWS, stop))
-            crc = google_crc32c.extend(crc, np.ascontiguousarray(block).tobytes())
-            if path.endswith("/t_ns"):
-                if (np.diff(block) < 0).any() or (last is not None and block[0] < last):
-                    return "times run backwards"
-                last = block[-1]
-    except (TactileDataError, OSError) as error:
-        return str(error)
-    return "" if crc == expected else "the numbers do not fit their CRC-32C"
-
-
-def image_findings(store: Store, decode: bool, threads: int | None) -> list[Finding]:
+def image_findings(store: Store, decode: bool, threads: int | None, said: Callable[[int], None]) -> list[Finding]:
     """Findings for damaged images: those that the store does not mark yet, and those that it does."""
     try:
         flags = np.asarray(store.frames(["flags"])["flags"])
-        faults = list(payload_faults(store, decode, threads))
+        faults = list(payload_faults(store, decode, threads, said))
     except TactileDataError as error:
         return [_damage("store-payload", str(error))]
     new = [(row, why) for row, why in faults if not flags[row] & FrameFlag.BROKEN]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,35 @@ from tactiledata.store.reader import Store
 Mask = NDArray[np.bool_]
 
 
-def index_findings(store: Store) -> list[Finding]:
-    """Findings ``store-index`` for rows that cannot be right, a finding a kind of fault."""
-    frames = store.frames()
-    trajectories, sources = store.trajectories(), store.sources()
-    faults = [
-        *_frame_faults(store, frames),
-        *_source_faults(frames, trajectories, sources),
-        *_trajectory_faults(store, frames, trajectories),
-    ]
+FRAMES, SOURCES, TRAJECTORIES = (
+    "whether frames point at what is there",
+    "whether recordings have the frames and trajectories that they name",
+    "whether trajectories have the frames and signals that they name",
+)
+INDEX_NEEDS = {
+    FRAMES: ("frames",),
+    SOURCES: ("frames", "trajectories", "sources"),
+    TRAJECTORIES: ("frames", "trajectories"),
+}
+"""Checks of the tables, and the tables that they need."""
+
+
+def index_findings(store: Store, broken: Collection[str] = ()) -> list[Finding]:
+    """Findings ``store-index`` for rows that cannot be right, a finding a kind of fault.
+
+    Parameters
+    ----------
+    broken : collection of str
+        Tables that cannot be used; what needs them is left out.
+    """
+    able = {what for what, tables in INDEX_NEEDS.items() if not set(broken) & set(tables)}
+    faults: list[tuple[str, Mask]] = []
+    if FRAMES in able:
+        faults += _frame_faults(store, store.frames())
+    if SOURCES in able:
+        faults += _source_faults(store.frames(["source"]), store.trajectories(["source"]), store.sources())
+    if TRAJECTORIES in able:
+        faults += _trajectory_faults(store, store.frames(["trajectory"]), store.trajectories())
     return [_finding(what, mask) for what, mask in faults if mask.any()]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,9 @@ BLOCK = 64
 """Images in memory at once."""
 
 
-def merge(sources: Sequence[Store | Path | str], into: Path | str) -> list[Finding]:
+def merge(
+    sources: Sequence[Store | Path | str], into: Path | str, progress: Callable[[int, int, str], None] | None = None
+) -> list[Finding]:
     """What is worth saying after stores were merged into a new or existing one, as if all had been ingested there.
 
     Sources go in the order of the call; one that several stores hold goes in once. Killed and run again, it goes on.
@@ -37,6 +39,8 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str) -> list[Findi
     sources : list of stores, paths or URLs
     into : Path
         A local store, made where there is none (with the first store's sizes of chunks).
+    progress : callable, optional
+        Called with how many recordings are done, how many there are, and the name of the last one.
 
     Raises
     ------
@@ -53,15 +57,22 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str) -> list[Findi
         create(target, settings_of(stores[0].manifest))
     with writing_lock(target, INTAKE_LOCK):
         recover(target)
-        return _merge(stores, target)
+        return _merge(stores, target, progress)
 
 
-def _merge(stores: Sequence[Store], target: Path) -> list[Finding]:
+def _merge(stores: Sequence[Store], target: Path, progress: Callable[[int, int, str], None] | None) -> list[Finding]:
     n_before = len(Store.open(target).findings())
     findings: list[Finding] = []
     pieces = _plan([Origin.of(store) for store in stores], Store.open(target), findings)
     starts = _starts(Store.open(target), pieces)
-    commit_groups(target, (_staged(target, piece, starts) for piece in pieces))
+
+    def takes() -> Iterator[StagedTake]:
+        for done, piece in enumerate(pieces, start=1):
+            yield _staged(target, piece, starts)
+            if progress is not None:
+                progress(done, len(pieces), piece.facts["key"])
+
+    commit_groups(target, takes())
     _carry_sensors(stores, target)
     for store in stores:
         if names := store.split_names():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import google_crc32c
@@ -17,19 +17,30 @@ BLOCK = 256
 """Frames whose payloads are in memory at once, per thread."""
 
 
-def payload_faults(store: Store, decode: bool = False, threads: int | None = None) -> Iterator[tuple[int, str]]:
+def payload_faults(
+    store: Store,
+    decode: bool = False,
+    threads: int | None = None,
+    said: Callable[[int], None] = lambda count: None,
+    rows: range | None = None,
+) -> Iterator[tuple[int, str]]:
     """Rows whose image is damaged, in order, and how; memory stays flat.
 
     Parameters
     ----------
     decode : bool
         Whether images are decoded too; those that the store marks as broken are left out of that.
+    said : callable
+        Told how many more images were checked.
+    rows : range, optional
+        Of the table of frames; all by default.
     """
     table = store.frames(["crc32c", "flags"])
+    wanted = range(len(table)) if rows is None else rows
     crc32c, flags = np.asarray(table["crc32c"]), np.asarray(table["flags"])
 
     def of_block(start: int) -> list[tuple[int, str]]:
-        rows = list(range(start, min(start + BLOCK, len(crc32c))))
+        rows = list(range(start, min(start + BLOCK, wanted.stop)))
         try:
             payloads: list[bytes | str | None] = list(store.encoded(rows, verify=False))
         except TactileDataError:
@@ -44,8 +55,10 @@ def payload_faults(store: Store, decode: bool = False, threads: int | None = Non
         return faults
 
     with ThreadPoolExecutor(threads or default_threads()) as pool:
-        for faults in pool.map(of_block, range(0, len(crc32c), BLOCK)):
+        starts = range(wanted.start, wanted.stop, BLOCK)
+        for start, faults in zip(starts, pool.map(of_block, starts), strict=True):
             yield from faults
+            said(min(BLOCK, wanted.stop - start))
 
 
 def _payload(store: Store, row: int) -> bytes | str | None:

@@ -224,6 +224,10 @@ class Store:
     def _is_local(self) -> bool:
         return isinstance(self._files.place(MANIFEST), Path)
 
+    def table(self, table: str) -> pa.Table:
+        """Any of the tables by its name: ``frames``, ``trajectories``, ``sources``, ``findings``."""
+        return self._table(table, None)
+
     def frames(self, columns: Sequence[str] | None = None) -> pa.Table:
         """The frames table (``FRAME_SCHEMA``), or some of its columns; the row is the frame's number everywhere."""
         return self._table("frames", columns)
@@ -339,10 +343,14 @@ class Store:
         facts = {name: str(array.attrs.get(name, "")) for name in ("origin", "licence", "model")}
         return Reference(np.asarray(array[...], dtype=np.uint8), **facts)
 
+    def names(self, folder: str) -> list[str]:
+        """Names of the files in a folder of the store, sorted; empty where there is none or it cannot be listed."""
+        return self._files.names(folder)
+
     def split_names(self) -> list[str]:
         """Names of the splits that were made of this store."""
         # a split is a table and its document; other documents there (normalisation) have no table
-        files = self._files.names("splits")
+        files = self.names("splits")
         stems = [name.removesuffix(".json") for name in files if name.endswith(".json")]
         return [stem for stem in stems if f"{stem}.parquet" in files]
 

@@ -14,12 +14,11 @@ import pyarrow.parquet as pq
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag
-from tactiledata.errors import TactileDataError
 from tactiledata.store.appender import write_part
 from tactiledata.store.arrays import set_length
 from tactiledata.store.batch import Batch
 from tactiledata.store.card import write_card
-from tactiledata.store.check import check
+from tactiledata.store.check import Progress, check, manifest_findings
 from tactiledata.store.commit import recover, store_errors
 from tactiledata.store.layout import INTAKE_LOCK, TABLE_SCHEMAS, table_folder
 from tactiledata.store.lock import writing_lock
@@ -27,14 +26,22 @@ from tactiledata.store.manifest import Manifest, extended_digest, read_manifest,
 from tactiledata.store.payload_checks import payload_faults
 from tactiledata.store.reader import Store
 from tactiledata.store.recover import heaps, raw_arrays, row_arrays
+from tactiledata.store.table_checks import table_findings
 
 
-def repair(store_path: Path | str) -> list[Finding]:
+def repair(store_path: Path | str, decode: bool = False, progress: Progress | None = None) -> list[Finding]:
     """What was mended (``store-mended``), and what `check` still finds.
 
     Leftovers of killed writers are removed, chunk files and shapes that were cut are stretched again, images that do
     not fit their CRC-32C are marked as broken, the dataset card is written anew. Numbers, tables and images that are
     lost stay lost: those findings remain, and the recordings are the place to take them from.
+
+    Parameters
+    ----------
+    decode : bool
+        Whether the check afterwards decodes every image.
+    progress : callable, optional
+        Told of the check afterwards.
     """
     folder = Path(store_path)
     read_manifest(folder)
@@ -44,13 +51,12 @@ def repair(store_path: Path | str) -> list[Finding]:
     with store_errors(folder), writing_lock(folder):
         manifest = read_manifest(folder)
         mended = list(_stretch(folder, manifest))
-        try:
+        broken = {table for table, found in table_findings(Store.open(folder)).items() if found}
+        if "frames" not in broken:
             mended += _mark_broken(folder, manifest)
-        except (TactileDataError, pa.ArrowException):
-            pass  # tables that cannot be read: `check` below says which
-        else:
+        if not broken and not list(manifest_findings(manifest)):
             write_card(folder, manifest)
-    return [*mended, *check(folder)]
+    return [*mended, *check(folder, decode=decode, progress=progress)]
 
 
 def _mended(message: str, count: int = 1) -> Finding:

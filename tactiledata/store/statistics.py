@@ -57,6 +57,26 @@ def _bounded(values: NDArray[np.float64]) -> list[float]:
     return np.nan_to_num(values, nan=LARGEST, posinf=LARGEST, neginf=-LARGEST).tolist()
 
 
+def statistics_fault(statistics: Mapping[str, Any], width: int) -> str:
+    """What cannot be right in the statistics of so many columns; empty where all can.
+
+    Examples
+    --------
+    >>> statistics_fault({"count": [1], "mean": [0.0], "m2": [-1.0], "min": [0.0], "max": [0.0]}, 1)
+    'have squares of deviations below zero'
+    """
+    if any(len(statistics[name]) != width for name in no_statistics(0)):
+        return f"have not {width} entries each, one a column"
+    count, mean, m2, low, high = (np.array(statistics[name], dtype=float) for name in no_statistics(0))
+    if not np.isfinite([count, mean, m2, low, high]).all():
+        return "are not finite"
+    if (m2 < 0).any():
+        return "have squares of deviations below zero"
+    if (low > high).any():
+        return "have a least value above the largest"
+    return ""
+
+
 def standard_deviation(statistics: Mapping[str, Any]) -> list[float]:
     """Standard deviation of each column; 0 where it has no values."""
     return [float(np.sqrt(m2 / max(count, 1))) for m2, count in zip(statistics["m2"], statistics["count"], strict=True)]

@@ -67,6 +67,19 @@ def test_an_edited_log_replaces_its_recording(tiny_folders, tmp_path):
     assert seen(tmp_path / "ds.zarr") == seen(tmp_path / "right.zarr")
 
 
+@pytest.mark.parametrize("file", ["streams/digit/heap/c.0", "signals/wrench/value/c.0.0"])
+def test_what_was_damaged_in_the_store_comes_back(tiny_mcaps, tiny_store, tmp_path, file):
+    """Images and numbers whose bytes changed on the disk are taken from the recordings again."""
+    store = shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    content = bytearray((store / file).read_bytes())
+    content[40] ^= 0x55
+    (store / file).write_bytes(content)
+    assert "damage" in {one.severity for one in check(store)}
+    assert "replaced" in states(ingest(tiny_mcaps, store, replace=True))
+    assert [one.code for one in check(store) if one.severity == "damage"] == []
+    assert seen(store) == seen(tiny_store)
+
+
 def test_twins_become_one(tiny_folders, tmp_path):
     """Where the edited copy was added as a recording of its own before, one of the two stays."""
     log = shutil.copytree(tiny_folders[0], tmp_path / "logs" / tiny_folders[0].name)

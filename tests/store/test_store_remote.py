@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import http.server
+import json
 import os
 import shutil
 import threading
@@ -30,8 +32,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rng = np.random.default_rng(0)
     commit(place, [staged_take(place, seed, images=random_images(rng, 12))[0] for seed in (1, 2, 3)])
     (place / "splits").mkdir()
-    for suffix in (".json", ".parquet"):
-        (place / f"splits/default{suffix}").write_bytes(b"{}")
+    (place / "splits/default.parquet").write_bytes(b"a table")
+    table = {"file": "default.parquet", "sha256": hashlib.sha256(b"a table").hexdigest()}
+    document = {"format": "tactiledata-split/1", "table": table}
+    (place / "splits/default.json").write_text(json.dumps(document))
     return place
 
 
