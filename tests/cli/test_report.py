@@ -10,37 +10,48 @@ import pyarrow.parquet as pq
 import pytest
 from command import run_command
 
+from tactiledata.ingest.overview import page
+from tactiledata.store.reader import Store
+
 
 @pytest.fixture
-def page(tiny_store, tmp_path, capsys):
-    """A function that gives the text of a store's page after the store's split was changed."""
+def written(tiny_store, tmp_path):
+    """A function that gives the text of a store's page, without pictures, after the store's split was changed."""
 
     def made(change=lambda store: None):
-        store = tmp_path / "ds.zarr"
-        shutil.copytree(tiny_store, store)
+        store = Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
         change(store)
-        code, out, err = run_command(capsys, "report", store, "--out", tmp_path / "page", "--json")
-        assert code == 0, err
-        return Path(json.loads(out)["page"]).read_text(encoding="utf-8")
+        return page(Store.open(store), None, "default")
 
     return made
 
 
-def test_parts_come_in_the_order_of_their_use(page):
+def test_the_command_writes_the_page_with_its_picture(tiny_store, tmp_path, capsys):
+    """One file that stands alone, and the picture beside it."""
+    code, out, err = run_command(capsys, "report", tiny_store, "--out", tmp_path / "page", "--json")
+    assert code == 0, err
+    files = {name: Path(path) for name, path in json.loads(out).items()}
+    assert files["picture"].read_bytes().startswith(b"\x89PNG")
+    text = files["page"].read_text(encoding="utf-8")
+    assert "data:image/png;base64," in text
+    assert not re.search(r'(src|href)="http', text)
+
+
+def test_parts_come_in_the_order_of_their_use(written):
     """Train, val, test, test_unseen, and last what is in no part."""
-    cells = re.findall(r"<td>(train|val|test|test_unseen|excluded)</td>", page())
+    cells = re.findall(r"<td>(train|val|test|test_unseen|excluded)</td>", written())
     assert cells == ["train", "val", "test", "test_unseen", "excluded"]
 
 
-def test_counts_are_in_words(page):
+def test_counts_are_in_words(written):
     """The first sentence counts what the tiny world holds."""
-    text = page()
+    text = written()
     assert "2 recordings with 4 trajectories" in text
     assert "2 recordings whole" in text
     assert "out of date" not in text
 
 
-def test_a_split_of_another_state_of_the_store_is_said(page):
+def test_a_split_of_another_state_of_the_store_is_said(written):
     """A split that does not know all trajectories is shown as out of date."""
 
     def forget_one(store):
@@ -50,11 +61,11 @@ def test_a_split_of_another_state_of_the_store_is_said(page):
         facts["table"] |= {"sha256": hashlib.sha256(table.read_bytes()).hexdigest(), "rows": 3}
         document.write_text(json.dumps(facts))
 
-    assert "The split is out of date: the store has 1 new trajectory" in page(forget_one)
+    assert "The split is out of date: the store has 1 new trajectory" in written(forget_one)
 
 
-def test_no_split_is_said(page):
+def test_no_split_is_said(written):
     """Without a split the page says so, and how to make one."""
-    text = page(lambda store: shutil.rmtree(store / "splits"))
+    text = written(lambda store: shutil.rmtree(store / "splits"))
     assert "There is no split yet" in text
     assert "tactiledata split" in text
