@@ -1,6 +1,7 @@
 """Mean and spread: of the train part only, exact however rows are cut, kept and tied to the split."""
 
 import json
+import shutil
 
 import loader_stores as made
 import numpy as np
@@ -59,11 +60,17 @@ def test_picture_moments_equal_numpy():
     assert (read[0], read[-1]) == (0, 99_999)
 
 
+@pytest.fixture(scope="module")
+def untouched(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("normalise") / "ds.zarr"
+    made.split_store(folder)
+    return folder
+
+
 @pytest.fixture
-def place(tmp_path):
-    """A store with a split."""
-    made.split_store(tmp_path / "ds.zarr")
-    return tmp_path / "ds.zarr"
+def place(untouched, tmp_path):
+    """A store with a split, to write to."""
+    return shutil.copytree(untouched, tmp_path / "ds.zarr")
 
 
 def test_train_has_mean_zero_and_others_take_its_scale(place):
