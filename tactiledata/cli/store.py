@@ -1,9 +1,8 @@
-"""`info`, `check`, `merge`, `sensors`, `report`: what a store holds, and whether it is whole."""
+"""`info`, `check`, `merge`, `report`: what a store holds, and whether it is whole."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import typer
 
@@ -11,7 +10,7 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import UnknownName
 
 
 def register(app: typer.Typer) -> None:
@@ -19,7 +18,6 @@ def register(app: typer.Typer) -> None:
     app.command("info")(info)
     app.command("check")(check)
     app.command("merge")(merge)
-    app.command("sensors")(sensors)
     app.command("report")(report)
 
 
@@ -121,79 +119,6 @@ def merge(
         return
     findings(("", finding) for finding in found)
     say(f"merged into {into}")
-
-
-def sensors(
-    words: list[str] = typer.Argument(None, help="A store, or: add NAME."),
-    background: Path = typer.Option(None, "--background", help="With add: a picture of the sensor without contact."),
-    model: str = typer.Option(
-        None, "--model", help="With add: the sensor's model [default: what is known, else digit]."
-    ),
-    licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
-    store: str = typer.Option(None, "--store", help="With add: the store [default: the only *.zarr here]."),
-    as_json: bool = JSON_OPTION,
-) -> None:
-    """Sensors of a store, and backgrounds that the toolkit brings. `add` gives a store another sensor.
-
-    Example: tactiledata sensors add D20542 --background empty.png
-    """
-    if words and words[0] == "add":
-        _add_sensor(words[1:], background, model, licence, store, as_json)
-        return
-    if background is not None or (words and len(words) > 1):
-        raise UsageError(
-            f"sensors {' '.join(words or [])}",
-            "a store, or: add NAME --background FILE",
-            "See tactiledata sensors --help.",
-        )
-    _list_sensors(words[0] if words else None, as_json)
-
-
-def _add_sensor(
-    names: list[str], background: Path | None, model: str | None, licence: str, store: str | None, as_json: bool
-) -> None:
-    from tactiledata.store.add_sensor import add_sensor
-
-    if len(names) != 1 or background is None:
-        raise UsageError(
-            "sensors add needs one name and a picture", "tactiledata sensors add NAME --background FILE", ""
-        )
-    location = working_store(store, "Name it: --store S")
-    found = add_sensor(location, names[0], background, model=model, licence=licence)
-    if as_json:
-        emit({"store": location, "sensor": names[0], "findings": [vars(finding) for finding in found]})
-        return
-    findings((names[0], finding) for finding in found)
-    say(f"{names[0]} is a sensor of {location} now")
-
-
-def _list_sensors(store: str | None, as_json: bool) -> None:
-    from tactiledata.sensors.backgrounds import bundled_backgrounds
-    from tactiledata.store.reader import Store
-
-    bundled = bundled_backgrounds()
-    rows: list[tuple[Any, ...]] = []
-    if store is not None or list(Path.cwd().glob("*.zarr")):
-        location = working_store(store)
-        with damage_explains(location):
-            opened = Store.open(location)
-            references = opened.references()
-            for name, facts in sorted(opened.sensors().items()):
-                reference = references.get(name)
-                rows.append((name, facts.get("model", "") or "-", reference.origin if reference else "no background"))
-    if as_json:
-        emit({
-            "store": [dict(zip(("sensor", "model", "background"), row, strict=True)) for row in rows],
-            "bundled": {name: {"source": one.source, "licence": one.licence} for name, one in bundled.items()},
-        })  # fmt: skip
-        return
-    if rows:
-        table("sensors of the store", ("sensor", "model", "picture without contact"), rows)
-    table(
-        "real backgrounds that come with the toolkit",
-        ("name", "source", "licence"),
-        [(name, one.source, one.licence) for name, one in bundled.items()],
-    )
 
 
 def report(

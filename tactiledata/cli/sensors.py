@@ -1,0 +1,116 @@
+"""`sensors`: what a store knows of its sensors, and pictures without contact that are added by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
+from tactiledata.cli.working_store import working_store
+from tactiledata.errors import UsageError
+
+
+def register(app: typer.Typer) -> None:
+    """Add this module's command."""
+    app.command("sensors")(sensors)
+
+
+def sensors(
+    words: list[str] = typer.Argument(None, help="A store, or: add NAME, or: remove NAME."),
+    background: Path = typer.Option(None, "--background", help="With add: a picture of the sensor without contact."),
+    model: str = typer.Option(
+        None, "--model", help="With add: the sensor's model [default: what is known, else digit]."
+    ),
+    licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
+    replace: bool = typer.Option(False, "--replace", help="With add: put it in the place of another picture."),
+    store: str = typer.Option(None, "--store", help="With add, remove: the store [default: the only *.zarr here]."),
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Sensors of a store, and backgrounds that the toolkit brings. `add` gives a store another sensor.
+
+    `remove` takes out what was added.
+
+    Example: tactiledata sensors add D20542 --background empty.png
+    """
+    if words and words[0] == "add":
+        _add_sensor(words[1:], background, model, licence, replace, store, as_json)
+        return
+    if words and words[0] == "remove":
+        _remove_sensor(words[1:], store, as_json)
+        return
+    if background is not None or replace or (words and len(words) > 1):
+        raise UsageError(
+            f"sensors {' '.join(words or [])}",
+            "a store, or: add NAME --background FILE, or: remove NAME",
+            "See tactiledata sensors --help.",
+        )
+    _list_sensors(words[0] if words else None, as_json)
+
+
+def _add_sensor(
+    names: list[str],
+    background: Path | None,
+    model: str | None,
+    licence: str,
+    replace: bool,
+    store: str | None,
+    as_json: bool,
+) -> None:
+    from tactiledata.store.add_sensor import add_sensor
+
+    if len(names) != 1 or background is None:
+        raise UsageError(
+            "sensors add needs one name and a picture", "tactiledata sensors add NAME --background FILE", ""
+        )
+    location = working_store(store, "Name it: --store S")
+    found = add_sensor(location, names[0], background, model=model, licence=licence, replace=replace)
+    if as_json:
+        emit({"store": location, "sensor": names[0], "findings": [vars(finding) for finding in found]})
+        return
+    findings((names[0], finding) for finding in found)
+    say(f"{names[0]} is a sensor of {location} now")
+
+
+def _remove_sensor(names: list[str], store: str | None, as_json: bool) -> None:
+    from tactiledata.store.add_sensor import remove_sensor
+
+    if len(names) != 1:
+        raise UsageError("sensors remove needs one name", "tactiledata sensors remove NAME", "")
+    location = working_store(store, "Name it: --store S")
+    remove_sensor(location, names[0])
+    if as_json:
+        emit({"store": location, "removed": names[0]})
+        return
+    say(f"the picture of {names[0]} that was added by hand is out of {location}")
+
+
+def _list_sensors(store: str | None, as_json: bool) -> None:
+    from tactiledata.sensors.backgrounds import bundled_backgrounds
+    from tactiledata.store.reader import Store
+
+    bundled = bundled_backgrounds()
+    rows: list[tuple[Any, ...]] = []
+    if store is not None or list(Path.cwd().glob("*.zarr")):
+        location = working_store(store)
+        with damage_explains(location):
+            opened = Store.open(location)
+            references = opened.references()
+            for name, facts in sorted(opened.sensors().items()):
+                reference = references.get(name)
+                rows.append((name, facts.get("model", "") or "-", reference.origin if reference else "no background"))
+    if as_json:
+        emit({
+            "store": [dict(zip(("sensor", "model", "background"), row, strict=True)) for row in rows],
+            "bundled": {name: {"source": one.source, "licence": one.licence} for name, one in bundled.items()},
+        })  # fmt: skip
+        return
+    if rows:
+        table("sensors of the store", ("sensor", "model", "picture without contact"), rows)
+    table(
+        "real backgrounds that come with the toolkit",
+        ("name", "source", "licence"),
+        [(name, one.source, one.licence) for name, one in bundled.items()],
+    )

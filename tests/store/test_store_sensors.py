@@ -1,0 +1,76 @@
+"""Pictures without contact that are added by hand: in the place of others, taken out again, kept through all else."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from tactiledata.errors import UsageError
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.store.add_sensor import add_sensor, remove_sensor
+from tactiledata.store.check import check
+from tactiledata.store.reader import Store
+
+
+@pytest.fixture
+def store(tiny_store: Path, tmp_path: Path) -> Path:
+    """A copy of the tiny store, whose backgrounds came with its recordings."""
+    return Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
+
+
+@pytest.fixture
+def picture(tmp_path: Path) -> Path:
+    """A grey picture of a DIGIT's size."""
+    cv2.imwrite(str(tmp_path / "grey.png"), np.full((320, 240, 3), 77, np.uint8))
+    return tmp_path / "grey.png"
+
+
+def test_a_picture_of_a_recording_is_replaced_only_when_asked(store: Path, picture: Path) -> None:
+    """Without ``replace`` it is refused, the way out named; with it the store has the new picture, and is whole."""
+    serial = next(iter(Store.open(store).references()))
+    with pytest.raises(UsageError, match="--replace"):
+        add_sensor(store, serial, picture)
+    before = Store.open(store)
+    assert before.reference(serial).image.mean() != 77
+    add_sensor(store, serial, picture, replace=True)
+    after = Store.open(store)
+    assert (after.reference(serial).image == 77).all()
+    assert after.digest != before.digest
+    assert check(store, images=False) == []
+
+
+def test_a_picture_by_hand_outlasts_a_replaced_recording(store: Path, picture: Path, tiny_mcaps: list[Path]) -> None:
+    """What was added by hand stays when the recordings of the sensor are read again."""
+    serial = next(iter(Store.open(store).references()))
+    add_sensor(store, serial, picture, replace=True)
+    ingest(tiny_mcaps, store, replace=True)
+    assert (Store.open(store).reference(serial).image == 77).all()
+
+
+def test_what_was_added_wrongly_is_removed(store: Path, picture: Path, tiny_mcaps: list[Path]) -> None:
+    """A sensor that only a hand named goes wholly; of one that recordings name, the picture goes, and can come back."""
+    before = Store.open(store)
+    add_sensor(store, "D9", picture)
+    assert "D9" in Store.open(store).sensors()
+    remove_sensor(store, "D9")
+    after = Store.open(store)
+    assert (after.sensors(), list(after.references())) == (before.sensors(), list(before.references()))
+    serial, recorded = next(iter(before.references().items()))
+    add_sensor(store, serial, picture, replace=True)
+    remove_sensor(store, serial)
+    assert serial in Store.open(store).sensors()
+    assert serial not in Store.open(store).references()
+    assert check(store, images=False) == []
+    ingest(tiny_mcaps, store, replace=True)
+    assert (Store.open(store).reference(serial).image == recorded.image).all()
+
+
+def test_pictures_of_recordings_are_not_removed(store: Path) -> None:
+    """Only what a hand added can be taken out by hand; the message says what to do with the others."""
+    for name in (next(iter(Store.open(store).references())), "D9"):
+        with pytest.raises(UsageError, match="ingest RECORDING --replace"):
+            remove_sensor(store, name)
