@@ -1,0 +1,121 @@
+"""Tractions at the touch points: stiff springs against penetration, Coulomb stick and slip that remember their path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class Grip:
+    """The law at one step.
+
+    Parameters
+    ----------
+    stiffness : Pa/m
+        Of the springs, normal and tangential: far above the gel's own, so that neither penetration nor creep counts.
+    weighing : Pa/m
+        The gel's own: weighs distances against tractions where touch and slip are decided.
+    friction : Coulomb's coefficient
+    held : (n, 3), Pa
+        Tractions on the gel at the end of the step before.
+    anchor : (n, 3), m, gel frame
+        Where a point would be that had moved with the indenter since then.
+    fresh : (n,) bool
+        Points that were apart from the indenter: they come without friction, which begins with the next step.
+    """
+
+    stiffness: float
+    weighing: float
+    friction: float
+    held: Array
+    anchor: Array
+    fresh: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Springs:
+    """At each point a symmetric matrix: one value along the normal, one along a direction in the plane, one across.
+
+    Parameters
+    ----------
+    normal, direction : (n, 3)
+        Unit vectors, at right angles to one another.
+    values : (3, n)
+        Along the normal, along the direction, across both.
+    """
+
+    normal: Array
+    direction: Array
+    values: Array
+
+    def __matmul__(self, vectors: Array) -> Array:
+        """The matrices times vectors (n, 3)."""
+        up, along, across = self.values
+        on_normal = (up - across) * np.einsum("ij,ij->i", self.normal, vectors)
+        on_direction = (along - across) * np.einsum("ij,ij->i", self.direction, vectors)
+        return across[:, None] * vectors + on_normal[:, None] * self.normal + on_direction[:, None] * self.direction
+
+    @property
+    def inverse(self) -> Springs:
+        """The inverse where there is one, zero along axes of value zero."""
+        values = np.divide(1.0, self.values, out=np.zeros_like(self.values), where=self.values > 0)
+        return Springs(self.normal, self.direction, values)
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """The law, made linear.
+
+    Parameters
+    ----------
+    values : (n, 3), Pa
+        On the gel, at the points' present places.
+    root : Springs
+        Square root of minus their derivative by the place; in slip with the cone held fixed.
+    touching, slipping : (n,) bool
+    """
+
+    values: Array
+    root: Springs
+    touching: NDArray[np.bool_]
+    slipping: NDArray[np.bool_]
+
+    def is_like(self, other: Tractions) -> bool:
+        """Whether the same points touch and slip."""
+        return bool((self.touching == other.touching).all() and (self.slipping == other.slipping).all())
+
+
+def linearised(grip: Grip, points: Array, gap: Array, normal: Array, now: Array) -> Tractions:
+    """The law about points (n, 3) with gaps (n,), normals (n, 3) out of the indenter and present tractions (n, 3).
+
+    Touch and slip are decided by distance and traction together, as in the primal-dual active set method: a point
+    touches if it presses more than it is apart, and slips if stick would need more than the cone holds.
+    """
+    pressure = np.einsum("ij,ij->i", now, normal)
+    touching = pressure - grip.weighing * gap > 0
+    move = points - grip.anchor
+    move -= np.einsum("ij,ij->i", move, normal)[:, None] * normal
+    held = grip.held - np.einsum("ij,ij->i", grip.held, normal)[:, None] * normal
+    trial = now - pressure[:, None] * normal - grip.weighing * move
+    size = np.linalg.norm(trial, axis=1)
+    cone = np.where(grip.fresh, 0.0, grip.friction * np.maximum(pressure, 0.0))
+    slipping = touching & (size > cone)
+    sticking = touching & ~slipping
+    direction = np.where((size > 0)[:, None], trial / np.maximum(size, 1e-30)[:, None], 0.0)
+    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - grip.weighing / grip.stiffness)
+    # in slip the traction turns with the move across it
+    turning = np.where(slipping, grip.weighing * share / (1.0 - share), 0.0)
+    move_across = move - np.einsum("ij,ij->i", move, direction)[:, None] * direction
+    push = np.where(touching, -grip.stiffness * gap, 0.0)
+    values = push[:, None] * normal
+    values += np.where(sticking[:, None], held - grip.stiffness * move, 0.0)
+    values += np.where(slipping[:, None], cone[:, None] * direction - turning[:, None] * move_across, 0.0)
+    along = np.where(sticking, grip.stiffness, 0.0)
+    springs = np.stack([np.where(touching, grip.stiffness, 0.0), along, along + turning])
+    return Tractions(values, Springs(normal, direction, np.sqrt(springs)), touching, slipping)

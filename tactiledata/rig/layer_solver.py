@@ -1,0 +1,200 @@
+"""A rigid body pressed into an elastic layer step by step: finite strain, real contact, friction that remembers.
+
+Each step is a fixed point. With the displacements of the layer known, its internal forces are out of balance; a linear
+layer takes the imbalance away and, at its surface, meets the indenter exactly (``layer_touch``). What it leaves, since
+the true layer is not linear, is left for the next round; Anderson's mixing makes the rounds few. The linear layer is
+stiffer than the material: large strain stiffens, and a preconditioner that is too soft overshoots.
+
+Not to be confused with ``layer_contact``, the closed forms that the rig can use instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from tactiledata.indenters.base import Indenter
+from tactiledata.rig.layer_friction import Grip
+from tactiledata.rig.layer_gap import TouchPoints, gaps, gaps_and_normals
+from tactiledata.rig.layer_grid import Column, LayerGrid
+from tactiledata.rig.layer_kernel import LayerKernel
+from tactiledata.rig.layer_mixing import Mixing
+from tactiledata.rig.layer_strain import LayerStrain
+from tactiledata.rig.layer_touch import Surface, Touching
+from tactiledata.rig.scenario import Material
+
+Array = NDArray[np.floating[Any]]
+
+SPRINGS = 70.0
+"""Springs of the contact relative to the surface's own stiffness at the scale of a cell."""
+REACH = 4e-4
+"""m ahead of the indenter where touch points are watched."""
+TOUCHED = 1e-6
+"""m below which a point counts as touched already."""
+STIFFER_SHEAR, STIFFER_VOLUME = 8.0, 2.0
+"""Lamé's constants of the linear layer relative to the material's: measured, docs/decisions/0007."""
+ROUNDS = 60
+FORCE_TOLERANCE = 5e-4
+"""Change of the force from round to round, relative, at which a step is done."""
+MOVE_TOLERANCE = 1e-6
+"""m: change of the surface from round to round at which a step is done."""
+UNSETTLED = 2e-5
+"""m: change of the surface after the last round beyond which a step is taken again in two halves."""
+HALVINGS = 3
+
+
+@dataclass(frozen=True)
+class PressState:
+    """The layer at the end of a step.
+
+    Parameters
+    ----------
+    u : (3, levels, rows, columns), m
+    traction : (n, 3), Pa
+        On the gel, at all touch points.
+    gap : (n,), m
+    points : (n, 3), m
+        Where the touch points are.
+    pose : (4, 4)
+        gel_from_indenter.
+    wrench : (6,), N, N m
+        On the indenter, about the gel's origin.
+    is_slipping : bool
+        Whether all that touches slides.
+    is_settled : bool
+        Whether the rounds came to rest.
+    """
+
+    u: Array
+    traction: Array
+    gap: Array
+    points: Array
+    pose: Array
+    wrench: Array
+    is_slipping: bool = False
+    is_settled: bool = True
+
+    @property
+    def is_touching(self) -> bool:
+        """Whether anything presses."""
+        return bool(self.traction.any())
+
+
+class Layer:
+    """A pad ready to be pressed; what does not change from press to press is computed once.
+
+    Parameters
+    ----------
+    grid : LayerGrid
+    thickness : m
+    material : Material
+    is_linear : bool
+        Small strain, to compare with.
+    """
+
+    def __init__(self, grid: LayerGrid, thickness: float, material: Material, is_linear: bool = False) -> None:
+        shear, lame = lame_constants(material)
+        column = Column.of(thickness)
+        self.grid, self.material = grid, material
+        factors = (1.0, 1.0) if is_linear else (STIFFER_SHEAR, STIFFER_VOLUME)
+        self._kernel = LayerKernel(grid, column, factors[0] * shear, factors[1] * lame)
+        self._strain = LayerStrain(grid, column, shear, lame, is_linear)
+        self._points = TouchPoints.of(grid)
+        self._levels = len(column.slope[0])
+        self._weighing = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
+
+    def at_rest(self, indenter: Indenter, pose: Array) -> PressState:
+        """Before the first touch, with the indenter lifted from ``pose`` along gel z until it is clear of the pad."""
+        clear, places = pose.copy(), self._points.places
+        gap = gaps(indenter, clear, places)
+        for _ in range(60):
+            if gap.min() >= -TOUCHED / 10:
+                break
+            clear[2, 3] -= gap.min()
+            gap = gaps(indenter, clear, places)
+        flat = np.zeros((3, self._levels, *self.grid.shape))
+        return PressState(flat, np.zeros_like(places), gap, places, clear, np.zeros(6))
+
+    def step(
+        self, indenter: Indenter, before: PressState, pose: Array, guess: Array | None = None, halvings: int = HALVINGS
+    ) -> PressState:
+        """The state with the indenter at ``pose`` (4, 4), reached from ``before`` in one small step.
+
+        Parameters
+        ----------
+        guess : (3, levels, rows, columns), m, optional
+            Displacements to begin with; those of ``before`` where not given.
+        halvings : int
+            How often a step that does not come to rest may be halved.
+        """
+        if gaps(indenter, pose, self._points.places).min() >= 0:
+            return self.at_rest(indenter, pose)
+        if not before.is_touching:
+            before = self.at_rest(indenter, pose)
+        after = self._settled(indenter, before, pose, before.u if guess is None else guess)
+        if after.is_settled or halvings == 0:
+            return after
+        middle = self.step(indenter, before, _between(before.pose, pose), None, halvings - 1)
+        return self.step(indenter, middle, pose, None, halvings - 1)
+
+    def _settled(self, indenter: Indenter, before: PressState, pose: Array, u: Array) -> PressState:
+        near = np.flatnonzero((gaps(indenter, pose, self._points_at(u)) < REACH) | before.traction.any(axis=1))
+        surface = Surface(self._points.chosen(near), self._kernel.displace_surface, self.grid.shape)
+        grip = self._grip(before, pose, near)
+        mixing = Mixing()
+        values, force = before.traction[near], np.full(3, np.inf)
+        for _ in range(ROUNDS):
+            load = -self._strain.forces(u)
+            relaxed = u[:, -1] + self._kernel.displace(load)[:, -1]
+            found = surface.settle(relaxed, values, grip, lambda points: gaps_and_normals(indenter, pose, points))
+            load[:, -1] += found.force
+            error = self._kernel.displace(load)
+            values = found.tractions
+            last, force = force, found.force.sum(axis=(1, 2))
+            moved = float(np.abs(error[:, -1]).max())
+            if not np.isfinite(moved):
+                return PressState(
+                    before.u, before.traction, before.gap, before.points, pose, before.wrench, False, False
+                )
+            if moved < MOVE_TOLERANCE and np.abs(force - last).max() <= FORCE_TOLERANCE * np.abs(force).max():
+                break
+            u = mixing.next(u, error, load)
+        return self._state(u, found, near, pose, moved < UNSETTLED)
+
+    def _points_at(self, u: Array) -> Array:
+        return self._points.places + self._points.share @ u[:, -1].reshape(3, -1).T
+
+    def _grip(self, before: PressState, pose: Array, near: NDArray[np.intp]) -> Grip:
+        turn = pose[:3, :3] @ before.pose[:3, :3].T
+        carried = (before.points[near] - before.pose[:3, 3]) @ turn.T + pose[:3, 3]
+        held = before.traction[near] @ turn.T
+        fresh = before.gap[near] > TOUCHED
+        return Grip(SPRINGS * self._weighing, self._weighing, self.material.friction, held, carried, fresh)
+
+    def _state(self, u: Array, found: Touching, near: NDArray[np.intp], pose: Array, is_settled: bool) -> PressState:
+        points = self._points_at(u)
+        points[near] = found.points
+        traction = np.zeros_like(points)
+        traction[near] = found.tractions
+        gap = np.full(len(points), np.inf)
+        gap[near] = found.gap
+        loads = -found.tractions * self._points.areas[near, None]
+        wrench = np.concatenate([loads.sum(axis=0), np.cross(found.points, loads).sum(axis=0)])
+        return PressState(u, traction, gap, points, pose, wrench, found.is_slipping, is_settled)
+
+
+def _between(first: Array, second: Array) -> Array:
+    """The pose (4, 4) half way."""
+    middle = (first + second) / 2
+    middle[:3, :3] = Rotation.from_matrix([first[:3, :3], second[:3, :3]]).mean().as_matrix()
+    return middle
+
+
+def lame_constants(material: Material) -> tuple[float, float]:
+    """Shear modulus mu and Lamé's lambda, Pa."""
+    e, nu = material.youngs_modulus, material.poisson_ratio
+    return e / (2 * (1 + nu)), e * nu / ((1 + nu) * (1 - 2 * nu))
