@@ -29,9 +29,10 @@ from tactiledata.ingest.lag import camera_lag
 from tactiledata.ingest.replacing import replace_recordings
 from tactiledata.ingest.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.spooled import SpooledImages
+from tactiledata.ingest.twins import twin_findings
 from tactiledata.store.commit import commit_groups, create, recover
 from tactiledata.store.layout import INTAKE_LOCK, MANIFEST, staging_folder
-from tactiledata.store.lock import writing_lock
+from tactiledata.store.lock import reading_lock, writing_lock
 from tactiledata.store.manifest import read_manifest
 from tactiledata.store.reader import Store
 from tactiledata.store.spool import Spool
@@ -47,7 +48,7 @@ class _Task:
     store: str
     options: IngestOptions
     present: frozenset[str]
-    """Digests of the sources that need not be read."""
+    replace: bool
 
     def __str__(self) -> str:
         return self.source.key
@@ -105,9 +106,8 @@ def ingest(
     folder = Path(store)
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
     with _new_store_only_if_filled(folder), writing_lock(folder, INTAKE_LOCK):
-        held = frozenset(recover(folder)["sources"])
-        present = frozenset[str]() if replace else held
-        tasks = [_Task(source, str(folder.resolve()), chosen, present) for source in sources]
+        present = frozenset(recover(folder)["sources"])
+        tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
         outcomes = _told(runner.outcomes(_read_source, tasks), len(tasks), progress)
         splits = Store.open(folder).split_names()
         findings: list[Finding] = []
@@ -117,6 +117,8 @@ def ingest(
             reports = []
             otherwise = _ingested_otherwise(folder, chosen)
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports))
+        reports = _with_twins(reports, folder)
+        recover(folder)  # copies of what was committed need not wait
     left = tuple(str(path) for path in unclaimed)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))
     return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
@@ -135,6 +137,17 @@ def _new_store_only_if_filled(folder: Path) -> Iterator[None]:
                 shutil.rmtree(place) if place.is_dir() else place.unlink()
             if not had_folder:
                 folder.rmdir()
+
+
+def _with_twins(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
+    """Reports, each with the word that its recording has a twin in the store, where it has one."""
+    twins = twin_findings(Store.open(folder), [report.sha256 for report in reports])
+    return [
+        dataclasses.replace(report, findings=(*report.findings, twins[report.sha256]))
+        if report.sha256 in twins
+        else report
+        for report in reports
+    ]
 
 
 def _told(
@@ -169,13 +182,26 @@ def _read_source(task: _Task) -> _Read:
     """One source, read, checked and staged; runs in a worker."""
     source, folder = task.source, Path(task.store)
     sha256 = source_digest(source)
-    if sha256 in task.present:
+    if sha256 in task.present and not task.replace:
         return _Read(sha256, None)
+    with reading_lock(folder, sha256):
+        if (waiting := _staged_so(folder, sha256, task.options)) is not None:
+            return _Read(sha256, waiting)
+        if not task.replace and sha256 in read_manifest(folder, checked=False)["sources"]:
+            # a copy of it was among the sources, and is committed by now
+            return _Read(sha256, None)
+        return _Read(sha256, _read_and_stage(task, sha256))
+
+
+def _staged_so(folder: Path, sha256: str, options: IngestOptions) -> StagedTake | None:
+    """The take of a source that waits already, read with these options."""
     waiting = find_staged(folder).get(sha256)
-    if waiting is not None and waiting.document["provenance"].get("settings_sha256") == digest_of(
-        task.options.document()
-    ):
-        return _Read(sha256, waiting)
+    wanted = digest_of(options.document())
+    return waiting if waiting and waiting.document["provenance"].get("settings_sha256") == wanted else None
+
+
+def _read_and_stage(task: _Task, sha256: str) -> StagedTake:
+    source, folder = task.source, Path(task.store)
     with Spool(staging_folder(folder, sha256)) as spool:
         recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
         spool.close()
@@ -185,7 +211,7 @@ def _read_source(task: _Task) -> _Read:
             take = _checked_take(recording, images, sha256, task.options)
         if task.options.strict:
             _refuse_damage(take, source)
-        return _Read(sha256, stage(folder, spool, take))
+        return stage(folder, spool, take)
 
 
 def _checked_take(recording: Recording, images: SpooledImages, sha256: str, options: IngestOptions) -> Take:
@@ -251,5 +277,6 @@ def _report(outcome: Outcome[_Task, _Read], seen: set[str], otherwise: set[str])
             "the store took it with another mapping or other options, and keeps that; with --replace it goes as asked"
         )
         other = Finding("ingested-otherwise", "warning", text)
-        return SourceReport(key, "present", findings=(other,) if outcome.result.sha256 in otherwise else ())
+        said = (other,) if outcome.result.sha256 in otherwise else ()
+        return SourceReport(key, "present", findings=said, sha256=outcome.result.sha256)
     return report_of(key, "added", staged)

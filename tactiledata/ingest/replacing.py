@@ -148,7 +148,7 @@ def _report(key: str, staged: StagedTake | None, error: str, chosen: Plan) -> So
         return SourceReport(key, "failed", error=error)
     state = chosen.state(staged)
     if state == "present":
-        return SourceReport(key, state)
+        return SourceReport(key, state, sha256=staged.sha256)
     if state == "replaced":
         return report_of(key, state, staged)
     text = "nothing in the store is this recording (same files, or same name and an image or signal in common); added"

@@ -103,4 +103,5 @@ def report_of(key: str, state: str, staged: StagedTake, *findings: Finding) -> S
         staged.n_frames,
         staged.table("trajectories").num_rows,
         (*findings_of(staged.table("findings")), *findings),
+        sha256=staged.sha256,
     )

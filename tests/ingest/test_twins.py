@@ -66,3 +66,17 @@ def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
     assert twin.count == 2
     assert said(ingest([*tiny_folders, copy], store)) == [1, 0, 1]
     assert said(ingest([tiny_folders[1], copy, tiny_folders[0]], tmp_path / "once.zarr")) == [0, 1, 1]
+
+
+def test_a_copy_that_replaces_its_origin_has_no_twin(tiny_folders, tmp_path):
+    """With `--replace` only the edited log is left, and nothing is said; added beside its origin it is said."""
+    log = tmp_path / "log"
+    shutil.copytree(tiny_folders[0], log)
+    ingest([log], tmp_path / "ds.zarr")
+    with (log / "log.yaml").open("a") as stream:
+        stream.write("\n# edited\n")
+    shutil.copytree(tmp_path / "ds.zarr", tmp_path / "both.zarr")
+    for store, replace, twins in (("ds.zarr", True, 0), ("both.zarr", False, 1)):
+        [source] = ingest([log], tmp_path / store, replace=replace).sources
+        assert source.state == ("replaced" if replace else "added")
+        assert [finding.code for finding in source.findings].count("recording-twin") == twins
