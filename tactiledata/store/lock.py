@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tactiledata.errors import StoreBusy, StoreError
-from tactiledata.store.layout import LOCK
+from tactiledata.store.layout import LOCK, STAGING
 
 
 @contextmanager
@@ -49,6 +49,25 @@ def writing_lock(store_path: Path | str, name: str = LOCK) -> Iterator[None]:
             ) from error
         os.ftruncate(descriptor, 0)
         os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def reading_lock(store_path: Path | str, sha256: str) -> Iterator[None]:
+    """Held while a source is read and staged: two workers that were given copies of one file do it one after the other.
+
+    The file goes with the next cleaning of the staging folder, when nobody stages.
+    """
+    path = Path(store_path) / STAGING / f".{sha256}.part"
+    try:
+        path.parent.mkdir(exist_ok=True)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        raise unwritable(store_path, error) from error
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
     finally:
         os.close(descriptor)
