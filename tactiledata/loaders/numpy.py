@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
+import operator
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 import pyarrow as pa
@@ -25,6 +27,19 @@ Item = dict[str, Any]
 IMAGE_DTYPES = ("float32", "uint8")
 TIMES = "_t_ns"
 """Added to a signal's name: the key of its sample times."""
+
+
+def item_number(item: SupportsIndex, length: int) -> int:
+    """The number of an item of ``length``, counted from the end where it is negative.
+
+    Raises
+    ------
+    IndexError, TypeError
+    """
+    number = operator.index(item)
+    if not -length <= number < length:
+        raise IndexError(f"item {number} of {length}")
+    return number % length
 
 
 class TactileArrays:
@@ -86,6 +101,8 @@ class TactileArrays:
     ) -> None:
         if image_dtype not in IMAGE_DTYPES:
             raise UnknownName("image_dtype", str(image_dtype), IMAGE_DTYPES)
+        if threads is not None and threads < 1:
+            raise UsageError(f"{threads} threads", "at least 1, or None to let the store choose")
         self.location = os.fspath(location)
         self.unit = unit
         self.image_dtype = image_dtype
@@ -108,7 +125,7 @@ class TactileArrays:
         self.fingerprint = digest_of([store.digest, selection.report.split, unit, self._rows_digest()])
 
     def _rows_digest(self) -> str:
-        return digest_of([len(self.index), int(self.index.rows.sum()), self.index.starts[-1:].tolist()])
+        return hashlib.sha256(self.index.rows.tobytes() + self.index.starts.tobytes()).hexdigest()
 
     @property
     def store(self) -> Store:
@@ -127,9 +144,7 @@ class TactileArrays:
         return len(self.index)
 
     def __getitem__(self, item: int) -> Item:
-        if not -len(self) <= item < len(self):
-            raise IndexError(f"item {item} of {len(self)}")
-        return self.items([item % len(self)])[0]
+        return self.items([item_number(item, len(self))])[0]
 
     def __iter__(self) -> Iterator[Item]:
         return (self[item] for item in range(len(self)))
@@ -182,6 +197,7 @@ class TactileArrays:
         """As `batch`, pictures as stored: uint8, neither scaled nor normalised."""
         if self.unit != "frame":
             raise UsageError("frames of a dataset of trajectories", "unit='frame'", "Use `items` for trajectories.")
+        _require_some(numbers)
         places = np.asarray(numbers, np.int64)
         rows, facts = self.index.rows[places], self._facts(places)
         for stream in self.streams:
@@ -203,6 +219,7 @@ class TactileArrays:
         """As `items` in trajectory mode, pictures as stored: uint8, neither scaled nor normalised."""
         if self.unit != "trajectory":
             raise UsageError("trajectories of a dataset of frames", "unit='trajectory'", "Use `batch` for frames.")
+        _require_some(numbers)
         index = self.index
         places = index.places(np.asarray(numbers, np.int64))
         ends = np.cumsum([index.starts[number + 1] - index.starts[number] for number in numbers])
@@ -307,3 +324,8 @@ class TactileArrays:
                 "Name a split.",
             )
         return normalisers(self.store, selection.split, [by_name[name] for name in names])
+
+
+def _require_some(numbers: Sequence[int]) -> None:
+    if not len(numbers):
+        raise UsageError("a batch of no items", "at least one item number")

@@ -70,6 +70,13 @@ class Order:
         self.rank = rank
         self.world_size = world_size
         self.drop_last = world_size > 1 if drop_last is None else drop_last
+        if self.drop_last and 0 < length < self.stride:
+            raise UsageError(
+                f"{length} items do not give {world_size} ranks a step of {batch_size or 1} each: every epoch is empty",
+                f"at least {self.stride} items, since incomplete steps are left out",
+                "Take smaller batches or fewer ranks, or say drop_last=False.",
+                length=length,
+            )
         self.fingerprint = fingerprint
         self.epoch = 0
         self.consumed = 0
@@ -135,28 +142,40 @@ class Order:
         UsageError
             The state is of another order: other items, another seed, shuffled or not.
         """
+        if not isinstance(state, Mapping):
+            raise UsageError(f"the state is {state!r:.80}", "what `state_dict` gave")
         expected = {**self.state_dict(), "epoch": None, "consumed": None}
         differing = [name for name in expected if name not in state] + [
             name for name, value in expected.items() if value is not None and state.get(name, value) != value
         ]
         positions = [state.get("epoch"), state.get("consumed")]
-        if differing or not all(isinstance(value, int) and value >= 0 for value in positions):
+        if differing:
             raise UsageError(
-                f"the state does not belong to this order: {', '.join(differing) or 'epoch or consumed'} differs "
+                f"the state does not belong to this order: {', '.join(differing)} differs "
                 f"({ {name: state.get(name) for name in differing} })",
                 f"{ {name: expected[name] for name in differing} }",
                 "Use the state with the dataset, split and seed that it was taken with.",
                 differing=differing,
             )
+        if not all(_is_count(value) for value in positions) or state["consumed"] > self.length:
+            raise UsageError(
+                f"the state is at epoch {positions[0]!r}, item {positions[1]!r}",
+                f"counts, and at most {self.length} items consumed",
+                "The checkpoint is damaged: take an earlier one.",
+            )
         self.seek(state["epoch"], state["consumed"])
 
 
+def _is_count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
 def _check(length: int, seed: int, batch_size: int | None, rank: int, world_size: int) -> None:
-    if batch_size is not None and batch_size < 1:
-        raise UsageError(f"batch_size is {batch_size}", "at least 1", batch_size=batch_size)
-    if world_size < 1 or not 0 <= rank < world_size:
-        raise UsageError(f"rank {rank} of {world_size} ranks", "0 <= rank < world_size", rank=rank)
-    if seed < 0:
-        raise UsageError(f"seed is {seed}", "a seed of at least 0", seed=seed)
+    if batch_size is not None and (not _is_count(batch_size) or batch_size < 1):
+        raise UsageError(f"batch_size is {batch_size!r}", "a whole number, at least 1", batch_size=batch_size)
+    if not _is_count(world_size) or not _is_count(rank) or rank >= world_size:
+        raise UsageError(f"rank {rank!r} of {world_size!r} ranks", "0 <= rank < world_size", rank=rank)
+    if not _is_count(seed):
+        raise UsageError(f"seed is {seed!r}", "a whole number, at least 0", seed=seed)
     if length < 0:
         raise UsageError(f"length is {length}", "at least 0 items", length=length)

@@ -66,12 +66,14 @@ def find_streams(store: Store, names: Sequence[str] | str, unit: Unit) -> tuple[
     StoreError
         Meshes, where none are attached.
     """
-    asked = (names,) if isinstance(names, str) else tuple(names)
+    asked = (names,) if isinstance(names, str) else tuple(names or ())
     if unit not in ("frame", "trajectory"):
         raise UnknownName("unit of a dataset", str(unit), ("frame", "trajectory"))
-    if not asked or len(set(asked)) < len(asked):
+    if not asked or len(set(asked)) < len(asked) or not all(isinstance(name, str) for name in asked):
         raise UsageError(
-            f"streams are {asked!r}", "at least one stream, each once", f"The store holds: {', '.join(known(store))}."
+            f"streams are {asked!r}",
+            "names of streams, at least one, each once",
+            f"The store holds: {', '.join(known(store))}.",
         )
     streams = tuple(_find(store, name, unit) for name in asked)
     cameras = [stream.name for stream in streams if stream.kind == "image"]

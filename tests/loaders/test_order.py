@@ -4,7 +4,7 @@ import itertools
 import json
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from tactiledata.errors import UsageError
@@ -12,6 +12,11 @@ from tactiledata.loaders.order import Order
 
 LENGTHS = st.integers(0, 60)
 BATCHES = st.one_of(st.none(), st.integers(1, 9))
+
+
+def assume_a_step(length, batch_size, world_size, drop_last):
+    """Epochs without any step are refused; see `test_epochs_without_a_step_are_refused`."""
+    assume(not drop_last or length == 0 or length >= (batch_size or 1) * world_size)
 
 
 def flat(steps):
@@ -22,6 +27,7 @@ def flat(steps):
 @settings(deadline=None)
 def test_ranks_part_the_items_without_overlap(length, batch_size, world_size, drop_last, shuffle, seed):
     """Ranks together visit no item twice, and every item where no tail is dropped."""
+    assume_a_step(length, batch_size, world_size, drop_last)
     orders = [
         Order(
             length,
@@ -51,6 +57,7 @@ def test_ranks_part_the_items_without_overlap(length, batch_size, world_size, dr
 @settings(deadline=None)
 def test_interrupted_and_resumed_equals_uninterrupted(length, batch_size, world_size, drop_last, stop, seed):
     """Three epochs, cut anywhere and resumed from a JSON state in a new object, give the same steps."""
+    assume_a_step(length, batch_size, world_size, drop_last)
     for rank in range(world_size):
 
         def order(rank=rank):
@@ -102,11 +109,9 @@ def test_several_ranks_get_equal_steps_by_default():
     assert len(list(Order(10, batch_size=4))) == 3
 
 
-@pytest.mark.parametrize(
-    "change", [{"seed": 3}, {"length": 11}, {"shuffle": False}, {"fingerprint": "b"}, {"epoch": -1}, {"consumed": "x"}]
-)
+@pytest.mark.parametrize("change", [{"seed": 3}, {"length": 11}, {"shuffle": False}, {"fingerprint": "b"}])
 def test_a_foreign_state_is_refused(change):
-    """A state of other items, another seed or with senseless positions is refused and changes nothing."""
+    """A state of other items or another seed is refused and changes nothing."""
     order = Order(10, seed=1, fingerprint="a")
     with pytest.raises(UsageError, match="does not belong"):
         order.load_state_dict({**order.state_dict(), **change})
@@ -120,3 +125,37 @@ def test_senseless_orders_are_refused(wrong):
     """Batches of nothing, ranks beyond the world and negative seeds are usage errors."""
     with pytest.raises(UsageError):
         Order(10, **wrong)
+
+
+@pytest.mark.parametrize(("world_size", "batch_size"), [(8, None), (2, 4), (1, 8)])
+def test_epochs_without_a_step_are_refused(world_size, batch_size):
+    """Seven items that cannot fill one step are an error, not an epoch that silently does nothing."""
+    options = {"world_size": world_size, "batch_size": batch_size}
+    with pytest.raises(UsageError, match="every epoch is empty"):
+        Order(7, drop_last=True, **options)
+    kept = [list(Order(7, rank=rank, drop_last=False, **options)) for rank in range(world_size)]
+    numbers = [number for steps in kept for step in steps for number in (step if batch_size else [step])]
+    assert sorted(numbers) == list(range(7))
+    assert Order(8, drop_last=True, **options)
+
+
+@pytest.mark.parametrize(
+    "change", [{"consumed": 6}, {"consumed": True}, {"consumed": 1.0}, {"consumed": "x"}, {"epoch": -1}]
+)
+def test_damaged_positions_are_refused(change):
+    """A place that the order does not have; its last place is fine."""
+    order = Order(5)
+    with pytest.raises(UsageError, match="damaged"):
+        order.load_state_dict({**order.state_dict(), **change})
+    order.load_state_dict({**order.state_dict(), "consumed": 5})
+    with pytest.raises(UsageError, match="state_dict"):
+        order.load_state_dict(None)
+
+
+@pytest.mark.parametrize(
+    "options", [{"batch_size": 2.5}, {"batch_size": "4"}, {"seed": 1.5}, {"seed": True}, {"rank": 0.0}]
+)
+def test_numbers_that_are_none_are_refused(options):
+    """Counts are whole numbers."""
+    with pytest.raises(UsageError):
+        Order(5, **options)

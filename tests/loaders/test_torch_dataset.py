@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import os
 import pickle
 import socket
 
@@ -13,7 +14,7 @@ torch = pytest.importorskip("torch")
 
 from torch.utils.data import DataLoader  # noqa: E402
 
-from tactiledata.errors import MissingSplit, UsageError  # noqa: E402
+from tactiledata.errors import MissingSplit, StoreError, UsageError  # noqa: E402
 from tactiledata.loaders.numpy import TactileArrays  # noqa: E402
 from tactiledata.loaders.torch import ResumableSampler, TactileDataset, TactileLoader, collate  # noqa: E402
 
@@ -189,6 +190,51 @@ def test_interrupted_and_resumed_training_sees_the_same(place, num_workers):
         resumed.load_state_dict(json.loads(json.dumps(walker.state_dict())))
         rest = [step for _ in range(resumed.epoch, 2) for step in frames(resumed)]
         assert seen + rest == uninterrupted[0] + uninterrupted[1]
+
+
+def test_an_epoch_goes_on_with_other_batches(place):
+    """Resumed in the middle with another batch size and with workers, the rest of the epoch is that of the order."""
+    dataset = TactileDataset(place, "default/train", "centre")
+    whole = [frame for batch in TactileLoader(dataset, 4, seed=1) for frame in batch["frame"].tolist()]
+    begun = TactileLoader(dataset, 4, seed=1)
+    seen = [frame for batch in itertools.islice(begun, 3) for frame in batch["frame"].tolist()]
+    resumed = TactileLoader(dataset, 7, seed=1, num_workers=1)
+    resumed.load_state_dict(begun.state_dict())
+    rest = [frame for batch in resumed for frame in batch["frame"].tolist()]
+    assert seen + rest == whole
+
+
+@pytest.mark.parametrize("num_workers", [0, 1])
+def test_an_image_damaged_in_the_middle_of_an_epoch_is_named(tmp_path, num_workers):
+    """Bytes that turn bad after the dataset was made end the epoch with the frame's number, not with other pixels."""
+    folder = tmp_path / "ds.zarr"
+    made.split_store(folder, encoding="jpeg")
+    dataset = TactileDataset(folder, "default/train", "digit")
+    row = int(dataset.arrays.index.rows[-1])
+    facts = dataset.arrays.store.frames(["offset", "length"]).slice(row, 1).to_pylist()[0]
+    batches = iter(TactileLoader(dataset, 4, shuffle=False, num_workers=num_workers))
+    next(batches)
+    with (folder / "streams" / "digit" / "heap" / "c.0").open("r+b") as heap:
+        heap.seek(facts["offset"] + facts["length"] // 2)
+        byte = heap.read(1)
+        heap.seek(-1, os.SEEK_CUR)
+        heap.write(bytes([byte[0] ^ 0xFF]))
+    with pytest.raises(StoreError, match=f"^the image of frame {row} ") as caught:
+        list(batches)
+    assert "Traceback" not in str(caught.value)
+
+
+def test_items_are_asked_for_by_whole_numbers(place):
+    """Halves, words, numbers beyond the end and empty batches are refused."""
+    dataset = TactileDataset(place, "default/train", "centre")
+    for number in (1.5, "a", None):
+        with pytest.raises(TypeError):
+            dataset[number]
+    with pytest.raises(IndexError, match=f"of {len(dataset)}"):
+        dataset[len(dataset)]
+    with pytest.raises(UsageError, match="no items"):
+        dataset.__getitems__([])
+    assert dataset[np.int64(-1)]["frame"] == dataset[len(dataset) - 1]["frame"]
 
 
 def test_the_sampler_serves_a_plain_loader(place):
