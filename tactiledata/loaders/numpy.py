@@ -13,8 +13,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import digest_of
-from tactiledata.errors import StoreError, UnknownName, UsageError
+from tactiledata.errors import UnknownName, UsageError
 from tactiledata.loaders.facts import item_table
+from tactiledata.loaders.fit import require_one_size, require_references
 from tactiledata.loaders.index import build_index
 from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
@@ -118,8 +119,8 @@ class TactileArrays:
         self._require_items("Name another part, or make the split again with other fractions or another force filter.")
         self.index, self.report = treat_missing(store, self.index, self.streams, self.report, missing)
         self._require_items("Name other streams, or say missing='keep' to have those items with NaN.")
-        self._require_references()
-        self._require_one_size(camera)
+        require_references(store, self.index, self.streams)
+        require_one_size(store, self.index, camera)
         self.normalisers, notes = self._find_normalisers(selection, normalise)
         self.report = self.report.noted(*notes)
         self.fingerprint = digest_of([store.digest, selection.report.split, unit, self._rows_digest()])
@@ -277,30 +278,6 @@ class TactileArrays:
                 remedy,
                 report=self.report.document(),
             )
-
-    def _require_references(self) -> None:
-        if any(stream.kind == "background" for stream in self.streams):
-            lacking = sorted(set(self.index.sensor_names) - set(self.store.manifest["references"]))
-            if lacking:
-                names = ", ".join(map(repr, lacking))
-                raise StoreError(
-                    f"the store {self.location} has no picture without contact of sensor {names}",
-                    "a background for every sensor",
-                    "Add it with `tactiledata sensors add NAME --background FILE`.",
-                    sensors=lacking,
-                )
-
-    def _require_one_size(self, camera: str | None) -> None:
-        if camera is not None:
-            frames = self.store.frames(["height", "width"]).take(self.index.rows)
-            sizes = frames.group_by(["height", "width"]).aggregate([([], "count_all")]).to_pylist()
-            if len(sizes) > 1:
-                listed = ", ".join(f"{size['count_all']} of {size['height']} x {size['width']}" for size in sizes)
-                raise UsageError(
-                    f"the frames of camera {camera!r} have several sizes: {listed}",
-                    "one size, so that they can be stacked",
-                    "Give sensors with other pictures another camera name in the mapping, and ingest again.",
-                )
 
     def _find_normalisers(
         self, selection: Selection, normalise: bool | Sequence[str]
