@@ -10,6 +10,7 @@ from rich.markup import escape
 
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.output import JSON_OPTION, emit, err, findings, say, table
+from tactiledata.contract.wording import counted
 from tactiledata.errors import TactileDataError, UsageError
 
 
@@ -147,7 +148,7 @@ def _document(one: Any) -> dict[str, Any]:
 
 
 def _print_inspection(one: Any) -> None:
-    say(f"{one.source.key}: {one.source.format}, {len(one.source.files)} files")
+    say(f"{one.source.key}: {one.source.format}, {counted(len(one.source.files), 'file')}")
     for name, value in one.facts.items():
         say(f"  {name}: {value}")
     rows = [

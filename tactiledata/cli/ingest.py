@@ -10,6 +10,7 @@ import typer
 
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
 
@@ -95,7 +96,7 @@ def _print(report: Any) -> None:
         say(f"  left alone in {folder}: {listed}; no format claims them")
     counts = {state: sum(source.state == state for source in report.sources) for state in ("added", "replaced")}
     replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""
-    say(f"{counts['added']} recordings added to {report.store}{replaced}")
+    say(f"{counted(counts['added'], 'recording')} added to {report.store}{replaced}")
     for name in report.stale_splits:
         say(
             f"the split {name} is of the store as it was: draw it anew with tactiledata split … --name {name} --replace"

@@ -63,6 +63,7 @@ def add_sensor(
         raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
     image = read_picture(background)
     folder = Path(store_path)
+    Store.open(folder)  # says what is wrong where there is no store to lock
     with writing_lock(folder, INTAKE_LOCK):
         # what an ingest is staging right now must not be swept away
         manifest = recover(folder)
@@ -92,6 +93,7 @@ def remove_sensor(store_path: Path | str, name: str) -> None:
         The store has no picture of it that was added by hand.
     """
     folder = Path(store_path)
+    Store.open(folder)  # says what is wrong where there is no store to lock
     with writing_lock(folder, INTAKE_LOCK):
         recover(folder)
         store = Store.open(folder)

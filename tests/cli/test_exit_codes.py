@@ -28,6 +28,9 @@ WRONG_CALLS = {
     "a mapping that is not there": ["ingest", "log", "--mapping", "nowhere.yaml"],
     "inspect by a mapping that is not there": ["inspect", "log", "--mapping", "nowhere.yaml"],
     "a picture that is not there": ["sensors", "add", "D1", "--background", "no.png", "--store", "ds.zarr"],
+    "a sensor out of a store that is not there": ["sensors", "remove", "D1", "--store", NOWHERE],
+    "a sensor for a store that is not there": ["sensors", "add", "D1", "--background", "picture", "--store", NOWHERE],
+    "a second store that is not there": ["merge", "ds.zarr", NOWHERE, "--into", "new.zarr"],
     "a repair of nothing": ["check", NOWHERE, "--repair"],
     "report of an unknown split": ["report", "ds.zarr", "--split", "nope"],
     "audit of an unknown split": ["audit", "ds.zarr", "--split", "nope"],
@@ -37,10 +40,10 @@ WRONG_CALLS = {
 
 @pytest.fixture
 def folder(tmp_path, tiny_store, tiny_folders, monkeypatch):
-    """A folder to stand in, with links to a folder log and to a store elsewhere that is not to be written to."""
-    (tmp_path / "stores").mkdir()
+    """An empty folder to stand in, and by name a store, a folder log and a picture elsewhere, for reading only."""
     monkeypatch.chdir(tmp_path)
-    return {"ds.zarr": str(tiny_store), "log": str(tiny_folders[0])}
+    picture = next((tiny_folders[0] / "frames").iterdir())
+    return {"ds.zarr": str(tiny_store), "log": str(tiny_folders[0]), "picture": str(picture)}
 
 
 def test_the_table_names_every_command():
@@ -69,14 +72,14 @@ def test_a_missing_path_is_wrong_usage(name, folder, tmp_path, capsys):
     """Exit code 2, a JSON object with --json, and nothing is left behind."""
     found = answers(capsys, [name, *MISSING_PATH[name]])
     assert "nowhere" in found["error"]
-    assert [path.name for path in tmp_path.rglob("*")] == ["stores"]
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("what", WRONG_CALLS)
 def test_wrong_calls_are_wrong_usage(what, folder, tmp_path, capsys):
     """Whatever else a call may have wrong is answered in the same way."""
     answers(capsys, [folder.get(word, word) for word in WRONG_CALLS[what]])
-    assert [path.name for path in tmp_path.rglob("*")] == ["stores"]
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_document_that_does_not_fit_is_wrong_usage(folder, tmp_path, capsys):
@@ -133,5 +136,6 @@ def test_one_is_not_many(folder, tmp_path, capsys):
     """One recording is no recordings."""
     code, out, _ = run_command(capsys, "ingest", folder["log"], "--store", "one.zarr")
     assert code == 0
+    assert "1 recording added to one.zarr" in out
     code, out, _ = run_command(capsys, "info", "one.zarr")
     assert "one.zarr: 1 recording, 2 trajectories" in out
