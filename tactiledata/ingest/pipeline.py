@@ -105,7 +105,7 @@ def ingest(
     sources, unclaimed = find_sources([Path(path) for path in paths], chosen.format_name)
     folder = Path(store)
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
-    with _new_store_only_if_filled(folder), writing_lock(folder, INTAKE_LOCK):
+    with _intake(folder):
         present = frozenset(recover(folder)["sources"])
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
         outcomes = _told(runner.outcomes(_read_source, tasks), len(tasks), progress)
@@ -125,18 +125,20 @@ def ingest(
 
 
 @contextmanager
-def _new_store_only_if_filled(folder: Path) -> Iterator[None]:
-    """The store, made where there is none; one that was made here and got nothing is taken away again."""
+def _intake(folder: Path) -> Iterator[None]:
+    """The store, made where there is none, and its lock; one that was made here and got nothing is taken away again."""
     is_new, had_folder = not (folder / MANIFEST).exists(), folder.exists()
     create(folder)
-    try:
-        yield
-    finally:
-        if is_new and not read_manifest(folder)["sources"] and not find_staged(folder):
-            for place in folder.iterdir():
-                shutil.rmtree(place) if place.is_dir() else place.unlink()
-            if not had_folder:
-                folder.rmdir()
+    with writing_lock(folder, INTAKE_LOCK):
+        try:
+            yield
+        finally:
+            # under the lock: whoever waits for this store finds it whole, or makes it
+            if is_new and not read_manifest(folder)["sources"] and not find_staged(folder):
+                for place in folder.iterdir():
+                    shutil.rmtree(place) if place.is_dir() else place.unlink()
+                if not had_folder:
+                    folder.rmdir()
 
 
 def _with_twins(reports: list[SourceReport], folder: Path) -> list[SourceReport]:

@@ -236,6 +236,6 @@ def missing_file(path: str, location: str) -> LostFile:
     return LostFile(
         f"{path} is missing in the store {location}",
         "every file that the manifest names",
-        "Run `tactiledata check` to see what else is missing; restore it from a copy.",
+        "Open the store again, if a recording was replaced meanwhile; else `tactiledata check` says what is missing.",
         path=path,
     )

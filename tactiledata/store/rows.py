@@ -67,9 +67,9 @@ class Rows:
         if not self._files.still_there(f"{self._path}/zarr.json"):
             # zarr takes a chunk that is gone for fill
             raise StoreError(
-                f"array {self._path} left {self._files.location} while it was open: a recording was replaced",
+                f"array {self._path} left {self._files.location} while it was open",
                 "the store as it was opened",
-                "Open it again.",
+                "It was moved, or a recording in it was replaced: open it again.",
             )
         rows.setflags(write=False)
         self._chunks[index] = rows

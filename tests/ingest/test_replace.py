@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import pytest
 import yaml
 from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
+from tactiledata.errors import StoreBusy
 from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.check import check
@@ -140,6 +142,33 @@ def test_a_first_ingest_that_fails_leaves_no_store(tmp_path):
         assert states(ingest([tmp_path / "run.mcap"], store)) == ["failed"]
     assert not (tmp_path / "ds.zarr").exists()
     assert list((tmp_path / "mine").iterdir()) == []
+
+
+def test_whoever_is_turned_away_leaves_the_store_alone(tiny_mcaps, tmp_path, monkeypatch):
+    """Of two first ingests into one store, the one that finds it busy does not take the other's new store away."""
+    store = tmp_path / "ds.zarr"
+
+    @contextmanager
+    def busy(*_):
+        raise StoreBusy("the store is being written by process 1", "no other writer")
+        yield
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tactiledata.ingest.pipeline.writing_lock", busy)
+        with pytest.raises(StoreBusy):
+            ingest(tiny_mcaps, store)
+    assert (store / "manifest.json").exists()
+
+
+def test_copies_of_a_recording_among_several_workers(tiny_mcaps, tiny_store, tmp_path):
+    """Two workers that are given the same bytes under other names end with one recording, and no error."""
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    for number in range(3):
+        shutil.copy(tiny_mcaps[0], folder / f"copy{number}.mcap")
+    report = ingest([folder], tmp_path / "ds.zarr", workers=2)
+    assert states(report) == ["added", "present", "present"]
+    assert check(tmp_path / "ds.zarr") == []
 
 
 @pytest.mark.slow
