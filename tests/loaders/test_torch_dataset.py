@@ -204,7 +204,7 @@ def test_an_epoch_goes_on_with_other_batches(place):
     assert seen + rest == whole
 
 
-@pytest.mark.parametrize("num_workers", [0, 1])
+@pytest.mark.parametrize("num_workers", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_an_image_damaged_in_the_middle_of_an_epoch_is_named(tmp_path, num_workers):
     """Bytes that turn bad after the dataset was made end the epoch with the frame's number, not with other pixels."""
     folder = tmp_path / "ds.zarr"
