@@ -13,7 +13,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import digest_of
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.loaders.facts import item_table
 from tactiledata.loaders.fit import require_one_size, require_references
 from tactiledata.loaders.index import build_index
@@ -22,7 +22,7 @@ from tactiledata.loaders.normalise import Normaliser, normalisers
 from tactiledata.loaders.order import Order
 from tactiledata.loaders.selection import LoadReport, Selection, select
 from tactiledata.loaders.streams import Stream, Unit, find_streams, values_at_frames
-from tactiledata.store.reader import Store
+from tactiledata.store.reader import RowState, Store
 
 Item = dict[str, Any]
 IMAGE_DTYPES = ("float32", "uint8")
@@ -110,7 +110,9 @@ class TactileArrays:
         self.threads = threads
         self._storage_options = dict(storage_options or {})
         self._process = -1
+        self._row_state: RowState | None = None
         store = self.store
+        self._row_state = store.row_state
         self.streams = find_streams(store, streams, unit)
         camera = next((stream.name for stream in self.streams if stream.kind == "image"), None)
         selection = select(store, split, camera, whole=unit == "trajectory", allow_leaks=allow_leaks)
@@ -133,6 +135,12 @@ class TactileArrays:
         """The store, opened by this process: handles and threads do not survive a fork."""
         if self._process != os.getpid():
             self._store = Store.open(self.location, self._storage_options or None)
+            if self._row_state is not None and not self._store.continues(self._row_state):
+                raise StoreError(
+                    f"in the store {self.location} a recording was replaced since this dataset was made",
+                    "the rows that it was made of",
+                    "Draw the split anew and make the dataset anew.",
+                )
             self._references: dict[str, NDArray[np.uint8]] = {}
             self._process = os.getpid()
         return self._store

@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 import zarr
 from numpy.typing import ArrayLike, NDArray
 
+from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.files import StoreFiles, missing_file, open_files
@@ -32,6 +33,9 @@ from tactiledata.store.manifest import Manifest, not_a_store, parse_manifest
 from tactiledata.store.pictures import Picture, Pictures
 from tactiledata.store.rows import Rows, checked_rows
 from tactiledata.store.sensors_table import Facts, parse_sensors
+
+RowState = tuple[int, int, str]
+"""How often recordings were replaced, number of sources, digest of their digests."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +169,19 @@ class Store:
     def digest(self) -> str:
         """Digest of the content of all sources, in order."""
         return self.manifest["digest"]
+
+    @property
+    def row_state(self) -> RowState:
+        """What decides which row is which: appending continues it, replacing a recording does not."""
+        return self._row_state(self.manifest["rows"]["sources"])
+
+    def continues(self, state: RowState) -> bool:
+        """Whether rows that were noted in another state of this store, at this place, still mean the same."""
+        return self._row_state(state[1]) == state
+
+    def _row_state(self, n_sources: int) -> RowState:
+        known = self.manifest["sources"][:n_sources]
+        return self.manifest.get("generation", 0), len(known), digest_of(known)
 
     @property
     def n_frames(self) -> int:
