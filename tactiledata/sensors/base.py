@@ -20,12 +20,16 @@ class GelGeometry:
     outline : (short, long), metres; along x and y of the gel frame
     thickness : metres, in the middle
     edge_thickness : metres, at the rim; the pad is flat where it equals ``thickness``
+    round_end : metres, length of the half-elliptic end at +y of the gel frame; 0 where the outline is a rectangle
+    corner_radius : metres, of the corners at -y
     shore_00 : durometer on the Shore 00 scale, where known
     """
 
     outline: tuple[float, float]
     thickness: float
     edge_thickness: float
+    round_end: float = 0.0
+    corner_radius: float = 0.0
     shore_00: float | None = None
 
     @property
@@ -120,5 +124,5 @@ class Sensor:
             for part, block in parts.items()
             if block is not None
             for name, value in vars(block).items()
-            if value not in (None, ())
+            if value not in (None, (), 0.0)
         ]

@@ -9,7 +9,14 @@ DIGIT = Sensor(
     title="DIGIT",
     maker="Meta AI, GelSight",
     kind="tactile",
-    gel=GelGeometry(outline=(0.0184, 0.0250), thickness=0.00406, edge_thickness=0.0023, shore_00=75.0),
+    gel=GelGeometry(
+        outline=(0.0184, 0.0250),
+        thickness=0.00406,
+        edge_thickness=0.0023,
+        round_end=0.008,
+        corner_radius=0.001,
+        shore_00=75.0,
+    ),
     camera=TactileCamera(shape=(320, 240), field_of_view=(0.019, 0.016), frame_rate=60.0),
     sources={
         "gel.outline": _MESH + ": 18.40 x 25.00 mm; the short side lies along x of the gel frame",
@@ -17,6 +24,8 @@ DIGIT = Sensor(
         "gel.edge_thickness": _MESH
         + ": the dome falls to about 2.3 mm within 1 mm of the rim, on the short sides as on the long ones; the rounded"
         " rim itself is 1.9 to 2.0 mm high",
+        "gel.round_end": _MESH + ": one short side is rounded, like half an ellipse 8 mm deep and 18.4 mm wide",
+        "gel.corner_radius": _MESH + ": about 1 mm, at the other short side",
         "gel.shore_00": "the maker's figure as the SPLIT paper quotes it: 75 on the Shore 00 scale",
         "camera.shape": "facebookresearch/digit-interface, Digit.get_frame: QVGA, turned upright to 320 rows x 240"
         " columns (BGR there; RGB here)",

@@ -1,0 +1,1 @@
+"""The soft pad: meshes, elasticity, contact. Arrays in, arrays out, no storage."""

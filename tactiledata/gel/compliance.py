@@ -1,0 +1,132 @@
+"""A pad's stiffness, factorised once for each Poisson's ratio, and what its surface does under loads."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import SuperLU, splu
+
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.gel.cells import CellQuadrature
+from tactiledata.gel.pad import PadMesh
+from tactiledata.gel.stiffness import linear_stiffness
+from tactiledata.gel.surface import ContactSurface
+
+Array = NDArray[np.float64]
+
+BATCH = 96
+"""Right-hand sides solved at once: the factor is read from memory once for all of them."""
+LAYOUT = 1
+"""Of the files that are kept; a change makes new ones."""
+
+
+@dataclass(frozen=True)
+class FactorisedPad:
+    """The linear pad, Young's modulus 1, ready to solve.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+    stiffness : (3 v, 3 v) m
+    poisson_ratio : float
+    factor : SuperLU
+        Of the free degrees of freedom.
+    """
+
+    mesh: PadMesh
+    poisson_ratio: float
+    stiffness: csr_array
+    factor: SuperLU
+
+    @staticmethod
+    def of(mesh: PadMesh, quadrature: CellQuadrature, poisson_ratio: float) -> FactorisedPad:
+        """Assemble and factorise, in the ordering for symmetric matrices."""
+        stiffness = linear_stiffness(mesh, quadrature, poisson_ratio)
+        free = mesh.free
+        reduced = csc_array(stiffness[free][:, free])
+        factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        return FactorisedPad(mesh, poisson_ratio, stiffness, factor)
+
+    def solve(self, forces: Array) -> Array:
+        """Displacements (b, v, 3), 1/m times the force's unit, under nodal forces (b, v, 3)."""
+        count = len(forces)
+        free = self.mesh.free
+        right = np.asfortranarray(forces.reshape(count, -1)[:, free].T)
+        displacement = np.zeros((count, 3 * len(self.mesh.vertices)))
+        displacement[:, free] = self.factor.solve(right).T
+        return displacement.reshape(count, -1, 3)
+
+
+def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:
+    """Displacements of the surface nodes by unit patch forces: (s, 3, m, 3), 1/m, Young's modulus 1.
+
+    Kept on disk, by mesh and Poisson's ratio, in ``cache_folder``; a file that cannot be read is made again.
+    """
+    key = f"{pad.mesh.digest[:24]}-{pad.poisson_ratio!r}-{LAYOUT}"
+    path = cache_folder() / "gel" / f"{key}.npy"
+    shape = (len(surface.nodes), 3, len(surface.corners), 3)
+    kept = _load(path, shape)
+    if kept is not None:
+        return kept
+    response = _solve_response(pad, surface).reshape(shape)
+    content = io.BytesIO()
+    np.save(content, response, allow_pickle=False)
+    # a folder that cannot be written costs time at the next start, nothing else
+    with contextlib.suppress(OSError):
+        write_atomic(path, content.getvalue())
+    return response
+
+
+def cache_folder() -> Path:
+    """Where results that can be computed again are kept: ``TACTILEDATA_CACHE``, or the user's cache folder."""
+    named = os.environ.get("TACTILEDATA_CACHE")
+    if named:
+        return Path(named)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tactiledata"
+
+
+def _load(path: Path, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
+    try:
+        kept = np.load(path, allow_pickle=False)
+    except (OSError, ValueError):
+        return None
+    return kept if kept.shape == shape and kept.dtype == np.float32 else None
+
+
+def _solve_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:
+    free = pad.mesh.free
+    rows = np.full(3 * len(pad.mesh.vertices), -1)
+    rows[free] = np.arange(len(free))
+    seen = rows[(3 * surface.nodes[:, None] + np.arange(3)).ravel()]
+    spread = surface.averaging.T.tocsc()
+    count = len(surface.corners)
+    response = np.zeros((len(seen), 3 * count), dtype=np.float32)
+    per_batch = BATCH // 3
+    for start in range(0, count, per_batch):
+        columns = range(start, min(start + per_batch, count))
+        loads = np.zeros((len(free), 3 * len(columns)), order="F")
+        for place, column in enumerate(columns):
+            entries = slice(spread.indptr[column], spread.indptr[column + 1])
+            for axis in range(3):
+                loaded = rows[3 * surface.nodes[spread.indices[entries]] + axis]
+                is_free = loaded >= 0
+                loads[loaded[is_free], 3 * place + axis] = spread.data[entries][is_free]
+        moved = pad.factor.solve(loads)
+        response[:, 3 * start : 3 * start + loads.shape[1]] = np.where(seen[:, None] >= 0, moved[seen], 0.0)
+    return response
+
+
+def patch_compliance(response: NDArray[np.float32], surface: ContactSurface) -> NDArray[np.float32]:
+    """Mean displacements of patches by unit patch forces: (m, m, 3, 3), 1/m; block (i, j) maps a force on j to i."""
+    count = len(surface.corners)
+    flat = surface.averaging.astype(np.float32) @ response.reshape(len(surface.nodes), -1)
+    blocks = flat.reshape(count, 3, count, 3).transpose(0, 2, 1, 3)
+    symmetric = (blocks + blocks.transpose(1, 0, 3, 2)) / 2
+    return np.ascontiguousarray(symmetric, dtype=np.float32)

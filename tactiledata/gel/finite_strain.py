@@ -1,0 +1,152 @@
+"""Many touches at finite strain in lockstep: one factor and one sweep over the cells serve all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.gel.compliance import FactorisedPad
+from tactiledata.gel.history import GelHistory
+from tactiledata.gel.internal_forces import ElasticPad, internal_forces
+from tactiledata.gel.journey import Journey
+from tactiledata.gel.mixing import SecantMixer
+from tactiledata.gel.surface import ContactSurface
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 5e-7
+"""m: a step is solved when no node moves further in an iteration."""
+FORCE_TOLERANCE = 5e-3
+"""And no patch force changes by more than this share of the largest; their sum changes far less."""
+PATIENCE = 25
+"""Iterations after which a step is taken ``LENIENCE`` times off the tolerances: at sharp rims a few patches keep
+trading force among themselves. The frame's residual tells."""
+LENIENCE = 8.0
+MOST_ITERATIONS = 45
+SWEEPS = 20
+"""Of the contact solver in each iteration: the outer iterations do the rest."""
+FARTHEST = 5e-3
+"""m: an iterate that moves a node further is lost."""
+
+
+class Traveller:
+    """A journey with its iterate: the whole pad's displacement (v, 3), m, and the patch forces (m, 3), m^2."""
+
+    def __init__(self, journey: Journey, tolerance: float) -> None:
+        self.journey = journey
+        self._tolerance = tolerance
+        state = journey.walk.state
+        self.displacement = state.displacement
+        self.forces = state.forces
+        self.is_under_way = True
+        self._iterations = 0
+        self._mixer = SecantMixer(state.displacement.size, state.forces.size)
+        self._stride: tuple[Array, Array] | None = None
+
+    def set_out(self) -> None:
+        """Begin the next load step where the last two lead, or end the journey."""
+        self._iterations = 0
+        self._mixer.start_step()
+        self.is_under_way = self.journey.next_step()
+        state = self.journey.walk.state
+        if not state.is_touching:
+            self._forget()
+        self.displacement, self.forces = state.displacement, state.forces
+        if self._stride is not None:
+            self.displacement = self.displacement + self._stride[0]
+            self.forces = self.forces + self._stride[1]
+
+    def judge(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
+        """Take what an iteration led to: the step is solved, or lost, or goes on from a mixed iterate."""
+        self._iterations += 1
+        self.journey.count(1)
+        change = float(np.abs(displacement - self.displacement).max()) / self._tolerance
+        force_change = float(np.abs(forces - self.forces).max()) / (
+            FORCE_TOLERANCE * max(float(np.abs(forces).max()), 1e-30) * self._tolerance / TOLERANCE
+        )
+        if max(change, force_change) < (LENIENCE if self._iterations > PATIENCE else 1.0):
+            self._arrive(displacement, forces, gaps, residual)
+        elif self._iterations >= MOST_ITERATIONS or not np.abs(displacement).max() < FARTHEST:
+            self._forget()
+            self.journey.step_failed()
+            self.set_out()
+        else:
+            self._mix(displacement, forces)
+
+    def _arrive(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
+        before = self.journey.walk.state
+        self._stride = (displacement - before.displacement, forces - before.forces)
+        self.journey.walk.arrive(displacement, forces, gaps)
+        frame = self.journey.step_done(residual)
+        if frame is not None:
+            self.journey.recorder.put_displacement(frame, displacement)
+        self.set_out()
+
+    def _mix(self, displacement: Array, forces: Array) -> None:
+        size = displacement.size
+        point = np.concatenate([self.displacement.ravel(), self.forces.ravel()])
+        reached = np.concatenate([displacement.ravel(), forces.ravel()])
+        mixed = self._mixer.mix(point, reached - point)
+        self.displacement = mixed[:size].reshape(displacement.shape)
+        self.forces = mixed[size:].reshape(forces.shape)
+
+    def _forget(self) -> None:
+        self._mixer.forget()
+        self._stride = None
+
+
+class FiniteStrainSolver:
+    """Modified Newton iterations with the stiffness at rest, accelerated, the contact solved within each.
+
+    Parameters
+    ----------
+    pad, elastic, surface : of one mesh
+    tolerance : m
+        A step is solved when no node moves further in an iteration.
+    """
+
+    def __init__(
+        self, pad: FactorisedPad, elastic: ElasticPad, surface: ContactSurface, tolerance: float = TOLERANCE
+    ) -> None:
+        self._pad, self._elastic, self._surface = pad, elastic, surface
+        self._tolerance = tolerance
+
+    def run(self, journeys: Iterator[Journey], width: int) -> Iterator[tuple[int, GelHistory]]:
+        """Solve journeys, ``width`` at a time; a new one sets out when another has arrived."""
+        active: list[Traveller] = []
+        while True:
+            while len(active) < width and (journey := next(journeys, None)) is not None:
+                active.append(Traveller(journey, self._tolerance))
+                active[-1].set_out()
+            if not active:
+                return
+            for traveller in active:
+                if not traveller.is_under_way:
+                    yield traveller.journey.number, traveller.journey.recorder.history()
+            active = [traveller for traveller in active if traveller.is_under_way]
+            if active:
+                self._iterate(active)
+
+    def _iterate(self, active: list[Traveller]) -> None:
+        """One iteration of every traveller's load step."""
+        displacement = np.stack([traveller.displacement for traveller in active])
+        unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio)
+        for row, traveller in enumerate(active):
+            unbalanced[row, self._surface.nodes] -= self._surface.averaging.T @ traveller.forces
+        unbalanced[:, self._pad.mesh.base] = 0.0
+        displacement -= self._pad.solve(unbalanced)
+        pressed = [
+            traveller.journey.walk.press(displacement[row], traveller.forces, SWEEPS, FORCE_TOLERANCE / 10)
+            for row, traveller in enumerate(active)
+        ]
+        added = np.zeros_like(displacement)
+        for row, traveller in enumerate(active):
+            change = pressed[row][0] - traveller.forces
+            added[row, self._surface.nodes] = self._surface.averaging.T @ change
+        displacement += self._pad.solve(added)
+        for row, traveller in enumerate(active):
+            forces, gaps = pressed[row]
+            residual = float(np.abs(unbalanced[row]).max()) / max(float(np.abs(forces).max()), 1e-30)
+            traveller.judge(displacement[row], forces, gaps, residual)

@@ -1,0 +1,76 @@
+"""Touches in the small-strain limit: contact on the condensed surface alone, the volume afterwards for all frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.gel.compliance import BATCH, FactorisedPad
+from tactiledata.gel.history import GelHistory
+from tactiledata.gel.journey import Journey
+from tactiledata.gel.surface import ContactSurface
+
+Array = NDArray[np.float64]
+
+FORCE_TOLERANCE = 1e-4
+"""A step is solved when no patch force changes by more than this share of the largest."""
+MOST_ITERATIONS = 40
+SWEEPS = 60
+
+
+class LinearSolver:
+    """Contact iterations with the surface's response; gaps and normals are taken where the surface has moved to.
+
+    Parameters
+    ----------
+    pad, surface : of one mesh
+    response : (s, 3, m, 3)
+        See ``surface_response``.
+    """
+
+    def __init__(self, pad: FactorisedPad, surface: ContactSurface, response: NDArray[np.float32]) -> None:
+        self._pad, self._surface = pad, surface
+        # one row for each patch and direction: a step reads those of the pressed patches only
+        self._by_patch = np.ascontiguousarray(response.transpose(2, 3, 0, 1)).reshape(*response.shape[2:], -1)
+
+    def run(self, journeys: Iterator[Journey]) -> Iterator[tuple[int, GelHistory]]:
+        """Solve journeys one after the other."""
+        for journey in journeys:
+            kept: dict[int, Array] = {}
+            while journey.next_step():
+                frame = self._solve_step(journey)
+                if frame is not None:
+                    kept[frame] = journey.walk.state.forces
+            self._fill(journey, kept)
+            yield journey.number, journey.recorder.history()
+
+    def _solve_step(self, journey: Journey) -> int | None:
+        walk = journey.walk
+        forces, displacement = walk.state.forces, walk.state.displacement
+        for _ in range(MOST_ITERATIONS):
+            pressed, gaps = walk.press(displacement, forces, SWEEPS, FORCE_TOLERANCE / 10)
+            journey.count(1)
+            change = float(np.abs(pressed - forces).max())
+            forces, displacement = pressed, self._surface_displacement(pressed)
+            if change <= FORCE_TOLERANCE * float(np.abs(forces).max()):
+                walk.arrive(displacement, forces, gaps)
+                return journey.step_done(change)
+        journey.step_failed()
+        return None
+
+    def _surface_displacement(self, forces: Array) -> Array:
+        pressed = np.flatnonzero(forces.any(axis=1))
+        return np.einsum("pj,pjn->n", forces[pressed], self._by_patch[pressed], optimize=True).reshape(-1, 3)
+
+    def _fill(self, journey: Journey, kept: dict[int, Array]) -> None:
+        """The volume's displacement of all frames that were solved."""
+        frames = list(kept)
+        for start in range(0, len(frames), BATCH):
+            part = frames[start : start + BATCH]
+            loads = np.zeros((len(part), len(self._pad.mesh.vertices), 3))
+            for row, frame in enumerate(part):
+                loads[row, self._surface.nodes] = self._surface.averaging.T @ kept[frame]
+            for frame, displacement in zip(part, self._pad.solve(loads), strict=True):
+                journey.recorder.put_displacement(frame, displacement)

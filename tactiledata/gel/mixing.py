@@ -1,0 +1,67 @@
+"""Anderson acceleration of a fixed point whose memory outlives one load step."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MEMORY = 20
+"""Differences kept: the tangent changes little from one load step to the next, so that old ones still serve."""
+REGULARISATION = 1e-10
+"""Relative to the mean squared difference; keeps nearly parallel differences from cancelling."""
+
+
+class SecantMixer:
+    """Anderson's method with differences of earlier steps kept.
+
+    Sources: H. F. Walker and P. Ni, SIAM J. Numer. Anal. 49 (2011); reuse of steps as in J. Degroote, K.-J. Bathe and
+    J. Vierendeels, Comput. Struct. 87 (2009).
+
+    Parameters
+    ----------
+    measured, carried : int
+        Lengths of the unknowns that the residual measures, and of those that only follow along.
+    """
+
+    def __init__(self, measured: int, carried: int) -> None:
+        self._steps = np.zeros((MEMORY, measured + carried))
+        self._changes = np.zeros((MEMORY, measured + carried))
+        self._gram = np.zeros((MEMORY, MEMORY))
+        self._measured = measured
+        self._filled = 0
+        self._next = 0
+        self._last: tuple[Array, Array] | None = None
+
+    def start_step(self) -> None:
+        """The next point belongs to another load step: no difference with the last one."""
+        self._last = None
+
+    def forget(self) -> None:
+        """Drop everything."""
+        self._filled = self._next = 0
+        self._last = None
+
+    def mix(self, point: Array, residual: Array) -> Array:
+        """The next point (measured + carried,), from a point and what the fixed point's map changed in it."""
+        if self._last is not None:
+            self._remember(point - self._last[0], residual - self._last[1])
+        self._last = (point.copy(), residual.copy())
+        if not self._filled:
+            return point + residual
+        kept = slice(0, self._filled)
+        gram = self._gram[kept, kept]
+        damped = gram + np.eye(self._filled) * (REGULARISATION * np.trace(gram) / self._filled)
+        weights = np.linalg.solve(damped, self._changes[kept, : self._measured] @ residual[: self._measured])
+        mixed: Array = point + residual - weights @ self._steps[kept] - weights @ self._changes[kept]
+        return mixed
+
+    def _remember(self, step: Array, change: Array) -> None:
+        place = self._next
+        self._steps[place], self._changes[place] = step, change
+        self._next = (place + 1) % MEMORY
+        self._filled = max(self._filled, place + 1)
+        products = self._changes[: self._filled, : self._measured] @ change[: self._measured]
+        self._gram[place, : self._filled] = products
+        self._gram[: self._filled, place] = products

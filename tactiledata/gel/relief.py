@@ -1,0 +1,67 @@
+"""An indenter as a relief: the height of its underside over a fine grid, quick to look up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from tactiledata.errors import UsageError
+from tactiledata.indenters.base import Indenter
+
+Array = NDArray[np.float64]
+
+PITCH = 2e-5
+"""m: a ball of 2 mm radius is met within 0.03 micrometres between grid points."""
+REACH = 3e-3
+"""m above the tip: no gel is pressed deeper than its thickness, so that higher parts never touch."""
+WIDEST = 15e-3
+"""m from the tip along x and y: beyond the largest pad."""
+
+
+@dataclass(frozen=True)
+class IndenterRelief:
+    """Underside of an indenter in its own frame.
+
+    Parameters
+    ----------
+    origin : (x, y) m of the first grid point
+    heights : (n, m) m
+        Lowest z of the body, continued flat beyond its outline.
+    covered : (n, m) bool
+        Whether the body is above the point at all.
+    """
+
+    origin: tuple[float, float]
+    heights: Array
+    covered: NDArray[np.bool_]
+
+
+def indenter_relief(indenter: Indenter) -> IndenterRelief:
+    """The relief of an indenter.
+
+    Only what can be seen from below counts: undercuts and vertical walls take no pressure.
+
+    Raises
+    ------
+    UsageError
+        An indenter with nothing near its tip, as when its mesh's origin is not at the tip.
+    """
+    bounds = np.asarray(indenter.mesh().bounds)
+    low = np.maximum(bounds[0, :2], -WIDEST) - 2 * PITCH
+    high = np.minimum(bounds[1, :2], WIDEST) + 2 * PITCH
+    x, y = (PITCH * np.arange(np.floor(low[i] / PITCH), np.ceil(high[i] / PITCH) + 1) for i in range(2))
+    heights = np.asarray(indenter.height(*np.meshgrid(x, y, indexing="ij")), dtype=float)
+    covered = np.isfinite(heights) & (heights < REACH)
+    if not covered.any() or heights[covered].min() > PITCH * 5:
+        lowest = float(heights[np.isfinite(heights)].min()) if np.isfinite(heights).any() else float("nan")
+        raise UsageError(
+            f"the lowest point of indenter {indenter.shape!r} lies at z = {lowest:.4g} m of its own frame",
+            "a body whose tip is the origin and that lies in z >= 0",
+            "Move the mesh so that what touches first is at the origin, +z into the body; check the mesh's unit.",
+            lowest=lowest,
+        )
+    nearest = distance_transform_edt(~covered, return_distances=False, return_indices=True)
+    return IndenterRelief((float(x[0]), float(y[0])), np.ascontiguousarray(heights[tuple(nearest)]), covered)
