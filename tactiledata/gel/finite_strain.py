@@ -148,5 +148,6 @@ class FiniteStrainSolver:
         displacement += self._pad.solve(added)
         for row, traveller in enumerate(active):
             forces, gaps = pressed[row]
-            residual = float(np.abs(unbalanced[row]).max()) / max(float(np.abs(forces).max()), 1e-30)
+            largest = float(np.abs(forces).max())
+            residual = float(np.abs(unbalanced[row]).max()) / largest if largest > 0 else 0.0
             traveller.judge(displacement[row], forces, gaps, residual)

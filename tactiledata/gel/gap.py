@@ -12,9 +12,8 @@ from tactiledata.gel.surface import ContactSurface
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-LEAST_COVER = 0.6
-"""Share of a patch that must lie under the indenter for the patch to take part. A flat punch's rim cuts patches at any
-share; with this threshold the force errs neither way on average (docs/decisions/0008)."""
+LEAST_COVER = 0.1
+"""Share of a patch that must lie under the indenter for the patch to take part."""
 APART = 1.0
 """m: the gap of patches that the indenter does not cover."""
 
@@ -26,11 +25,11 @@ def patch_gaps(
     relief: IndenterRelief,
     pose: Array,
     under: NDArray[np.int8],
-) -> tuple[Array, Array]:
-    """Mean gaps (m,), m, negative where they overlap, and unit normals (m, 3) out of the indenter, gel frame.
+) -> tuple[Array, Array, Array]:
+    """Mean gaps (m,), m, negative where they overlap, unit normals (m, 3) out of the indenter, and covers (m,).
 
-    Only points under the indenter count. Patches of which less than ``LEAST_COVER`` is covered, and those outside
-    ``faces``, have the gap ``APART``.
+    A patch's cover is the share of it that lies under the indenter; only those points count. Patches of which less
+    than ``LEAST_COVER`` is covered, and those outside ``faces``, have the gap ``APART``.
 
     Parameters
     ----------
@@ -65,12 +64,13 @@ def patch_gaps(
         covers,
         normals,
     )
-    is_covered = covers > LEAST_COVER * surface.patch_areas
+    shares = covers / surface.patch_areas
+    is_covered = shares > LEAST_COVER
     gaps = np.where(is_covered, gaps / np.where(is_covered, covers, 1.0), APART)
     lengths = np.linalg.norm(normals, axis=1)
     normals[lengths > 0] /= lengths[lengths > 0, None]
     normals[lengths == 0] = -pose[:3, 2]
-    return gaps, normals
+    return gaps, normals, shares
 
 
 def height_above(positions: Array, relief: IndenterRelief, pose: Array) -> Array:

@@ -75,7 +75,7 @@ def _gather(by_cell: Array, starts: Indices, places: Indices, forces: Array) -> 
             forces[b, node, axis] = total
 
 
-@njit(parallel=True, cache=True)
+@njit(parallel=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _cell_forces(
     displacement: Array, cells: Indices, gradients: Array, weights: Array, shear: float, lame: float, out: Array
 ) -> None:
@@ -93,16 +93,21 @@ def _cell_forces(
             f[:] = 0.0
             f[0] = f[4] = f[8] = 1.0
             for node in range(nodes):
+                moved = displacement[b, cells[cell, node]]
+                g0, g1, g2 = gradients[cell, q, node]
                 for i in range(3):
-                    moved = displacement[b, cells[cell, node], i]
-                    for k in range(3):
-                        f[3 * i + k] += moved * gradients[cell, q, node, k]
+                    f[3 * i] += moved[i] * g0
+                    f[3 * i + 1] += moved[i] * g1
+                    f[3 * i + 2] += moved[i] * g2
             ratio = (
                 f[0] * (f[4] * f[8] - f[5] * f[7])
                 - f[1] * (f[3] * f[8] - f[5] * f[6])
                 + f[2] * (f[3] * f[7] - f[4] * f[6])
             )
-            squares[q] = (f * f).sum()
+            square = 0.0
+            for k in range(9):
+                square += f[k] * f[k]
+            squares[q] = square
             ratios[q] = max(ratio, LEAST_VOLUME_RATIO)
             volume += weights[cell, q]
             mean_ratio += weights[cell, q] * ratio
@@ -130,9 +135,8 @@ def _cell_forces(
             stress[6] = scale * f[6] + along * (f[1] * f[5] - f[2] * f[4])
             stress[7] = scale * f[7] + along * (f[2] * f[3] - f[0] * f[5])
             stress[8] = scale * f[8] + along * (f[0] * f[4] - f[1] * f[3])
+            stress *= weights[cell, q]
             for node in range(nodes):
+                g0, g1, g2 = gradients[cell, q, node]
                 for i in range(3):
-                    total = 0.0
-                    for k in range(3):
-                        total += stress[3 * i + k] * gradients[cell, q, node, k]
-                    forces[node, i] += weights[cell, q] * total
+                    forces[node, i] += stress[3 * i] * g0 + stress[3 * i + 1] * g1 + stress[3 * i + 2] * g2

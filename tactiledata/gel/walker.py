@@ -105,7 +105,7 @@ class ContactWalk:
         self._looks += 1
         if self._looks <= LOOKS:
             self._under = np.full((len(self._faces), len(self.surface.shapes)), -1, dtype=np.int8)
-        gaps, normals = patch_gaps(self.surface, self._faces, positions, self.relief, self._pose, self._under)
+        gaps, normals, covers = patch_gaps(self.surface, self._faces, positions, self.relief, self._pose, self._under)
         patches = np.flatnonzero((gaps < MAY_TOUCH) | forces.any(axis=1))
         improved = forces[patches]
         slips = (self.surface.averaging @ positions)[patches] - self._carried[patches]
@@ -117,6 +117,7 @@ class ContactWalk:
             gaps[patches],
             slips,
             self._openings[patches],
+            np.clip(covers[patches], 0.05, 1.0),
             self.friction,
             sweeps,
             tolerance,
