@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.errors import MissingFile, SchemaError
 from tactiledata.gel.mesh_frame import gel_axes
 from tactiledata.gel.pad import Indices, PadMesh
-from tactiledata.gel.tetrahedra import boundary_faces, ten_node_cells
+from tactiledata.gel.tetrahedra import boundary_of, ten_node_cells
 from tactiledata.units import TO_METRES, metres
 
 Array = NDArray[np.float64]
@@ -89,11 +89,17 @@ def _read(path: Path) -> tuple[Array, Indices]:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise SchemaError(
-            f"{path} is a {path.suffix or 'nameless'} file", f"one of {', '.join(READERS)}", "Convert it.", path=str(path)
+            f"{path} is a {path.suffix or 'nameless'} file",
+            f"one of {', '.join(READERS)}",
+            "Convert it.",
+            path=str(path),
         )
     if path.stat().st_size > MAX_MESH_BYTES:
         raise SchemaError(
-            f"{path} has {path.stat().st_size} bytes", f"at most {MAX_MESH_BYTES}", "Take a coarser mesh.", path=str(path)
+            f"{path} has {path.stat().st_size} bytes",
+            f"at most {MAX_MESH_BYTES}",
+            "Take a coarser mesh.",
+            path=str(path),
         )
     try:
         mesh = reader(str(path))
@@ -122,7 +128,9 @@ def _read(path: Path) -> tuple[Array, Indices]:
     used, places = np.unique(cells, return_inverse=True)
     points = points[used]
     if not np.isfinite(points).all():
-        raise SchemaError(f"{path} has nodes that are no finite numbers", "coordinates", "Export it again.", path=str(path))
+        raise SchemaError(
+            f"{path} has nodes that are no finite numbers", "coordinates", "Export it again.", path=str(path)
+        )
     return points, places.reshape(-1, 4).astype(np.int64)
 
 
@@ -142,23 +150,19 @@ def _check_size(points: Array, unit: str, path: Path) -> None:
 
 
 def _oriented(points: Array, cells: Indices, path: Path) -> Indices:
-    """The cells with positive volumes, where all of them are written one way round."""
+    """The cells with their nodes in the order of positive volume: files mix both."""
     corners = points[cells]
     volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
-    if (volumes < 0).sum() > len(cells) / 2:
-        cells, volumes = cells[:, [1, 0, 2, 3]], -volumes
-    flat = FLAT_CELL * float(np.median(np.abs(volumes)))
-    n_inverted, n_flat = int((volumes < -flat).sum()), int((np.abs(volumes) <= flat).sum())
-    if n_inverted or n_flat:
+    n_flat = int((np.abs(volumes) <= FLAT_CELL * np.median(np.abs(volumes))).sum())
+    if n_flat:
         raise SchemaError(
-            f"{path}: of {len(cells)} cells {n_inverted} are turned inside out and {n_flat} are flat",
+            f"{path}: {n_flat} of {len(cells)} cells are flat",
             "cells of positive volume",
             "Mesh the gel again, or optimise the mesh in Gmsh.",
             path=str(path),
-            inverted=n_inverted,
             flat=n_flat,
         )
-    return cells
+    return np.where(volumes[:, None] < 0, cells[:, [1, 0, 2, 3]], cells)
 
 
 def _closed_boundary(points: Array, cells: Indices, path: Path) -> Indices:
@@ -167,16 +171,24 @@ def _closed_boundary(points: Array, cells: Indices, path: Path) -> Indices:
     A volume's boundary is closed by itself, so that a mesh that is not watertight shows as cells that do not join:
     nodes that are there twice, or faces that more than two cells share.
     """
-    faces, most_shared = boundary_faces(cells)
+    boundary = boundary_of(cells)
     grid = np.round((points - points.min(axis=0)) / (1e-6 * np.ptp(points, axis=0).max()))
     n_double = len(points) - len(np.unique(grid, axis=0))
-    if most_shared > 2 or n_double:
+    if boundary.most_shared > 2 or n_double:
         raise SchemaError(
             f"{path} is not watertight: {n_double} nodes lie on others without being joined"
-            + (f", and {most_shared} cells share one face" if most_shared > 2 else ""),
+            + (f", and {boundary.most_shared} cells share one face" if boundary.most_shared > 2 else ""),
             "cells that join face to face",
             "Merge double nodes, or mesh the closed surface again.",
             path=str(path),
             double_nodes=n_double,
         )
-    return faces
+    if boundary.folded:
+        raise SchemaError(
+            f"{path}: cells are turned inside out: {boundary.folded} faces have both of their cells on one side",
+            "cells that do not overlap",
+            "Mesh the gel again, or optimise the mesh in Gmsh.",
+            path=str(path),
+            folded=boundary.folded,
+        )
+    return boundary.faces

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,11 +16,36 @@ FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
 """Of a tetrahedron of positive volume, seen from outside against the clock."""
 
 
-def boundary_faces(cells: Indices) -> tuple[Indices, int]:
-    """Faces (f, 3) that only one of the cells (c, 4) has, outward, and how many cells share the most shared face."""
+@dataclass(frozen=True)
+class Boundary:
+    """How tetrahedra join.
+
+    Parameters
+    ----------
+    faces : (f, 3)
+        Faces that only one cell has, outward.
+    most_shared : int
+        How many cells share the most shared face; 2 in a sound mesh.
+    folded : int
+        Faces with both of their cells on one side: a cell is turned inside out there.
+    """
+
+    faces: Indices
+    most_shared: int
+    folded: int
+
+
+def boundary_of(cells: Indices) -> Boundary:
+    """The boundary of cells (c, 4) of positive volume."""
     faces = cells[:, FACES].reshape(-1, 3)
-    _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[counts == 1])], int(counts.max())
+    order = np.argsort(faces, axis=1)
+    _, first, group, counts = np.unique(
+        np.take_along_axis(faces, order, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    # +1 or -1: whether the corners run upwards one way round or the other
+    turn = np.linalg.det(np.eye(3)[order])
+    sides = np.abs(np.bincount(group.ravel(), weights=turn))
+    return Boundary(faces[np.sort(first[counts == 1])], int(counts.max()), int(((counts == 2) & (sides > 1)).sum()))
 
 
 def ten_node_cells(points: Array, cells: Indices, faces: Indices) -> tuple[Array, Indices, Indices]:
