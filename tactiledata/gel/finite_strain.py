@@ -20,11 +20,11 @@ TOLERANCE = 5e-7
 """m: a step is solved when no node moves further in an iteration."""
 FORCE_TOLERANCE = 5e-3
 """And no patch force changes by more than this share of the largest; their sum changes far less."""
-PATIENCE = 25
+PATIENCE = 30
 """Iterations after which a step is taken ``LENIENCE`` times off the tolerances: at sharp rims a few patches keep
 trading force among themselves. The frame's residual tells."""
 LENIENCE = 8.0
-MOST_ITERATIONS = 45
+MOST_ITERATIONS = 70
 SWEEPS = 20
 """Of the contact solver in each iteration: the outer iterations do the rest."""
 FARTHEST = 5e-3
@@ -133,19 +133,14 @@ class FiniteStrainSolver:
         """One iteration of every traveller's load step."""
         displacement = np.stack([traveller.displacement for traveller in active])
         unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio)
-        for row, traveller in enumerate(active):
-            unbalanced[row, self._surface.nodes] -= self._surface.averaging.T @ traveller.forces
-        unbalanced[:, self._pad.mesh.base] = 0.0
-        displacement -= self._pad.solve(unbalanced)
         pressed = [
             traveller.journey.walk.press(displacement[row], traveller.forces, SWEEPS, FORCE_TOLERANCE / 10)
             for row, traveller in enumerate(active)
         ]
-        added = np.zeros_like(displacement)
-        for row, traveller in enumerate(active):
-            change = pressed[row][0] - traveller.forces
-            added[row, self._surface.nodes] = self._surface.averaging.T @ change
-        displacement += self._pad.solve(added)
+        for row, (forces, _) in enumerate(pressed):
+            unbalanced[row, self._surface.nodes] -= self._surface.averaging.T @ forces
+        unbalanced[:, self._pad.mesh.base] = 0.0
+        displacement -= self._pad.solve(unbalanced)
         for row, traveller in enumerate(active):
             forces, gaps = pressed[row]
             largest = float(np.abs(forces).max())
