@@ -75,6 +75,8 @@ class GelHistory:
     residual : (n,)
         Largest unbalanced nodal force over the largest contact force.
     iterations : (n,) int
+    pressed : (n, m) bool
+        Which patches the indenter presses; false where a frame was not solved.
     """
 
     wrench: Array
@@ -84,3 +86,4 @@ class GelHistory:
     status: NDArray[np.int8]
     residual: Array
     iterations: NDArray[Any]
+    pressed: NDArray[np.bool_]

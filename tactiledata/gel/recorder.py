@@ -36,6 +36,7 @@ class FrameRecorder:
         self.displacement = np.full((count, kept, 3), np.nan, dtype=np.float32)
         self.node_forces = np.full((count, len(surface.nodes), 3), np.nan, dtype=np.float32)
         self.gaps = np.full((count, len(surface.corners)), np.nan, dtype=np.float32)
+        self.pressed = np.zeros((count, len(surface.corners)), dtype=bool)
         self.status = np.full(count, FrameStatus.NOT_CONVERGED, dtype=np.int8)
         self.residual = np.full(count, np.nan)
         self.iterations = np.zeros(count, dtype=np.int64)
@@ -45,7 +46,8 @@ class FrameRecorder:
         self.wrench[frame] = walk.wrench() * self._modulus
         self.node_forces[frame] = self._surface.averaging.T @ walk.state.forces * self._modulus
         self.gaps[frame] = walk.state.gaps
-        is_touching = bool(walk.state.forces.any())
+        self.pressed[frame] = walk.state.forces.any(axis=1)
+        is_touching = bool(self.pressed[frame].any())
         self.status[frame] = FrameStatus.SOLVED if is_touching else FrameStatus.NO_CONTACT
         self.residual[frame] = residual
 
@@ -64,5 +66,12 @@ class FrameRecorder:
     def history(self) -> GelHistory:
         """What was recorded."""
         return GelHistory(
-            self.wrench, self.displacement, self.node_forces, self.gaps, self.status, self.residual, self.iterations
+            self.wrench,
+            self.displacement,
+            self.node_forces,
+            self.gaps,
+            self.status,
+            self.residual,
+            self.iterations,
+            self.pressed,
         )

@@ -76,7 +76,7 @@ def open_root(batch: Batch) -> zarr.Group:
 def create_rows(
     root: zarr.Group,
     path: str,
-    width: int | None,
+    width: int | tuple[int, ...] | None,
     dtype: str,
     fill: float,
     chunk_rows: int,
@@ -86,10 +86,10 @@ def create_rows(
 
     Parameters
     ----------
-    width : int, optional
-        Columns; ``None`` for an array (n,).
+    width : int or tuple of int, optional
+        Columns, or further axes; ``None`` for an array (n,).
     """
-    shape = (0,) if width is None else (0, width)
+    shape = (0, *(() if width is None else (width,) if isinstance(width, int) else width))
     _create(
         root,
         path,

@@ -14,6 +14,7 @@ from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import SchemaError, TactileDataError
 from tactiledata.store.index_checks import INDEX_NEEDS, index_findings
+from tactiledata.store.mesh_checks import mesh_findings
 from tactiledata.store.payload_checks import payload_faults
 from tactiledata.store.reader import Store
 from tactiledata.store.recover import (
@@ -81,7 +82,11 @@ def check(
         findings += value_findings(opened, lambda key: steps.take(1, key))
     if n_images:
         findings += image_findings(opened, decode, threads, lambda count: steps.take(count, "images"))
-    findings += [*split_findings(opened), *not_checked(broken, NEEDS if images else _without_images())]
+    findings += [
+        *mesh_findings(opened),
+        *split_findings(opened),
+        *not_checked(broken, NEEDS if images else _without_images()),
+    ]
     return [*findings, *_leftover_findings(opened)]
 
 

@@ -168,7 +168,7 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Man
 
 
 @contextmanager
-def changing(store_path: Path | str) -> Iterator[tuple[Path, Manifest]]:
+def changing(store_path: Path | str, with_card: bool = True) -> Iterator[tuple[Path, Manifest]]:
     """The store's folder and its manifest, which counts as the block has left it; what it does not name then goes.
 
     A kill, or an error in the block, leaves the manifest as it was; the next writer clears what is beside it.
@@ -185,7 +185,8 @@ def changing(store_path: Path | str) -> Iterator[tuple[Path, Manifest]]:
         write_manifest(folder, manifest)
         drop_unnamed(folder, manifest)
         marker.unlink()
-        write_card(folder, manifest)
+        if with_card:
+            write_card(folder, manifest)
 
 
 def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[StagedTake], list[StagedTake]]:

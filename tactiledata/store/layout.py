@@ -34,7 +34,7 @@ TABLE_SCHEMAS = {
     "findings": FINDING_SCHEMA,
 }
 TABLES = tuple(TABLE_SCHEMAS)
-NUMBERS = ("signals", "aligned", "frame_values", "reference")
+NUMBERS = ("signals", "aligned", "frame_values", "reference", "meshes")
 """What lies in the folder of all numbers, beside ``sensors.json``."""
 SIGNAL_ARRAYS = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
 ALIGNED_ARRAYS = ("value", "gap_ns")

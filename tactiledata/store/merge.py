@@ -79,6 +79,9 @@ def _merge(stores: Sequence[Store], target: Path, progress: Callable[[int, int, 
             listed = ", ".join(names)
             message = f"splits of {store.location} were not copied ({listed}): they belong to that store; split anew"
             findings.append(Finding("merge-split", "info", message, count=len(names)))
+        if meshes := store.mesh_names:
+            message = f"meshes of {store.location} were not copied ({', '.join(meshes)}): replay the merged store"
+            findings.append(Finding("merge-mesh", "info", message, count=len(meshes)))
     return [*findings, *_new_conflicts(Store.open(target), n_before)]
 
 

@@ -28,6 +28,7 @@ def overview(store: Store) -> dict[str, Any]:
         "status": dict(Counter(sources["status"].to_pylist())),
         "findings": _findings(store.findings()),
         "splits": list(store.split_names()),
+        "meshes": {name: _mesh(store, name) for name in store.mesh_names},
     }
 
 
@@ -68,6 +69,18 @@ def _signal(store: Store, name: str) -> dict[str, Any]:
         "samples": signal.n_rows,
         "rate_hz": signal.attributes.get("rate_hz"),
         "effective_rate_hz": signal.attributes.get("effective_rate_hz"),
+    }
+
+
+def _mesh(store: Store, name: str) -> dict[str, Any]:
+    mesh = store.mesh(name)
+    return {
+        "frames": mesh.facts["rows"],
+        "vertices": mesh.facts["sizes"]["vertices"],
+        "kept": mesh.facts["sizes"]["kept"],
+        "fidelity": mesh.settings["fidelity"],
+        "material": mesh.settings["material"],
+        "status": {mesh.statuses[int(code)]: count for code, count in sorted(mesh.facts["counts"].items())},
     }
 
 

@@ -30,6 +30,7 @@ from tactiledata.store.layout import (
     table_folder,
 )
 from tactiledata.store.manifest import Manifest, not_a_store, parse_manifest
+from tactiledata.store.meshes import StoredMesh
 from tactiledata.store.pictures import Picture, Pictures
 from tactiledata.store.rows import Rows, checked_rows
 from tactiledata.store.sensors_table import Facts, parse_sensors
@@ -130,6 +131,7 @@ class Store:
         self._pictures = Pictures(files, manifest, self.frames)
         self._signals: dict[str, SignalRows] = {}
         self._values: dict[str, Rows] = {}
+        self._meshes: dict[str, StoredMesh] = {}
 
     @classmethod
     def open(cls, location: str | Path, storage_options: Mapping[str, Any] | None = None) -> Store:
@@ -208,6 +210,11 @@ class Store:
         """Values that corpora annotate image by image."""
         return tuple(sorted(self.manifest["frame_values"]))
 
+    @property
+    def mesh_names(self) -> tuple[str, ...]:
+        """Meshes that `tactiledata replay` attached to the frames."""
+        return tuple(sorted(self.manifest.get("meshes", {})))
+
     # -- tables ------------------------------------------------------------------------------------------------------
 
     def _table(self, table: str, columns: Sequence[str] | None) -> pa.Table:
@@ -281,6 +288,16 @@ class Store:
         """Annotated values (n, k) of frames, NaN where there are none."""
         facts = self._facts("frame_values", "frame value", name)
         return self._rows(frame_values_path(home_of(self.manifest), name), facts["rows"]).take(rows)
+
+    def mesh(self, name: str) -> StoredMesh:
+        """What a replay attached to the frames."""
+        if name not in self._meshes:
+            known = self.manifest.get("meshes", {})
+            if name not in known:
+                raise UnknownName("mesh", name, known, "`tactiledata replay` attaches meshes.")
+            home = home_of(self.manifest)
+            self._meshes[name] = StoredMesh(name, known[name], self.n_frames, self.rows, home)
+        return self._meshes[name]
 
     def meaning(self, kind: Literal["signals", "aligned", "frame_values"], name: str) -> Meaning:
         """Columns, units, frame, attributes and statistics of values."""

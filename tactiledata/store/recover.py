@@ -32,6 +32,7 @@ from tactiledata.store.layout import (
     table_folder,
 )
 from tactiledata.store.manifest import Manifest, settings_of
+from tactiledata.store.meshes import mesh_arrays
 from tactiledata.store.sensors_table import read_sensors, write_sensors
 from tactiledata.store.writer import find_staged
 
@@ -45,6 +46,8 @@ def row_arrays(manifest: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
         yield from ((aligned_path(home, name, array), facts["rows"]) for array in ALIGNED_ARRAYS)
     for name, facts in manifest["frame_values"].items():
         yield frame_values_path(home, name), facts["rows"]
+    for name, facts in manifest.get("meshes", {}).items():
+        yield from mesh_arrays(home, name, facts)
 
 
 def heaps(manifest: Mapping[str, Any]) -> Iterator[tuple[str, int]]:

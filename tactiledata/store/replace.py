@@ -68,7 +68,8 @@ def replace_takes(store_path: Path | str, replacements: Replacements) -> list[Fi
             manifest["digest"] = extended_digest(manifest["digest"], addition)
     for take in takes:
         shutil.rmtree(take.folder, ignore_errors=True)
-    return [_picture_finding(sensor) for sensor in sorted(unfounded - set(manifest["references"]))]
+    dropped = [_mesh_finding(name) for name in origin.store.mesh_names]
+    return [*dropped, *(_picture_finding(sensor) for sensor in sorted(unfounded - set(manifest["references"])))]
 
 
 def _emptied(before: Manifest) -> Manifest:
@@ -180,6 +181,13 @@ def _forget_cameras(manifest: Manifest, takes: Sequence[StagedTake]) -> None:
     """Cameras that no frame is of any more are not named."""
     live = {name for take in takes for name in pc.unique(take.table("frames")["camera"]).to_pylist()}
     manifest["cameras"] = {name: facts for name, facts in manifest["cameras"].items() if name in live}
+
+
+def _mesh_finding(name: str) -> Finding:
+    text = (
+        f"the mesh {name!r} was dropped: its rows were those of the store before a recording was replaced. Replay again"
+    )
+    return Finding("mesh-dropped", "warning", text, stream=name)
 
 
 def _picture_finding(sensor: str) -> Finding:
