@@ -67,18 +67,21 @@ def pad_mesh(sensor: str, geometry: GelGeometry, resolution: Resolution = "low")
 
 def structured_pad(name: str, geometry: GelGeometry, plan: GridPlan) -> PadMesh:
     """The pad on a grid of one's own."""
-    half_short, half_long = geometry.outline[0] / 2, geometry.outline[1] / 2
-    across = _graded(half_short, plan.across, plan.spacing, plan.uniform[0])
-    along = _graded(half_long, plan.along, plan.spacing, plan.uniform[1])
-    s, t, level = np.meshgrid(
-        _mirrored(across) / half_short, _mirrored(along) / half_long, np.asarray(plan.levels), indexing="ij"
-    )
+    s, t, level = np.meshgrid(*grid_lines(geometry, plan), indexing="ij")
     x, y = _outlined(s, t, geometry)
     # the dome falls to the rim's height all around: 0 in the middle, 1 on the outline
     fall = 1.0 - (1.0 - s**2) * (1.0 - t**2)
     height = geometry.thickness - (geometry.thickness - geometry.edge_thickness) * fall
     z = level * height - geometry.thickness
     return _as_mesh(name, np.stack([x, y, z], axis=-1))
+
+
+def grid_lines(geometry: GelGeometry, plan: GridPlan) -> tuple[Array, Array, Array]:
+    """Where the grid's planes lie along x and y, as shares of the half outline in [-1, 1], and of the thickness."""
+    half_short, half_long = geometry.outline[0] / 2, geometry.outline[1] / 2
+    across = _graded(half_short, plan.across, plan.spacing, plan.uniform[0]) / half_short
+    along = _graded(half_long, plan.along, plan.spacing, plan.uniform[1]) / half_long
+    return _mirrored(across), _mirrored(along), np.asarray(plan.levels)
 
 
 def _graded(half: float, count: int, spacing: float, uniform: float) -> Array:
