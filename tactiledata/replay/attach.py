@@ -1,0 +1,194 @@
+"""Trajectories replayed and attached to a store: solved by workers, committed in order; safe to kill at any moment."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactiledata.compute import SCHEDULERS
+from tactiledata.errors import UsageError
+from tactiledata.gel.surface import contact_surface
+from tactiledata.replay.options import ReplayOptions
+from tactiledata.replay.plan import PlannedTouch, ReplayPlan, plan_replay
+from tactiledata.replay.report import ReplayReport
+from tactiledata.replay.solve import Run, solve_run
+from tactiledata.replay.status import STATUSES
+from tactiledata.store.card import write_card
+from tactiledata.store.commit import recover, store_errors
+from tactiledata.store.layout import INTAKE_LOCK, STAGING, folder_name
+from tactiledata.store.lock import writing_lock
+from tactiledata.store.manifest import read_manifest
+from tactiledata.store.mesh_writer import append_mesh, drop_mesh
+from tactiledata.store.meshes import PadArrays
+from tactiledata.store.reader import Store
+
+Progress = Callable[[int, int, str], None]
+"""Called with how many trajectories are done, how many there are, and the name of the last one."""
+
+RUN_TOUCHES = 16
+"""Trajectories solved together, whatever the number of workers: results may depend on the company in the last digit."""
+RUN_BYTES = 256 * 2**20
+"""A run ends before, where its rows get larger than this; one trajectory is never cut."""
+
+
+def replay(
+    store_path: Path | str,
+    options: ReplayOptions,
+    workers: int = 1,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+    replace: bool = False,
+) -> ReplayReport:
+    """Attach a mesh to every frame of a store; what is attached already is left alone.
+
+    Whatever moment the process is killed at, the same call goes on where it stopped, and ends with the same bytes.
+
+    Parameters
+    ----------
+    store_path : path
+        A local store.
+    options : ReplayOptions
+    workers : int
+        Local processes.
+    scheduler : str, optional
+        Address of a Dask scheduler, instead of local processes.
+    progress : callable, optional
+    replace : bool
+        Begin anew where the mesh of this name was made with other options.
+
+    Raises
+    ------
+    UsageError
+        The store has a mesh of this name that was made otherwise, or no trajectory can be replayed at all.
+    StoreBusy, StoreError
+    """
+    folder = Path(store_path)
+    runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
+    read_manifest(folder)
+    with writing_lock(folder, INTAKE_LOCK):
+        recover(folder)
+        store = Store.open(folder)
+        plan = plan_replay(store, options.pads, options.indenter_folder)
+        name = options.mesh_name
+        if name in store.mesh_names and _differs(store, plan, options):
+            if not replace:
+                raise _made_otherwise(store, name)
+            drop_mesh(folder, name)
+            store = Store.open(folder)
+        before = store.manifest.get("meshes", {}).get(name, {"rows": 0})["rows"]
+        if plan.pads:
+            _attach(folder, store, plan, options, before, runner, progress)
+    return ReplayReport.of(Store.open(folder), name, plan, before)
+
+
+def _differs(store: Store, plan: ReplayPlan, options: ReplayOptions) -> bool:
+    facts = store.mesh(options.mesh_name).facts
+    known, now = ([pad["sha256"] for pad in pads] for pads in (facts["pads"], _described(plan)))
+    return facts["settings"] != options.document() or known != now[: len(known)]
+
+
+def _made_otherwise(store: Store, name: str) -> UsageError:
+    settings = store.mesh(name).settings
+    material = ", ".join(f"{key} {value:.6g}" for key, value in settings["material"].items())
+    return UsageError(
+        f"the mesh {name!r} of {store.location} was made with other options or another pad "
+        f"({settings['fidelity']}, {material}, {settings['offsets']} offsets)",
+        "the same options, to go on with it",
+        "Say --replace to make it anew, or --name NAME to put another one beside it.",
+        mesh=name,
+    )
+
+
+def _described(plan: ReplayPlan) -> list[Mapping[str, Any]]:
+    return [pad.described for pad in plan.pads]
+
+
+def _attach(
+    folder: Path,
+    store: Store,
+    plan: ReplayPlan,
+    options: ReplayOptions,
+    before: int,
+    runner: Any,
+    progress: Progress | None,
+) -> None:
+    pad = _pad_arrays(plan, options)
+    runs = list(_runs(folder, store, plan, options, before, pad))
+    total, done = sum(len(run.touches) for run in runs), 0
+    described = {
+        "kind": plan.pads[0].mesh.kind,
+        "settings": options.document(),
+        "statuses": {str(status): words for status, words in sorted(STATUSES.items())},
+    }
+    for outcome in runner.outcomes(solve_run, runs):
+        if outcome.error is not None:
+            raise outcome.error
+        run = outcome.task
+        arrays = {array: np.load(path, mmap_mode="r") for array, path in outcome.result.items()}
+        append_mesh(folder, options.mesh_name, described, _described(plan), pad, run.frames, arrays)
+        shutil.rmtree(run.folder, ignore_errors=True)
+        done += len(run.touches)
+        if progress is not None:
+            progress(done, total, str(run))
+    if runs:
+        with store_errors(folder), writing_lock(folder):
+            write_card(folder, read_manifest(folder))
+
+
+def _pad_arrays(plan: ReplayPlan, options: ReplayOptions) -> PadArrays:
+    mesh = plan.pads[0].mesh
+    surface = contact_surface(mesh)
+    return PadArrays(
+        vertices=np.stack([pad.mesh.vertices for pad in plan.pads]),
+        cells=mesh.cells,
+        triangles=mesh.triangles,
+        kept=np.arange(len(mesh.vertices)) if options.keep == "all" else surface.nodes,
+        surface=surface.nodes,
+        corners=surface.nodes[surface.corners],
+        base=mesh.base,
+    )
+
+
+def _runs(
+    folder: Path, store: Store, plan: ReplayPlan, options: ReplayOptions, before: int, pad: PadArrays
+) -> Iterator[Run]:
+    sizes = {name: len(getattr(pad, name)) for name in ("kept", "surface", "corners")}
+    frame_bytes = 12 * (sizes["kept"] + sizes["surface"]) + sizes["corners"]
+    waiting = [touch for touch in plan.touches if touch.frames[0] >= before]
+    first = before
+    for group in _groups(waiting, frame_bytes):
+        is_last = not group or group[-1] is waiting[-1]
+        stop = store.n_frames if is_last else group[-1].frames[1]
+        if stop > first:
+            yield Run(
+                store=str(folder.resolve()),
+                folder=str(folder.resolve() / STAGING / f"mesh-{folder_name(options.mesh_name)}-{first}"),
+                frames=(first, stop),
+                touches=tuple(group),
+                offsets=tuple(float(options.offsets.get(touch.uid, 0.0)) for touch in group),
+                pads=tuple(one.mesh for one in plan.pads),
+                sizes=sizes,
+                material=options.material,
+                fidelity=options.fidelity,
+                keep=options.keep,
+                gap_limit_ns=options.gap_limit_ns,
+            )
+        first = stop
+
+
+def _groups(touches: list[PlannedTouch], frame_bytes: int) -> Iterator[list[PlannedTouch]]:
+    """Touches in runs; one empty run where there are none, for the frames outside any."""
+    group: list[PlannedTouch] = []
+    size = 0
+    for touch in touches:
+        added = (touch.frames[1] - touch.frames[0]) * frame_bytes
+        if group and (len(group) == RUN_TOUCHES or size + added > RUN_BYTES):
+            yield group
+            group, size = [], 0
+        group.append(touch)
+        size += added
+    yield group

@@ -1,0 +1,34 @@
+"""The geometry of a sensor's gel: what its recording states wins over the sensor model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from tactiledata.sensors import SENSORS
+from tactiledata.sensors.base import GelGeometry
+
+
+def gel_geometry(facts: Mapping[str, Any]) -> GelGeometry | None:
+    """The gel of a sensor; ``None`` where neither its recording nor its model tells outline and thickness.
+
+    Parameters
+    ----------
+    facts : dict
+        ``model`` and ``gel`` as under ``sensors:`` in schemas/log.json.
+    """
+    stated = dict(facts.get("gel", {}))
+    model = str(facts.get("model", ""))
+    known = SENSORS[model].gel if model in SENSORS else None
+    if known is None:
+        if "outline" not in stated or "thickness" not in stated:
+            return None
+        known = GelGeometry(tuple(stated["outline"]), stated["thickness"], stated["thickness"])
+    thickness = stated.get("thickness", known.thickness)
+    return replace(
+        known,
+        outline=tuple(stated.get("outline", known.outline)),
+        thickness=thickness,
+        edge_thickness=stated.get("edge_thickness", min(known.edge_thickness, thickness)),
+    )

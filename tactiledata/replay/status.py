@@ -1,0 +1,38 @@
+"""What became of each frame of a replay: what the gel engine says of it, or what was missing to ask the engine."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from tactiledata.gel.history import FrameStatus
+
+
+class ReplayStatus(IntEnum):
+    """Why a frame was not given to the gel engine; the numbers go on behind those of ``FrameStatus``."""
+
+    OUTSIDE = 16
+    NO_POSES = 17
+    GEL_PLACE_UNKNOWN = 18
+    INDENTER_UNKNOWN = 19
+    INDENTER_PLACE_UNKNOWN = 20
+    INDENTER_UNUSABLE = 21
+    GEL_UNKNOWN = 22
+    GEL_UNUSABLE = 23
+
+
+_REASONS = {
+    ReplayStatus.OUTSIDE: "the frame lies outside any trajectory",
+    ReplayStatus.NO_POSES: "the recording has no stream of tcp poses",
+    ReplayStatus.GEL_PLACE_UNKNOWN: "the recording does not state where the gel is (robot.tcp_from_gel)",
+    ReplayStatus.INDENTER_UNKNOWN: "the recording does not describe the trajectory's indenter",
+    ReplayStatus.INDENTER_PLACE_UNKNOWN: "the recording does not state where the indenter stands (base_from_indenter)",
+    ReplayStatus.INDENTER_UNUSABLE: "the indenter's shape cannot be made or pressed",
+    ReplayStatus.GEL_UNKNOWN: "neither the recording nor a sensor model tells the gel's geometry",
+    ReplayStatus.GEL_UNUSABLE: "no mesh can be made of the gel's geometry",
+}
+
+STATUSES: dict[int, str] = {
+    **{int(status): status.reason for status in FrameStatus},
+    **{int(status): words for status, words in _REASONS.items()},
+}
+"""Every status in words."""
