@@ -1,0 +1,1 @@
+"""E, nu and mu of the gel from measured wrenches, and whether they can be known."""

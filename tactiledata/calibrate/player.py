@@ -1,0 +1,97 @@
+"""Playing measured touches through the gel at the nodes of a plan; what was played before is read from disk."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_path
+from tactiledata.calibrate.plan import Node
+from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute.local import LocalScheduler
+from tactiledata.gel.fem import FemEngine, Fidelity
+from tactiledata.gel.history import GelTouch
+from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.pad import PadMesh
+
+Array = NDArray[np.float64]
+Tell = Callable[..., None]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Touches to be played at one nu and one mu."""
+
+    mesh: PadMesh
+    fidelity: Fidelity
+    ratio: float
+    friction: float
+    touches: tuple[GelTouch, ...]
+
+
+def play_nodes(
+    mesh: PadMesh,
+    fidelity: Fidelity,
+    touches: Sequence[MeasuredTouch],
+    nodes: Sequence[Node],
+    workers: int = 1,
+    tell: Tell = lambda done, total, what="": None,
+) -> dict[Node, list[Play]]:
+    """The plays of all touches at each node, in the order of the touches.
+
+    Nodes of one nu and mu are played together, so that more trajectories are in lockstep; batches go to ``workers``
+    processes. What is finished is kept (``TACTILEDATA_CACHE``): a run that was killed goes on.
+    """
+    batches, members = [], []
+    for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
+        members.append(list(group))
+        shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
+        batches.append(Batch(mesh, fidelity, ratio, friction, shifted))
+    found: dict[Node, list[Play]] = {}
+    tell(0, len(batches))
+    for done, outcome in enumerate(LocalScheduler(workers).outcomes(play_batch, batches)):
+        if outcome.error is not None:
+            raise outcome.error
+        plays = iter(outcome.result or ())
+        for node in members[done]:
+            found[node] = list(itertools.islice(plays, len(touches)))
+        tell(done + 1, len(batches), f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
+    return found
+
+
+def play_at(
+    mesh: PadMesh,
+    fidelity: Fidelity,
+    touches: Sequence[MeasuredTouch],
+    ratio: float,
+    friction: float,
+    offsets: Array,
+) -> list[Play]:
+    """The plays of touches, each at an offset (t,), m, of its own."""
+    shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
+    return play_batch(Batch(mesh, fidelity, ratio, friction, shifted))
+
+
+def play_batch(batch: Batch) -> list[Play]:
+    """The plays of a batch, in its order."""
+    paths = [
+        play_path(touch, batch.mesh.digest, batch.fidelity, batch.ratio, batch.friction) for touch in batch.touches
+    ]
+    plays = {number: play for number, path in enumerate(paths) if (play := load_play(path)) is not None}
+    missing = [number for number in range(len(paths)) if number not in plays]
+    for place, play in _played(batch, [batch.touches[number] for number in missing]):
+        plays[missing[place]] = play
+        keep_play(paths[missing[place]], play)
+    return [plays[number] for number in range(len(paths))]
+
+
+def _played(batch: Batch, touches: Sequence[GelTouch]) -> Iterator[tuple[int, Play]]:
+    if not touches:
+        return
+    engine = FemEngine(batch.mesh, batch.ratio, batch.fidelity)
+    for number, history in engine.play(touches, GelMaterial(1.0, batch.ratio, batch.friction), keep="none"):
+        yield number, Play(history.wrench, history.status)
