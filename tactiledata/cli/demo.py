@@ -25,7 +25,7 @@ def register(app: typer.Typer) -> None:
 def demo(
     out: Path = typer.Option(Path("demo-out"), "--out", help="Folder for everything that the demo makes."),
     world: str = typer.Option("demo", "--world", help="Scenario to record: demo, tiny, or a file."),
-    workers: int = typer.Option(2, "--workers", help="Local processes for the ingest."),
+    workers: int = typer.Option(2, "--workers", help="Local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Record a small world and take it all the way to a report. Ingest, split, audit and a batch lie between.
@@ -50,7 +50,7 @@ def demo(
     _empty_folder(out)
     tell("1. Record: a UR5e presses DIGIT sensors on indenters (known truth, real backgrounds), as ROS 2 MCAP")
     with progress("recording", quiet=as_json) as bar:
-        logs = record(scenario, out / "recordings", "mcap", bar)
+        logs = record(scenario, out / "recordings", "mcap", bar, workers)
     tell(f"   {counted(len(logs), 'recording')} in {out / 'recordings'}")
 
     tell("2. Ingest: clocks, contact forces, trajectories and checks into one Zarr store")

@@ -24,6 +24,7 @@ def record(
     scenario: str = typer.Argument(..., help="A scenario file, or the name of a bundled one: demo, tiny, paper."),
     out: Path = typer.Option(..., "--out", help="Folder for the logs; made where it is not there."),
     form: str = typer.Option("mcap", "--format", help="mcap or folder."),
+    workers: int = typer.Option(1, "--workers", min=1, help="Local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Record a world with known truth, as ordinary logs. A UR5e presses DIGIT sensors on indenters.
@@ -37,7 +38,7 @@ def record(
     with wrong_document_is_wrong_usage():
         loaded = load_scenario(find_scenario(scenario))
     with progress("recording", quiet=as_json) as tell:
-        logs = play(loaded, out, cast("Form", form), tell)
+        logs = play(loaded, out, cast("Form", form), tell, workers)
     if as_json:
         emit({"logs": [str(log) for log in logs], "truth": str(out / "truth")})
         return

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -83,6 +84,20 @@ def footprint(indenter: Indenter, rotation: Array, position: tuple[float, float]
         # a mesh lies a little inside a round body and has the corners that the grid misses
         lowest = min(corner, float(heights.min()))
     return Footprint(grid, np.clip(heights - lowest, 0.0, CEILING), position, lowest)
+
+
+def moved_heights(print_: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
+    """Heights (n_y, n_x), m, with the indenter moved by ``offset`` (2,), m, over the gel."""
+    return shifted(print_.heights.astype(np.float32), offset, float(print_.grid.x[1] - print_.grid.x[0]))
+
+
+def shifted(values: NDArray[Any], offset: tuple[float, float], pitch: float) -> NDArray[Any]:
+    """A map (n_y, n_x), float32, moved by ``offset`` (2,), m; its edge values fill what comes in."""
+    if not any(offset):
+        return values
+    move = np.array([[1, 0, offset[0] / pitch], [0, 1, offset[1] / pitch]], dtype=np.float32)
+    size = (values.shape[1], values.shape[0])
+    return cv2.warpAffine(values, move, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _march(indenter: Indenter, rotation: Array, x: Array, y: Array, lowest: float) -> Array:

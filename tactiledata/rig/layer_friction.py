@@ -61,12 +61,6 @@ class Springs:
         on_direction = (along - across) * np.einsum("ij,ij->i", self.direction, vectors)
         return across[:, None] * vectors + on_normal[:, None] * self.normal + on_direction[:, None] * self.direction
 
-    @property
-    def inverse(self) -> Springs:
-        """The inverse where there is one, zero along axes of value zero."""
-        values = np.divide(1.0, self.values, out=np.zeros_like(self.values), where=self.values > 0)
-        return Springs(self.normal, self.direction, values)
-
 
 @dataclass(frozen=True)
 class Tractions:
@@ -76,13 +70,13 @@ class Tractions:
     ----------
     values : (n, 3), Pa
         On the gel, at the points' present places.
-    root : Springs
-        Square root of minus their derivative by the place; in slip with the cone held fixed.
+    springs : Springs
+        Minus their derivative by the place; in slip with the cone held fixed.
     touching, slipping : (n,) bool
     """
 
     values: Array
-    root: Springs
+    springs: Springs
     touching: NDArray[np.bool_]
     slipping: NDArray[np.bool_]
 
@@ -118,4 +112,4 @@ def linearised(grip: Grip, points: Array, gap: Array, normal: Array, now: Array)
     values += np.where(slipping[:, None], cone[:, None] * direction - turning[:, None] * move_across, 0.0)
     along = np.where(sticking, grip.stiffness, 0.0)
     springs = np.stack([np.where(touching, grip.stiffness, 0.0), along, along + turning])
-    return Tractions(values, Springs(normal, direction, np.sqrt(springs)), touching, slipping)
+    return Tractions(values, Springs(normal, direction, springs), touching, slipping)

@@ -16,7 +16,7 @@ from scipy.fft import next_fast_len
 
 Array = NDArray[np.floating[Any]]
 
-PITCH = 3.2e-4
+PITCH = 5e-4
 """m between surface points, unless another is asked for."""
 MARGIN = 8e-4
 """m of empty window beyond the pad, so that its sides are free."""
@@ -62,7 +62,7 @@ class Column:
 
 
 def gauss_lobatto(degree: int) -> tuple[Array, Array, Array]:
-    """Points (d + 1,) and weights (d + 1,) on [0, 1], and the matrix of derivatives (d + 1, d + 1) of the interpolant."""
+    """Points (d + 1,), weights (d + 1,) on [0, 1], and the matrix (d + 1, d + 1) of the interpolant's derivatives."""
     legendre = np.polynomial.legendre.Legendre.basis(degree)
     x = np.concatenate([[-1.0], np.sort(legendre.deriv().roots().real), [1.0]])
     value = legendre(x)

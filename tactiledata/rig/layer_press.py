@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.layer_grid import LayerGrid
-from tactiledata.rig.layer_solver import Layer, PressState
+from tactiledata.rig.layer_solver import TOLERANCE, Layer, PressState
 from tactiledata.rig.scenario import Material
 
 Array = NDArray[np.floating[Any]]
@@ -45,6 +45,7 @@ def solve_press(
     material: Material,
     grid: LayerGrid,
     is_linear: bool = False,
+    tolerance: float = TOLERANCE,
 ) -> Press:
     """A body pressed along a path into a layer, for comparisons between solvers.
 
@@ -60,6 +61,8 @@ def solve_press(
         ``LayerGrid.of(outline)`` for a pad with free sides.
     is_linear : bool
         Small strain.
+    tolerance : float
+        Change of the force from round to round, relative, at which a step is done.
 
     Examples
     --------
@@ -73,7 +76,7 @@ def solve_press(
     >>> bool(0.11 < press.wrench[0, 2] < 0.13)
     True
     """
-    layer = Layer(grid, thickness, material, is_linear)
+    layer = Layer(grid, thickness, material, is_linear, tolerance)
     state = layer.at_rest(indenter, poses[0])
     states, guess = [], None
     for index, pose in enumerate(poses):

@@ -10,7 +10,7 @@ Not to be confused with ``layer_contact``, the closed forms that the rig can use
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,14 +37,16 @@ TOUCHED = 1e-6
 """m below which a point counts as touched already."""
 STIFFER_SHEAR, STIFFER_VOLUME = 8.0, 2.0
 """Lamé's constants of the linear layer relative to the material's: measured, docs/decisions/0007."""
-ROUNDS = 60
-FORCE_TOLERANCE = 5e-4
+ROUNDS = 30
+TOLERANCE = 2e-3
 """Change of the force from round to round, relative, at which a step is done."""
-MOVE_TOLERANCE = 1e-6
-"""m: change of the surface from round to round at which a step is done."""
+MOVE_SHARE = 1.5e-3
+"""m: the same for the change of the surface, times the tolerance."""
+LEAST_FORCE = 2e-4
+"""N: change of the force that never matters."""
 UNSETTLED = 2e-5
 """m: change of the surface after the last round beyond which a step is taken again in two halves."""
-HALVINGS = 3
+HALVINGS = 2
 
 
 @dataclass(frozen=True)
@@ -94,12 +96,22 @@ class Layer:
     material : Material
     is_linear : bool
         Small strain, to compare with.
+    tolerance : float
+        Change of the force from round to round, relative, at which a step is done.
     """
 
-    def __init__(self, grid: LayerGrid, thickness: float, material: Material, is_linear: bool = False) -> None:
+    def __init__(
+        self,
+        grid: LayerGrid,
+        thickness: float,
+        material: Material,
+        is_linear: bool = False,
+        tolerance: float = TOLERANCE,
+    ) -> None:
         shear, lame = lame_constants(material)
         column = Column.of(thickness)
         self.grid, self.material = grid, material
+        self._tolerance = tolerance
         factors = (1.0, 1.0) if is_linear else (STIFFER_SHEAR, STIFFER_VOLUME)
         self._kernel = LayerKernel(grid, column, factors[0] * shear, factors[1] * lame)
         self._strain = LayerStrain(grid, column, shear, lame, is_linear)
@@ -131,7 +143,7 @@ class Layer:
         halvings : int
             How often a step that does not come to rest may be halved.
         """
-        if gaps(indenter, pose, self._points.places).min() >= 0:
+        if gaps(indenter, pose, self._points.places).min() >= -TOUCHED:
             return self.at_rest(indenter, pose)
         if not before.is_touching:
             before = self.at_rest(indenter, pose)
@@ -146,21 +158,21 @@ class Layer:
         surface = Surface(self._points.chosen(near), self._kernel.displace_surface, self.grid.shape)
         grip = self._grip(before, pose, near)
         mixing = Mixing()
-        values, force = before.traction[near], np.full(3, np.inf)
+        values = before.traction[near]
+        force, total = surface.on_grid(values), np.full(3, np.inf)
         for _ in range(ROUNDS):
             load = -self._strain.forces(u)
             relaxed = u[:, -1] + self._kernel.displace(load)[:, -1]
-            found = surface.settle(relaxed, values, grip, lambda points: gaps_and_normals(indenter, pose, points))
-            load[:, -1] += found.force
+            found = surface.settle(relaxed, values, force, grip, lambda at: gaps_and_normals(indenter, pose, at))
+            values, force = found.tractions, found.force
+            load[:, -1] += force
             error = self._kernel.displace(load)
-            values = found.tractions
-            last, force = force, found.force.sum(axis=(1, 2))
-            moved = float(np.abs(error[:, -1]).max())
+            last, total = total, force.sum(axis=(1, 2))
+            moved, change = float(np.abs(error[:, -1]).max()), np.abs(total - last).max()
             if not np.isfinite(moved):
-                return PressState(
-                    before.u, before.traction, before.gap, before.points, pose, before.wrench, False, False
-                )
-            if moved < MOVE_TOLERANCE and np.abs(force - last).max() <= FORCE_TOLERANCE * np.abs(force).max():
+                return replace(before, pose=pose, is_settled=False)
+            enough = self._tolerance * np.abs(total).max() + LEAST_FORCE
+            if moved < MOVE_SHARE * self._tolerance and change <= enough:
                 break
             u = mixing.next(u, error, load)
         return self._state(u, found, near, pose, moved < UNSETTLED)
@@ -182,8 +194,9 @@ class Layer:
         traction[near] = found.tractions
         gap = np.full(len(points), np.inf)
         gap[near] = found.gap
-        loads = -found.tractions * self._points.areas[near, None]
-        wrench = np.concatenate([loads.sum(axis=0), np.cross(found.points, loads).sum(axis=0)])
+        places = np.stack([*np.meshgrid(self.grid.x, self.grid.y), np.zeros(self.grid.shape)]) + u[:, -1]
+        torque = np.cross(places, found.force, axis=0).sum(axis=(1, 2))
+        wrench = -np.concatenate([found.force.sum(axis=(1, 2)), torque])
         return PressState(u, traction, gap, points, pose, wrench, found.is_slipping, is_settled)
 
 

@@ -1,4 +1,7 @@
-"""Forces inside the layer at large strain: compressible neo-Hookean, W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2."""
+"""Forces inside the layer at large strain.
+
+Compressible neo-Hookean: W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2.
+"""
 
 from __future__ import annotations
 
@@ -46,13 +49,13 @@ class LayerStrain:
         np.matmul(column.slope, mean, out=gradient[:, 2])
         stress = self._linear_stress(gradient) if self._is_linear else self._stress(gradient)
         stress *= column.weights[:, None] * self._areas
-        parts = (
-            column.slope.T @ stress[:, 2],
-            column.pick.T @ stress[:, 0],
-            column.pick.T @ stress[:, 1],
-            self._unseen @ unseen * self._areas,
+        return _to_nodes(
+            (column.slope.T @ stress[:, 2]).reshape(u.shape),
+            (column.pick.T @ stress[:, 0]).reshape(u.shape),
+            (column.pick.T @ stress[:, 1]).reshape(u.shape),
+            (self._unseen @ unseen * self._areas).reshape(u.shape),
+            self._pitch,
         )
-        return _to_nodes(*(part.reshape(u.shape) for part in parts), self._pitch)
 
     def _linear_stress(self, gradient: Array) -> Array:
         stress = self._shear * (gradient + gradient.swapaxes(0, 1))

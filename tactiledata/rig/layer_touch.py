@@ -21,7 +21,7 @@ Body = Callable[[Array], tuple[Array, Array]]
 ROUNDS = 2
 """Newton's steps a call: the outer rounds go on where these end."""
 CONJUGATE_STEPS = 60
-TOLERANCE = 1e-2
+TOLERANCE = 3e-2
 """Of the conjugate gradients, relative to what is left to correct."""
 
 
@@ -64,51 +64,51 @@ class Surface:
         """Displacements (n, 3) of the points from those of the grid (3, rows, columns)."""
         return self.points.share @ displacement.reshape(3, -1).T
 
-    def moved(self, values: Array) -> Array:
-        """Displacements (n, 3) of the points under tractions (n, 3)."""
-        return self.at_points(self._yields(self.on_grid(values)))
-
-    def settle(self, offset: Array, start: Array, grip: Grip, body: Body) -> Touching:
+    def settle(self, offset: Array, values: Array, force: Array, grip: Grip, body: Body) -> Touching:
         """Contact where the surface, left alone, would be displaced by ``offset`` (3, rows, columns).
 
-        Newton's steps from tractions ``start`` (n, 3); each is a linear system on the touching points, symmetric and
-        positive, by conjugate gradients.
+        Newton's steps from tractions ``values`` (n, 3) that are handed to the grid as ``force`` (3, rows, columns).
         """
-        free = self.points.places + self.at_points(offset)
-        values, before = start, None
+        before = None
+        points = self.points.places + self.at_points(offset + self._yields(force))
         for left in range(ROUNDS, -1, -1):
-            points = free + self.moved(values)
             gap, normal = body(points)
             state = linearised(grip, points, gap, normal, values)
             if left == 0 or (before is not None and state.is_like(before) and _is_near(values, state.values)):
                 break
             before = state
-            values = values + self._correction(state, values)
+            more, move = self._correction(state, self.on_grid(state.values) - force)
+            step = self.at_points(move)
+            # the grid's forces are not those of the springs: these multiply what the iteration leaves open
+            values, force, points = state.values - state.springs @ step, force + more, points + step
         slipping = bool(state.touching.any() and (state.slipping | ~state.touching).all())
-        return Touching(values, self.on_grid(values), gap, points, slipping)
+        return Touching(values, force, gap, points, slipping)
 
-    def _correction(self, state: Tractions, values: Array) -> Array:
-        """What to add to tractions (n, 3) so that the linearised law and the surface agree."""
-        root = state.root
-        inverse = root.inverse
-        wanted = state.values - values
-        # what no spring answers for, such as the traction of points that come free, is taken at once
-        sudden = wanted - root @ (inverse @ wanted)
-        right = inverse @ wanted - root @ self.moved(sudden)
-        solution = np.zeros_like(right)
-        residual, search = right, right
-        energy = np.sum(residual * residual)
+    def _correction(self, state: Tractions, missing: Array) -> tuple[Array, Array]:
+        """Forces, and the moves they make, both (3, rows, columns), that bring law and surface together.
+
+        Forces f on the grid obey f + G C f = ``missing``, with C the surface's compliance and G the springs, seen from
+        the grid. That is symmetric in the product weighed by C: conjugate gradients in it need one C a step.
+        """
+        residual = missing
+        move = self._yields(residual)
+        search, pushed = residual, move
+        energy = np.sum(residual * move)
         goal = TOLERANCE * TOLERANCE * energy
+        forces, moves = np.zeros_like(residual), np.zeros_like(residual)
         for _ in range(CONJUGATE_STEPS):
             if energy <= goal:
                 break
-            image = search + root @ self.moved(root @ search)
-            length = energy / np.sum(search * image)
-            solution += length * search
+            image = search + self.on_grid(state.springs @ self.at_points(pushed))
+            length = energy / np.sum(pushed * image)
+            forces += length * search
+            moves += length * pushed
             residual = residual - length * image
-            energy, last = np.sum(residual * residual), energy
+            move = self._yields(residual)
+            energy, last = np.sum(residual * move), energy
             search = residual + energy / last * search
-        return sudden + root @ solution
+            pushed = move + energy / last * pushed
+        return forces, moves
 
 
 def _is_near(values: Array, others: Array) -> bool:

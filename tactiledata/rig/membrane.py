@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.rig.footprint import Footprint
+from tactiledata.rig.footprint import Footprint, moved_heights, shifted
 
 Map = NDArray[Any]
 """float32; OpenCV's annotations say less."""
@@ -48,7 +48,7 @@ def surface(print_: Footprint, offset: tuple[float, float], depth: float, drag: 
     if depth <= 0:
         return np.zeros(shape, np.float32)
     pitch = float(grid.x[1] - grid.x[0])
-    sink = np.float32(depth) - _shifted(print_.heights.astype(np.float32), offset, pitch)
+    sink = np.float32(depth) - moved_heights(print_, offset)
     small = (shape[1] // COARSE, shape[0] // COARSE)
     pressed = cv2.resize(np.maximum(sink, 0.0), small, interpolation=cv2.INTER_AREA)
     bells = [cv2.GaussianBlur(pressed, (0, 0), reach / (pitch * COARSE)) for reach in REACH]
@@ -62,14 +62,6 @@ def surface(print_: Footprint, offset: tuple[float, float], depth: float, drag: 
     return -0.5 * (sink + bed + cv2.sqrt(gap * gap + np.float32(CREASE**2)))
 
 
-def _shifted(heights: Map, offset: tuple[float, float], pitch: float) -> Map:
-    if not any(offset):
-        return heights
-    move = np.array([[1, 0, offset[0] / pitch], [0, 1, offset[1] / pitch]], dtype=np.float32)
-    size = (heights.shape[1], heights.shape[0])
-    return cv2.warpAffine(heights, move, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-
-
 def _wide_bell(pressed: Map, sigma: float) -> Map:
     """A wide blur, on a quarter of the points: nothing in it is fine."""
     tiny = cv2.resize(pressed, (pressed.shape[1] // 4, pressed.shape[0] // 4), interpolation=cv2.INTER_AREA)
@@ -79,7 +71,7 @@ def _wide_bell(pressed: Map, sigma: float) -> Map:
 def _dragged(bed: Map, bell: Map, drag: tuple[float, float], depth: float, h: float, pitch: float) -> Map:
     """The bed carried along by friction, raised before the contact and hollow behind it."""
     share = bell / max(float(bell.max()), 1e-12)
-    moved = _shifted(bed, drag, pitch)
+    moved = shifted(bed, drag, pitch)
     carried = bed + share * (moved - bed)
     slope_x = cv2.Sobel(share, cv2.CV_32F, 1, 0, ksize=3, scale=1 / (8 * pitch))
     slope_y = cv2.Sobel(share, cv2.CV_32F, 0, 1, ksize=3, scale=1 / (8 * pitch))

@@ -53,12 +53,22 @@ class Path:
 
     def at(self, times: Array) -> Array:
         """Positions (n, 3) at seconds (n,), held at both ends."""
+        index, share = self._progress(times)
+        return self.positions[index] + share[:, None] * (self.positions[index + 1] - self.positions[index])
+
+    def travelled(self, times: Array) -> Array:
+        """Metres (n,) moved since the start at seconds (n,)."""
+        index, share = self._progress(times)
+        lengths = np.linalg.norm(np.diff(self.positions, axis=0), axis=1)
+        return (np.cumsum(lengths) - lengths)[index] + share * lengths[index]
+
+    def _progress(self, times: Array) -> tuple[NDArray[np.intp], Array]:
+        """Which move (n,), and how much of it is done (n,)."""
         index = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
         span = np.maximum(np.diff(self.times)[index], 1e-12)
         share = np.clip((times - self.times[index]) / span, 0.0, 1.0)
         # a smooth step has no jump of velocity, so joints and forces have none either
-        share = share * share * (3.0 - 2.0 * share)
-        return self.positions[index] + share[:, None] * (self.positions[index + 1] - self.positions[index])
+        return index, share * share * (3.0 - 2.0 * share)
 
 
 class _Recorder:

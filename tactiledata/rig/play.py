@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -13,26 +13,25 @@ from numpy.typing import NDArray
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig import motion
-from tactiledata.rig.footprint import Footprint, GelGrid, footprint
-from tactiledata.rig.layer_contact import ContactHistory, ContactLaw, contact_law, press_along
-from tactiledata.rig.membrane import surface
-from tactiledata.rig.scenario import Scenario
+from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup
+from tactiledata.rig.contact_analytic import touch_analytic
+from tactiledata.rig.contact_layer import touch_layer
+from tactiledata.rig.footprint import GelGrid, footprint
+from tactiledata.rig.layer_grid import LayerGrid
+from tactiledata.rig.layer_solver import Layer
+from tactiledata.rig.scenario import Gel, Scenario
 from tactiledata.rig.touch import Touch
 from tactiledata.transforms import Transform
 
 Array = NDArray[np.floating[Any]]
 Times = NDArray[np.int64]
 
-CONTACT_RATE = 500.0
-"""Hz at which the history of a contact is followed."""
 TRAVEL_SPEED = 0.15
 """m/s between indenters."""
 TABLE_CORNER = (-0.02, -0.42, 0.12)
 """m, base frame: where the first indenter's tip stands; the others in a grid beside it."""
 SPACING = 0.05
 PER_ROW = 4
-DEEPEST = 0.5
-"""Share of the gel's thickness beyond which nobody presses."""
 MOUNTS, OFFSETS = 3, 4
 """Numbers of the random streams."""
 
@@ -44,52 +43,48 @@ class Play:
     Parameters
     ----------
     touch : Touch
-    start_ns, end_ns : int
-        Half-open interval of the host clock.
-    path : motion.Path
-        As commanded.
+    start_ns : int
+        Of the host clock.
+    lowest : metres
+        Height of the turned indenter's first-touching point over its tip; at most 0.
     offset : (3,), metres
         What the arm and the mount really add to the path: x, y, depth. Known to the rig only.
-    law : ContactLaw
-    print_ : Footprint
-    history : ContactHistory
-        At ``CONTACT_RATE``.
-    thickness : metres, of the gel
+    contact : Contact
+        What the gel does.
     mount : int
         How often indenters have been mounted in this log before.
     """
 
     touch: Touch
     start_ns: int
-    end_ns: int
-    path: motion.Path
+    lowest: float
     offset: Array
-    law: ContactLaw
-    print_: Footprint
-    history: ContactHistory
-    thickness: float
+    contact: Contact
     mount: int
+
+    @property
+    def path(self) -> motion.Path:
+        """As commanded."""
+        return self.contact.path
+
+    @property
+    def end_ns(self) -> int:
+        """End of the half-open interval of the host clock."""
+        return self.start_ns + int(np.ceil(self.path.duration * 1e9))
 
     def true_positions(self, host_ns: Times) -> Array:
         """Where the indenter really is over the gel (n, 3): x, y of the tip, depth, metres."""
         return self.path.at((host_ns - self.start_ns) * 1e-9) + self.offset
 
-    def _history_at(self, host_ns: Times, values: Array) -> Array:
-        ticks = (host_ns - self.start_ns) * 1e-9 * CONTACT_RATE
-        grid = np.arange(len(values))
-        return np.stack([np.interp(ticks, grid, column) for column in values.T], axis=1)
-
     def wrench(self, host_ns: Times) -> Array:
         """Contact wrench (n, 6) on the indenter, gel frame: N, N m."""
-        return self._history_at(host_ns, self.history.wrench)
+        ticks = (host_ns - self.start_ns) * 1e-9 * CONTACT_RATE
+        columns = self.contact.wrench.T
+        return np.stack([np.interp(ticks, np.arange(len(column)), column) for column in columns], axis=1)
 
     def surface_at(self, host_ns: int) -> NDArray[np.float32]:
         """The gel's surface (n_y, n_x), metres, at one moment."""
-        moment = np.array([host_ns], dtype=np.int64)
-        x, y, depth = self.true_positions(moment)[0]
-        drag = self._history_at(moment, self.history.drag)[0]
-        offset = (float(x - self.print_.position[0]), float(y - self.print_.position[1]))
-        return surface(self.print_, offset, float(depth), (float(drag[0]), float(drag[1])), self.thickness)
+        return self.contact.surface((host_ns - self.start_ns) * 1e-9)
 
 
 @dataclass(frozen=True)
@@ -124,8 +119,7 @@ class Performance:
 
     def _poses(self, index: int, positions: Array) -> Array:
         rotation, mounted = self.poses[index]
-        lowest = self.plays[index].print_.lowest
-        return motion.base_from_tcp(positions, rotation, lowest, mounted, self.tcp_from_gel)
+        return motion.base_from_tcp(positions, rotation, self.plays[index].lowest, mounted, self.tcp_from_gel)
 
     def _end_poses(self, index: int) -> Array:
         return self._poses(index, self.plays[index].path.positions[[0, -1]])
@@ -149,10 +143,17 @@ class Stage:
             name: make_indenter(entry, scenario.folder, f"indenters.{name}")
             for name, entry in scenario.indenters.items()
         }
+        self._layers: dict[Gel, Layer] = {}
         self.mounted = {name: _mounted(index, entry) for index, (name, entry) in enumerate(scenario.indenters.items())}
 
-    def perform(self, touches: Sequence[Touch], log_index: int, start_ns: int) -> Performance:
-        """The touches one after the other, from ``start_ns`` of the host clock."""
+    def perform(
+        self,
+        touches: Sequence[Touch],
+        log_index: int,
+        start_ns: int,
+        played: Callable[[], None] = lambda: None,
+    ) -> Performance:
+        """The touches one after the other, from ``start_ns`` of the host clock; ``played`` is called after each."""
         robot, setup = self.scenario.robot, self.scenario.recordings
         rng = np.random.default_rng([self.scenario.seed, MOUNTS, log_index])
         plays: list[Play] = []
@@ -165,6 +166,7 @@ class Stage:
                 remount = rng.normal(0.0, self.scenario.imperfections.remount, 3)
             play = self._play(touch, cursor, remount, mount)
             plays.append(play)
+            played()
             poses.append((motion.gel_from_indenter_rotation(touch), self.mounted[touch.indenter]))
             nearby = touches[min(index + 1, len(touches) - 1)].indenter
             way = float(np.linalg.norm(self.mounted[touch.indenter].xyz - self.mounted[nearby].xyz))
@@ -179,24 +181,21 @@ class Stage:
         offset = remount + rng.normal(0.0, scenario.imperfections.pose_repeatability, 3)
         rotation = motion.gel_from_indenter_rotation(touch)
         print_ = footprint(indenter, rotation, touch.position, GelGrid.of(gel))
-        law = contact_law(indenter, print_, gel.thickness, scenario.material)
-        # the limit speaks of the whole force, friction included
-        shear_margin = float(np.hypot(1.0, scenario.material.friction)) if _shears(touch) else 1.0
-        deepest = partial(_deepest, law, shear_margin, DEEPEST * gel.thickness)
         images = scenario.images
-        path = motion.plan(touch, deepest, images.frames_per_step, images.free_air_frames)
-        seconds = np.arange(0.0, path.duration + 1.0 / CONTACT_RATE, 1.0 / CONTACT_RATE)
-        history = press_along(law, path.at(seconds) + offset)
-        end_ns = start_ns + int(np.ceil(path.duration * 1e9))
-        return Play(touch, start_ns, end_ns, path, offset, law, print_, history, gel.thickness, mount)
+        plan = partial(
+            motion.plan, touch, frames_per_step=images.frames_per_step, free_air_frames=images.free_air_frames
+        )
+        setup = TouchSetup(touch, indenter, rotation, print_, offset, gel.thickness, scenario.material, plan)
+        if scenario.contact == "analytic":
+            contact: Contact = touch_analytic(setup)
+        else:
+            contact = touch_layer(setup, self._layer(gel))
+        return Play(touch, start_ns, print_.lowest, offset, contact, mount)
 
-
-def _deepest(law: ContactLaw, shear_margin: float, deepest: float, force: float) -> float:
-    return min(law.depth_at(force / shear_margin), deepest)
-
-
-def _shears(touch: Touch) -> bool:
-    return any(step.kind in ("shear", "reverse") for step in touch.steps)
+    def _layer(self, gel: Gel) -> Layer:
+        if gel not in self._layers:
+            self._layers[gel] = Layer(LayerGrid.of(gel.outline), gel.thickness, self.scenario.material)
+        return self._layers[gel]
 
 
 def _number(name: str) -> int:

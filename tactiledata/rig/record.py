@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from collections import Counter
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from queue import Empty, Queue
 from typing import Literal
 
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
@@ -24,7 +29,11 @@ TRUTH = "truth"
 
 
 def record(
-    scenario: Scenario, out: Path, form: Form = "mcap", progress: Callable[[int, int], None] | None = None
+    scenario: Scenario,
+    out: Path,
+    form: Form = "mcap",
+    progress: Callable[[int, int], None] | None = None,
+    workers: int = 1,
 ) -> list[Path]:
     """The logs of a scenario, in order: files (``mcap``) or folders (``folder``) in ``out``.
 
@@ -39,6 +48,9 @@ def record(
     form : "mcap" or "folder"
     progress : callable, optional
         Called as ``progress(trajectories done, trajectories in all)``.
+    workers : int
+        Local processes, each at a log at a time; what is recorded does not depend on it. A script that asks for more
+        than one must do so under ``if __name__ == "__main__":``.
 
     Raises
     ------
@@ -52,19 +64,16 @@ def record(
     if form not in ("mcap", "folder"):
         raise UnknownName("form of a log", form, ("folder", "mcap"))
     groups = log_groups(scenario)
-    stage = Stage(scenario)
-    meter = _Meter(progress, sum(len(group) for _, group in groups))
-    paths = []
+    counts = _Counts(progress, [len(group) for _, group in groups])
+    written: list[Path] = []
     try:
         out.mkdir(parents=True, exist_ok=True)
-        for index, (name, group) in enumerate(groups):
-            start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-            tape = sample(stage, name, index, stage.perform(group, index, start_ns))
-            meter.begin(len(group), sum(not shot.dropped for shot in tape.shots))
-            path = out / (f"{name}.mcap" if form == "mcap" else name)
-            (write_mcap if form == "mcap" else write_folder)(tape, path, meter.add)
-            write_truth(tape, out / TRUTH)
-            paths.append(path)
+        if workers <= 1 or len(groups) < 2:
+            stage = Stage(scenario)
+            for index in range(len(groups)):
+                written.append(_record_log(scenario, out, form, counts.told, index, stage))
+        else:
+            _record_in_processes(scenario, out, form, counts, workers, written)
     except OSError as error:
         if isinstance(error, TactileDataError):
             raise
@@ -72,29 +81,85 @@ def record(
             f"{error.filename or out} cannot be written: {error.strerror}",
             "a folder to write to, with room in it and names that its file system takes",
             "Name another with --out. Logs that are there are whole.",
-            written=[str(path) for path in paths],
+            written=[str(path) for path in written],
         ) from error
-    return paths
+    return written
+
+
+def _record_in_processes(
+    scenario: Scenario, out: Path, form: Form, counts: _Counts, workers: int, written: list[Path]
+) -> None:
+    # spawn: a forked child would inherit locks of libraries that run threads
+    context = multiprocessing.get_context("spawn")
+    with context.Manager() as manager, ProcessPoolExecutor(workers, mp_context=context) as pool:
+        news = manager.Queue()
+        tell = partial(_pass_on, news)
+        waiting = [pool.submit(_record_log, scenario, out, form, tell, index) for index in range(len(counts.whole))]
+        while not all(future.done() for future in waiting):
+            with suppress(Empty):
+                counts.told(*news.get(timeout=0.2))
+        while not news.empty():
+            counts.told(*news.get())
+        written.extend(future.result() for future in waiting)
+
+
+def _pass_on(news: Queue[tuple[int, int]], index: int, done: int) -> None:
+    news.put((index, done))
+
+
+def _record_log(
+    scenario: Scenario,
+    out: Path,
+    form: Form,
+    tell: Callable[[int, int], None],
+    index: int,
+    stage: Stage | None = None,
+) -> Path:
+    """The path of one log, recorded; ``tell`` hears its index and how many of its trajectories are done."""
+    stage = stage or Stage(scenario)
+    name, group = log_groups(scenario)[index]
+    meter = _Meter(partial(tell, index), len(group))
+    start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
+    tape = sample(stage, name, index, stage.perform(group, index, start_ns, meter.played))
+    meter.pictures = sum(not shot.dropped for shot in tape.shots)
+    path = out / (f"{name}.mcap" if form == "mcap" else name)
+    (write_mcap if form == "mcap" else write_folder)(tape, path, meter.add)
+    write_truth(tape, out / TRUTH)
+    tell(index, len(group))
+    return path
+
+
+class _Counts:
+    """Trajectories done in all logs, passed on to whoever watches."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None, whole: list[int]) -> None:
+        self.progress, self.whole = progress, whole
+        self.done = [0] * len(whole)
+
+    def told(self, index: int, done: int) -> None:
+        """So many trajectories of a log are done."""
+        self.done[index] = done
+        if self.progress is not None:
+            self.progress(sum(self.done), sum(self.whole))
 
 
 class _Meter:
-    """Trajectories done, counted by their pictures, passed on to whoever watches."""
+    """Trajectories of one log that are done: half of each is its contact, half its pictures."""
 
-    def __init__(self, progress: Callable[[int, int], None] | None, total: int) -> None:
-        self.progress = progress
-        self.total = total
-        self.before = self.here = self.pictures = self.drawn = 0
+    def __init__(self, tell: Callable[[int], None], trajectories: int) -> None:
+        self.tell, self.trajectories = tell, trajectories
+        self.pictures = self.drawn = self.solved = 0
 
-    def begin(self, trajectories: int, pictures: int) -> None:
-        """A log of so many trajectories and pictures begins."""
-        self.before += self.here
-        self.here, self.pictures, self.drawn = trajectories, pictures, 0
+    def played(self) -> None:
+        """One trajectory's contact is known."""
+        self.solved += 1
+        self.tell(self.solved // 2)
 
     def add(self, count: int) -> None:
         """So many pictures more are written."""
         self.drawn += count
-        if self.progress is not None:
-            self.progress(self.before + self.here * self.drawn // max(self.pictures, 1), self.total)
+        drawn = self.trajectories * self.drawn // max(self.pictures, 1)
+        self.tell((self.trajectories + drawn) // 2)
 
 
 def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:

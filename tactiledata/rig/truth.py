@@ -28,6 +28,7 @@ def write_truth(tape: Tape, folder: Path) -> None:
         folder / f"{tape.name}.json",
         {
             "material": asdict(scenario.material),
+            "contact": scenario.contact,
             "imperfections": asdict(scenario.imperfections),
             "clocks": {name: asdict(scenario.clock(name)) for name in ("wrench", "tcp", "joints", "frames")},
             "sensors": {serial: _sensor(tape, serial) for serial in {play.touch.sensor for play in performance.plays}},
@@ -57,8 +58,8 @@ def _trajectory(play: Play) -> dict[str, Any]:
         "position": list(play.touch.position),
         "tilt": list(play.touch.tilt),
         "yaw": play.touch.yaw,
-        "peak_force": float(np.linalg.norm(play.history.wrench[:, :3], axis=1).max()),
-        "slips": bool(play.history.slipping.any()),
+        "peak_force": float(np.linalg.norm(play.contact.wrench[:, :3], axis=1).max()),
+        "slips": bool(play.contact.slipping.any()),
         "phases": [
             [play.start_ns + int(start * 1e9), play.start_ns + int(end * 1e9), name]
             for start, end, name in play.path.phases

@@ -1,0 +1,82 @@
+"""What either form of the rig's contact takes and gives: one touch to play, and what the gel does meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.indenters.base import Indenter
+from tactiledata.rig.footprint import Footprint
+from tactiledata.rig.motion import Path
+from tactiledata.rig.scenario import Material
+from tactiledata.rig.touch import Touch
+
+Array = NDArray[np.floating[Any]]
+
+CONTACT_RATE = 500.0
+"""Hz at which the history of a contact is told."""
+DEEPEST = 0.5
+"""Share of the gel's thickness beyond which nobody presses."""
+
+
+@dataclass(frozen=True)
+class TouchSetup:
+    """One touch, ready to be played.
+
+    Parameters
+    ----------
+    touch : Touch
+    indenter : Indenter
+    rotation : (3, 3)
+        gel_from_indenter.
+    print_ : Footprint
+    offset : (3,), metres
+        What the arm and the mount really add to the path: x, y, depth.
+    thickness : metres, of the gel
+    material : Material
+    plan : callable
+        The path, from the depth (m) at which the normal force reaches a limit (N).
+    """
+
+    touch: Touch
+    indenter: Indenter
+    rotation: Array
+    print_: Footprint
+    offset: Array
+    thickness: float
+    material: Material
+    plan: Callable[[Callable[[float], float]], Path]
+
+    @property
+    def normal_limit(self) -> float:
+        """N: limit of the normal force, since the stated limit speaks of the whole force, friction included."""
+        shears = any(step.kind in ("shear", "reverse") for step in self.touch.steps)
+        return self.touch.force_limit / (float(np.hypot(1.0, self.material.friction)) if shears else 1.0)
+
+
+class Contact(Protocol):
+    """What the gel does over one touch."""
+
+    @property
+    def path(self) -> Path:
+        """As commanded."""
+
+    @property
+    def wrench(self) -> Array:
+        """What the gel exerts on the indenter (n, 6) at ``CONTACT_RATE``, gel frame, about its origin: N, N m."""
+
+    @property
+    def slipping(self) -> NDArray[np.bool_]:
+        """Whether all that touches slides (n,) at ``CONTACT_RATE``."""
+
+    def surface(self, seconds: float) -> NDArray[np.float32]:
+        """Height (n_y, n_x), m, of the gel's outer surface on the footprint's grid; zero where it is at rest."""
+
+
+def contact_times(path: Path) -> Array:
+    """Seconds (n,) of the history's samples."""
+    return np.arange(0.0, path.duration + 1.0 / CONTACT_RATE, 1.0 / CONTACT_RATE)

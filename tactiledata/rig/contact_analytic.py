@@ -1,0 +1,52 @@
+"""One touch by the closed forms of ``layer_contact``, its surface by ``membrane``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.rig.contact import CONTACT_RATE, DEEPEST, TouchSetup, contact_times
+from tactiledata.rig.layer_contact import ContactHistory, contact_law, press_along
+from tactiledata.rig.membrane import surface
+from tactiledata.rig.motion import Path
+
+Array = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class AnalyticContact:
+    """See `Contact`."""
+
+    setup: TouchSetup
+    path: Path
+    history: ContactHistory
+
+    @property
+    def wrench(self) -> Array:
+        """See `Contact.wrench`."""
+        return self.history.wrench
+
+    @property
+    def slipping(self) -> NDArray[np.bool_]:
+        """See `Contact.slipping`."""
+        return self.history.slipping
+
+    def surface(self, seconds: float) -> NDArray[np.float32]:
+        """See `Contact.surface`."""
+        print_ = self.setup.print_
+        x, y, depth = self.path.at(np.array([seconds]))[0] + self.setup.offset
+        ticks = np.arange(len(self.history.drag))
+        drag = [float(np.interp(seconds * CONTACT_RATE, ticks, column)) for column in self.history.drag.T]
+        moved = (float(x - print_.position[0]), float(y - print_.position[1]))
+        return surface(print_, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
+
+
+def touch_analytic(setup: TouchSetup) -> AnalyticContact:
+    """A touch, played."""
+    law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
+    share = setup.normal_limit / setup.touch.force_limit
+    path = setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))
+    return AnalyticContact(setup, path, press_along(law, path.at(contact_times(path)) + setup.offset))

@@ -1,0 +1,60 @@
+"""The surface that a camera sees: the layer solver's, on the picture's finer points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.rig.footprint import Footprint, moved_heights
+from tactiledata.rig.layer_grid import LayerGrid
+
+Map = NDArray[Any]
+"""float32; OpenCV's annotations say less."""
+
+CREASE = 3e-6
+"""m over which the gel joins the indenter."""
+ROUNDS = 3
+"""Rounds in which it is found which point of the gel has come to lie where."""
+
+
+def drawn_surface(
+    displacement: Map, grid: LayerGrid, print_: Footprint, moved: tuple[float, float], depth: float
+) -> Map:
+    """Height (n_y, n_x), m, of the deformed surface over the points of the footprint's grid.
+
+    Parameters
+    ----------
+    displacement : (3, rows, columns), m, float32
+        Of the layer's surface, on its own grid.
+    moved : (2,), metres
+        How far the indenter has moved over the gel since the footprint was taken.
+    depth : metres
+        Of the indenter's lowest point below the undeformed surface.
+    """
+    fine = print_.grid
+    if not displacement.any():
+        return np.zeros((len(fine.y), len(fine.x)), np.float32)
+    column, row = (
+        part.astype(np.float32)
+        for part in np.meshgrid((fine.x - grid.x[0]) / grid.pitch, (fine.y - grid.y[0]) / grid.pitch)
+    )
+    pitch = np.float32(grid.pitch)
+    # the point now over (x, y) was at (x, y) less its own displacement
+    from_column, from_row = column, row
+    for _ in range(ROUNDS):
+        from_column = column - _read(displacement[0], from_column, from_row) / pitch
+        from_row = row - _read(displacement[1], from_column, from_row) / pitch
+    bed = -_read(displacement[2], from_column, from_row)
+    if depth <= 0:
+        return -bed
+    # where the coarse surface would reach into the fine indenter, the indenter wins
+    sink = np.float32(depth) - moved_heights(print_, moved)
+    apart = sink - bed
+    return -0.5 * (sink + bed + cv2.sqrt(apart * apart + np.float32(CREASE**2)))
+
+
+def _read(values: Map, columns: Map, rows: Map) -> Map:
+    return cv2.remap(values, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
