@@ -122,9 +122,10 @@ def _is_finite_everywhere(facts: Mapping[str, Any], rows: int) -> bool:
 
 
 def _of_frames(store: Store, index: FrameIndex, stream: Stream) -> tuple[Gaps, NDArray[np.bool_]]:
-    facts = store.manifest["aligned" if stream.kind == "aligned" else "frame_values"][stream.name]
     bad = np.zeros(len(index.rows), bool)
-    if not _is_finite_everywhere(facts, store.n_frames):
+    if stream.is_of_mesh:
+        bad = ~store.mesh(stream.mesh).has_mesh(index.rows)
+    elif not _is_finite_everywhere(_facts(store, stream), store.n_frames):
         for start in range(0, len(bad), CHUNK_ROWS):
             rows = index.rows[start : start + CHUNK_ROWS]
             bad[start : start + CHUNK_ROWS] = np.isnan(values_at_frames(store, stream, rows)).any(axis=1)
@@ -133,6 +134,11 @@ def _of_frames(store: Store, index: FrameIndex, stream: Stream) -> tuple[Gaps, N
     empty = np.setdiff1d(touched, filled, assume_unique=True)
     counts = np.concatenate([[0], np.cumsum(bad)])
     return Gaps(int(bad.sum()), len(touched), len(empty)), np.diff(counts[index.starts]) > 0
+
+
+def _facts(store: Store, stream: Stream) -> Mapping[str, Any]:
+    facts: Mapping[str, Any] = store.manifest["aligned" if stream.kind == "aligned" else "frame_values"][stream.name]
+    return facts
 
 
 def _of_signal(store: Store, index: FrameIndex, stream: Stream) -> tuple[Gaps, NDArray[np.bool_]]:

@@ -209,7 +209,7 @@ def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[
     """Normalisers of streams, from the cache or computed and kept; and notes: rows left out, not kept and why."""
     cache = Cache(store, split)
     kept = cache.read()
-    keys = {stream.name: f"{stream.kind}:{stream.name}" for stream in streams}
+    keys = {stream.name: f"{stream.kind}:{stream.name}{_state(store, stream)}" for stream in streams}
     fresh = {
         keys[stream.name]: measure_stream(store, split, stream) for stream in streams if keys[stream.name] not in kept
     }
@@ -223,6 +223,11 @@ def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[
         if one.left_out
     ]
     return chosen, (*left_out, *([note] if note else []))
+
+
+def _state(store: Store, stream: Stream) -> str:
+    """What tells the states of a mesh apart: the store's digest is that of what was recorded."""
+    return f":{store.mesh(stream.mesh).facts['digest']}" if stream.is_of_mesh else ""
 
 
 def measure_stream(store: Store, split: Split, stream: Stream) -> Normaliser:

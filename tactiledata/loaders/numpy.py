@@ -21,7 +21,7 @@ from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
 from tactiledata.loaders.order import Order
 from tactiledata.loaders.selection import LoadReport, Selection, select
-from tactiledata.loaders.streams import Stream, Unit, find_streams, values_at_frames
+from tactiledata.loaders.streams import Stream, Unit, find_streams, nodes_at_frames, values_at_frames
 from tactiledata.store.reader import RowState, Store
 
 Item = dict[str, Any]
@@ -55,13 +55,14 @@ class TactileArrays:
     streams : sequence of str
         A camera (pictures), a signal (in frame mode its values at the moments of the frames, in trajectory mode its
         samples at their native rate, their times under ``<name>_t_ns``), ``"background"`` (the sensor's picture without
-        contact), or values that a corpus annotates image by image. Values that were not recorded are NaN.
+        contact), values that a corpus annotates image by image, or what a replay attached: ``"mesh"`` (displacements
+        (k, 3), m), ``"mesh_wrench"`` (6,), ``"contact_mask"`` (m,) bool. Values that were not recorded are NaN.
     unit : "frame" or "trajectory"
         What an item is. A trajectory has all its readable frames; ``in_split`` marks those that the split's contact
         filter takes.
     normalise : bool or sequence of str
         Streams to scale to mean 0 and standard deviation 1, by the train part of the split; ``True``: all streams of
-        numbers.
+        numbers, but for the nodes of a mesh.
     missing : "warn", "keep" or "drop"
         What to do where a stream of numbers has NaN, or a trajectory no samples of a signal: warn
         (`MissingValuesWarning`) and keep, keep, or leave the item out. ``report.missing`` counts them by stream.
@@ -239,7 +240,7 @@ class TactileArrays:
             **{
                 stream.name: self._at_frames(stream, facts["frame"], facts["sensor"])
                 for stream in self.streams
-                if stream.kind in ("image", "frame_value")
+                if stream.kind in ("image", "frame_value") or stream.is_of_mesh
             },
         }
         items: list[Item] = []
@@ -265,6 +266,8 @@ class TactileArrays:
             return np.asarray(self.store.images(rows, threads=self.threads))
         if stream.kind == "background":
             return np.stack([self._reference(sensor) for sensor in sensors])
+        if stream.kind in ("mesh", "contact_mask"):
+            return nodes_at_frames(self.store, stream, rows)
         return self._scaled(stream.name, values_at_frames(self.store, stream, rows))
 
     def _scaled(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -292,12 +295,18 @@ class TactileArrays:
     ) -> tuple[dict[str, Normaliser], tuple[str, ...]]:
         by_name = {stream.name: stream for stream in self.streams}
         if isinstance(normalise, bool):
-            names = [name for name, stream in by_name.items() if normalise and not stream.is_picture]
+            names = [
+                name for name, stream in by_name.items() if normalise and not stream.is_picture and stream.is_scalable
+            ]
         else:
             names = [normalise] if isinstance(normalise, str) else list(normalise)
         for name in names:
             if name not in by_name:
                 raise UnknownName("stream to normalise", name, by_name)
+            if not by_name[name].is_scalable:
+                raise UsageError(
+                    f"normalise names {name!r}", "streams of columns", "Scale the nodes of a mesh yourself."
+                )
             if by_name[name].is_picture and self.image_dtype == "uint8":
                 raise UsageError(f"normalise names {name!r} with image_dtype='uint8'", "float32 for scaled pictures")
         if not names:

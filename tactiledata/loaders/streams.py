@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,14 @@ if TYPE_CHECKING:
     from tactiledata.store.reader import Store
 
 BACKGROUND = "background"
-MESH = "mesh"
+MeshKind = Literal["mesh", "mesh_wrench", "contact_mask"]
+MESH_STREAMS: tuple[MeshKind, ...] = ("mesh", "mesh_wrench", "contact_mask")
+"""What a replay attached; ``mesh/<name>`` says which replay where there are several."""
+WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 RESERVED = ("sensor", "indenter", "trajectory", "frame", "t_ns", "in_split")
 """Keys that every item has; no stream may be called so."""
 
-Kind = Literal["image", "background", "aligned", "signal", "frame_value"]
+Kind = Literal["image", "background", "aligned", "signal", "frame_value", "mesh", "mesh_wrench", "contact_mask"]
 Unit = Literal["frame", "trajectory"]
 
 
@@ -30,28 +33,50 @@ class Stream:
     Parameters
     ----------
     name : str
-    kind : "image", "background", "aligned", "signal" or "frame_value"
-        ``aligned``: a value at the moment of each frame; ``signal``: samples at their native rate.
+    kind : str
+        ``aligned``: a value at the moment of each frame; ``signal``: samples at their native rate; ``mesh``,
+        ``mesh_wrench``, ``contact_mask``: of what a replay attached.
     columns, units : (k,) names
         Empty for pictures.
+    mesh : str
+        The store's name of the mesh that it is of.
     """
 
     name: str
     kind: Kind
     columns: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
+    mesh: str = ""
 
     @property
     def is_picture(self) -> bool:
         """Whether it gives images."""
         return self.kind in ("image", "background")
 
+    @property
+    def is_of_mesh(self) -> bool:
+        """Whether a replay attached it."""
+        return self.kind in MESH_STREAMS
+
+    @property
+    def is_scalable(self) -> bool:
+        """Whether mean and spread of its columns mean something: not of a mesh's nodes."""
+        return self.kind not in ("mesh", "contact_mask")
+
 
 def values_at_frames(store: Store, stream: Stream, rows: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Values (n, k) of an ``aligned`` or ``frame_value`` stream at rows of frames; NaN where none was recorded."""
+    """Values (n, k) at rows of frames; NaN where none was recorded. Streams of numbers with a row a frame only."""
+    if stream.kind == "mesh_wrench":
+        return store.mesh(stream.mesh).wrench(rows)
     if stream.kind == "frame_value":
         return store.frame_values(stream.name, rows)
     return store.aligned(stream.name, rows)[0]
+
+
+def nodes_at_frames(store: Store, stream: Stream, rows: NDArray[np.int64]) -> NDArray[Any]:
+    """What a mesh's nodes do at rows of frames: displacements (n, k, 3), m, or whether they are pressed (n, m)."""
+    mesh = store.mesh(stream.mesh)
+    return mesh.displacement(rows) if stream.kind == "mesh" else mesh.contact(rows)
 
 
 def find_streams(store: Store, names: Sequence[str] | str, unit: Unit) -> tuple[Stream, ...]:
@@ -91,7 +116,9 @@ def known(store: Store) -> list[str]:
     manifest = store.manifest
     background = [BACKGROUND] if manifest["references"] else []
     values = [name for family in ("aligned", "signals", "frame_values") for name in manifest[family]]
-    return [*manifest["cameras"], *dict.fromkeys(values), *background]
+    meshes = store.mesh_names
+    of_meshes = [f"{stream}/{name}" for name in meshes for stream in MESH_STREAMS] if meshes[1:] else MESH_STREAMS
+    return [*manifest["cameras"], *dict.fromkeys(values), *background, *(of_meshes if meshes else ())]
 
 
 def _find(store: Store, name: str, unit: Unit) -> Stream:
@@ -110,10 +137,32 @@ def _find(store: Store, name: str, unit: Unit) -> Stream:
             return Stream(name, kind, tuple(facts["columns"]), tuple(facts["units"]))
     if name == BACKGROUND:
         return Stream(name, "background")
-    if name == MESH:
+    kind_of_mesh, _, mesh = name.partition("/")
+    for mesh_kind in MESH_STREAMS:
+        if mesh_kind == kind_of_mesh:
+            return _of_mesh(store, name, mesh_kind, mesh)
+    raise UnknownName("stream", name, known(store), "`tactiledata info` shows the streams of a store.")
+
+
+def _of_mesh(store: Store, name: str, kind: MeshKind, mesh: str) -> Stream:
+    meshes = store.mesh_names
+    if not meshes:
         raise StoreError(
             f"the store {store.location} has no meshes",
             "a mesh for every frame",
-            "Run `tactiledata replay` to attach them, or leave 'mesh' out of the streams.",
+            f"Run `tactiledata replay` to attach them, or leave {name!r} out of the streams.",
         )
-    raise UnknownName("stream", name, known(store), "`tactiledata info` shows the streams of a store.")
+    if not mesh and len(meshes) > 1:
+        raise UsageError(
+            f"the stream {name!r} could be of any of the meshes {', '.join(meshes)}",
+            "one of them",
+            f"Name it: {name}/{meshes[0]}.",
+        )
+    chosen = mesh or meshes[0]
+    if chosen not in meshes:
+        raise UnknownName("mesh", chosen, meshes, "`tactiledata info` shows the meshes of a store.")
+    if kind == "mesh_wrench":
+        return Stream(name, kind, WRENCH, ("N", "N", "N", "N m", "N m", "N m"), chosen)
+    return (
+        Stream(name, kind, ("x", "y", "z"), ("m",) * 3, chosen) if kind == "mesh" else Stream(name, kind, mesh=chosen)
+    )
