@@ -19,6 +19,17 @@ def wrong_document_is_wrong_usage() -> Iterator[None]:
         raise UsageError(error.found, error.expected, error.remedy, **error.facts) from error
 
 
+def calibration_document(path: Path) -> tuple[dict[str, float], dict[str, float]]:
+    """The material in a calibration.json, and by how much each trajectory is deeper than recorded, m, by uid."""
+    from tactiledata.contract.schema import read_document
+
+    with wrong_document_is_wrong_usage():
+        document = read_document(path)
+    material = document.get("material", document)
+    names = ("youngs_modulus", "poisson_ratio", "friction")
+    return {name: material[name] for name in names if name in material}, dict(document.get("offsets", {}))
+
+
 def mapping_document(path: Path | None) -> Any:
     """The mapping in a file; ``None`` where no file is named."""
     from tactiledata.contract.schema import read_document

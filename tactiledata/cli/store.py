@@ -67,6 +67,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     )
     for name in opened.split_names():
         say(f"split: {name}")
+    for name, mesh in facts["meshes"].items():
+        have = ", ".join(f"{count} {words}" for words, count in mesh["status"].items())
+        say(f"mesh: {name}, {mesh['fidelity']}, {mesh['vertices']} vertices ({mesh['kept']} kept): {have}")
     say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
@@ -132,6 +135,7 @@ def report(
     Example: tactiledata report ds.zarr --out report
     """
     from tactiledata.ingest.overview import write_report
+    from tactiledata.replay.overview import mesh_sections
     from tactiledata.store.reader import Store
 
     location = working_store(store)
@@ -139,7 +143,7 @@ def report(
         opened = Store.open(location)
         if split is not None and split not in opened.split_names():
             raise UnknownName("split", split, opened.split_names(), "`tactiledata split` makes one.")
-        written = write_report(opened, out, split or "default")
+        written = write_report(opened, out, split or "default", mesh_sections(opened))
     if as_json:
         emit({name: str(path) for name, path in written.items()})
         return

@@ -44,6 +44,7 @@ class EmbeddedEngine:
         self._carry = csr_array(kron(kron(lines[0], lines[1]), lines[2]))
         self._carry.eliminate_zeros()
         on_surface = self._carry[self.surface.nodes][:, self._low.surface.nodes]
+        self._on_surface = csr_array(on_surface)
         areas = [_node_areas(engine) for engine in (self._low, self)]
         # pressures are interpolated, forces are pressures times area; shares sum to one, so that no force is lost
         shares = on_surface.multiply(areas[1][:, None]).tocsc()
@@ -53,14 +54,15 @@ class EmbeddedEngine:
     def play(
         self, touches: Sequence[GelTouch], material: GelMaterial, keep: Keep = "all", width: int = WIDTH
     ) -> Iterator[tuple[int, GelHistory]]:
-        """As ``FemEngine.play``, with displacement (n, v, 3) and forces (n, s, 3) of the high mesh."""
+        """As ``FemEngine.play``, with displacement (n, v, 3), forces (n, s, 3) and pressed (n, s) of the high mesh."""
         carry = self._carry if keep == "all" else self._carry[self.surface.nodes]
         for number, history in self._low.play(touches, material, "none" if keep == "none" else "all", width):
             displacement = history.displacement
             if keep != "none":
                 displacement = np.stack([_carried(carry, frame) for frame in history.displacement])
             forces = np.stack([_carried(self._share, frame) for frame in history.node_forces])
-            yield number, replace(history, displacement=displacement, node_forces=forces)
+            pressed = (self._on_surface @ history.pressed.T.astype(float)).T >= 0.5
+            yield number, replace(history, displacement=displacement, node_forces=forces, pressed=pressed)
 
 
 def _carried(operator: csr_array, field: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ MAX_TOUCHES = 6
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
 
 
-def write_report(store: Store, out: Path, split: str = "default") -> dict[str, Path]:
+def write_report(store: Store, out: Path, split: str = "default", further: Sequence[Section] = ()) -> dict[str, Path]:
     """The page ``report.html`` and the picture ``recorded.png`` of a store, in a folder.
 
     Parameters
@@ -32,6 +33,8 @@ def write_report(store: Store, out: Path, split: str = "default") -> dict[str, P
         Made where it is not there.
     split : str
         Described where the store has it.
+    further : sequence of Section
+        What others have to say of the store, before its use.
 
     Returns
     -------
@@ -44,7 +47,7 @@ def write_report(store: Store, out: Path, split: str = "default") -> dict[str, P
     if png is not None:
         pictures["picture"] = out / "recorded.png"
         write_atomic(pictures["picture"], png)
-    write_atomic(pictures["page"], page(store, png, split).encode())
+    write_atomic(pictures["page"], page(store, png, split, further).encode())
     return pictures
 
 
@@ -96,7 +99,7 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     )
 
 
-def page(store: Store, png: bytes | None, split: str) -> str:
+def page(store: Store, png: bytes | None, split: str, further: Sequence[Section] = ()) -> str:
     """The report as HTML."""
     facts = overview(store)
     sentences = [
@@ -112,6 +115,7 @@ def page(store: Store, png: bytes | None, split: str) -> str:
         _signals(facts),
         _findings(store),
         _split(store, split),
+        *further,
         _use(store, split),
     ]
     footer = f"tactiledata {__version__}; store digest {store.digest}"

@@ -59,10 +59,15 @@ class ReplayOptions:
         """What makes the pads."""
         return self.make_pad or partial(pad_mesh, resolution=self.resolution)
 
+    @property
+    def is_carried(self) -> bool:
+        """Whether the contact is solved on the low-resolution pad, and the high one carried by it."""
+        return self.make_pad is None and self.resolution == "high"
+
     def document(self) -> dict[str, Any]:
         """What the rows depend on, as the manifest keeps it."""
         return {
-            "engine": "fem",
+            "engine": "fem on the low-resolution pad, interpolated" if self.is_carried else "fem",
             "fidelity": self.fidelity,
             "material": asdict(self.material),
             "keep": self.keep,

@@ -95,10 +95,17 @@ class PlannedTouch:
 
 @dataclass(frozen=True)
 class PlannedPad:
-    """The pad of one geometry: the mesh, and what it was made of."""
+    """The pad of one geometry: the mesh, and the sensor model and geometry that it was made of."""
 
     mesh: PadMesh
-    described: Mapping[str, Any]
+    sensor: str
+    geometry: GelGeometry
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """As JSON values."""
+        geometry = json.loads(json_bytes(vars(self.geometry)))
+        return {"name": self.mesh.name, "sha256": self.mesh.digest, "sensor": self.sensor, "geometry": geometry}
 
 
 @dataclass(frozen=True)
@@ -194,7 +201,7 @@ class _Planner:
         return _unless_obstacle(self._solids[key])
 
     def _pad(self, facts: Mapping[str, Any]) -> int:
-        model = str(facts.get("model", ""))
+        model = str(facts.get("model") or "gel")
         key = json_bytes({"model": model, "gel": facts.get("gel", {})})
         if key not in self._numbers:
             try:
@@ -206,17 +213,16 @@ class _Planner:
     def _new_pad(self, model: str, facts: Mapping[str, Any]) -> int:
         geometry = gel_geometry(facts)
         if geometry is None:
-            raise _Obstacle(ReplayStatus.GEL_UNKNOWN, f"model {model!r}" if model else "no model named")
+            raise _Obstacle(ReplayStatus.GEL_UNKNOWN, f"model {model!r}")
         try:
-            mesh = self._make_pad(model or "gel", geometry)
+            mesh = self._make_pad(model, geometry)
             cell_quadrature(mesh)
         except TactileDataError as error:
             raise _Obstacle(ReplayStatus.GEL_UNUSABLE, str(error)) from error
         for number, pad in enumerate(self.pads):
             if pad.mesh.digest == mesh.digest:
                 return number
-        described = {"name": mesh.name, "sha256": mesh.digest, "geometry": json.loads(json_bytes(vars(geometry)))}
-        self.pads.append(PlannedPad(mesh, described))
+        self.pads.append(PlannedPad(mesh, model, geometry))
         return len(self.pads) - 1
 
 

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.gel.embedded import EmbeddedEngine
 from tactiledata.gel.fem import FemEngine, Fidelity
 from tactiledata.gel.history import FrameStatus, GelHistory
 from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.pad import PadMesh
 from tactiledata.gel.recorder import Keep
-from tactiledata.replay.plan import PlannedTouch
+from tactiledata.replay.plan import PlannedPad, PlannedTouch
 from tactiledata.replay.status import ReplayStatus
 from tactiledata.store.meshes import FRAME_ARRAYS, axes_of
 from tactiledata.store.reader import Store
@@ -36,7 +36,9 @@ class Run:
     touches : tuple of PlannedTouch
     offsets : tuple of float
         m, of each touch: how much deeper the indenter is than recorded.
-    pads : tuple of PadMesh
+    pads : tuple of PlannedPad
+    is_carried : bool
+        Whether the pads are carried by the solution on low-resolution ones.
     sizes : dict
         Lengths of the mesh's arrays.
     material, fidelity, keep, gap_limit_ns : see `ReplayOptions`
@@ -47,7 +49,8 @@ class Run:
     frames: tuple[int, int]
     touches: tuple[PlannedTouch, ...]
     offsets: tuple[float, ...]
-    pads: tuple[PadMesh, ...]
+    pads: tuple[PlannedPad, ...]
+    is_carried: bool
     sizes: dict[str, int]
     material: GelMaterial
     fidelity: Fidelity
@@ -65,13 +68,16 @@ class _EngineKey:
     digest: str
     poisson_ratio: float
     fidelity: Fidelity
-    mesh: PadMesh = field(compare=False)
+    is_carried: bool
+    pad: PlannedPad = field(compare=False)
 
 
 @lru_cache(maxsize=1)
-def _engine(key: _EngineKey) -> FemEngine:
+def _engine(key: _EngineKey) -> FemEngine | EmbeddedEngine:
     # the next run of this process mostly has the same pad, and to factorise it takes as long as to solve a run
-    return FemEngine(key.mesh, key.poisson_ratio, key.fidelity)
+    if key.is_carried:
+        return EmbeddedEngine(key.pad.sensor, key.pad.geometry, key.poisson_ratio, key.fidelity)
+    return FemEngine(key.pad.mesh, key.poisson_ratio, key.fidelity)
 
 
 def solve_run(run: Run) -> dict[str, str]:
@@ -88,7 +94,7 @@ def solve_run(run: Run) -> dict[str, str]:
             if touch.obstacle is None and touch.pad == number
         ]
         if chosen:
-            engine = _engine(_EngineKey(pad.digest, run.material.poisson_ratio, run.fidelity, pad))
+            engine = _engine(_EngineKey(pad.mesh.digest, run.material.poisson_ratio, run.fidelity, run.is_carried, pad))
             touches = [gel_touch for _, gel_touch in chosen]
             for place, history in engine.play(touches, run.material, run.keep):
                 rows.fill(chosen[place][0], history)

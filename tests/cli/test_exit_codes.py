@@ -20,6 +20,7 @@ MISSING_PATH = {
     "report": [NOWHERE],
     "split": [NOWHERE],
     "audit": [NOWHERE],
+    "replay": [NOWHERE, "--youngs-modulus", "8e5", "--poisson-ratio", "0.48", "--friction", "0.8"],
 }
 WITHOUT_PATHS = {"formats", "indenters"}
 WRONG_CALLS = {
@@ -35,6 +36,8 @@ WRONG_CALLS = {
     "report of an unknown split": ["report", "ds.zarr", "--split", "nope"],
     "audit of an unknown split": ["audit", "ds.zarr", "--split", "nope"],
     "no path at all": ["ingest"],
+    "a replay without a material": ["replay", "ds.zarr", "--friction", "0.8"],
+    "a replay by a calibration that is not there": ["replay", "ds.zarr", "--calibration", "nowhere.json"],
 }
 
 

@@ -15,4 +15,6 @@ def coarse_pad(sensor, geometry):
 
 def options(**changes):
     """A linear replay on the coarse pad, called ``coarse``."""
-    return ReplayOptions(**{"material": MATERIAL, "fidelity": "linear", "name": "coarse", "make_pad": coarse_pad, **changes})
+    return ReplayOptions(
+        **{"material": MATERIAL, "fidelity": "linear", "name": "coarse", "make_pad": coarse_pad, **changes}
+    )

@@ -1,0 +1,127 @@
+"""What a replay attached, for people: overlays of measured and simulated forces, deformed meshes, counts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from tactiledata import __version__
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.wording import counted
+from tactiledata.report.page import Picture, Section, render_page
+from tactiledata.report.plots import png_bytes
+from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
+from tactiledata.store.meshes import HAS_MESH, StoredMesh
+from tactiledata.store.reader import Store
+
+MOST_TOUCHES = 5
+IN_CONTACT = HAS_MESH[0]
+
+
+def write_replay_page(store: Store, name: str, out: Path) -> Path:
+    """The page ``replay-<name>.html`` of a mesh, in a folder that is made where it is not there."""
+    path = out / f"replay-{name}.html"
+    footer = f"tactiledata {__version__}; store digest {store.digest}; mesh digest {store.mesh(name).facts['digest']}"
+    write_atomic(path, render_page("What was replayed", [], [mesh_section(store, name)], footer).encode())
+    return path
+
+
+def mesh_sections(store: Store) -> list[Section]:
+    """A section for each mesh of a store, for any page."""
+    return [mesh_section(store, name) for name in store.mesh_names]
+
+
+def mesh_section(store: Store, name: str) -> Section:
+    """Counts, errors against the measured force, and pictures of a mesh."""
+    mesh = store.mesh(name)
+    sentences = [*_told(mesh), *_compared(store, mesh)]
+    touches = [replayed_touch(store, mesh, row) for row in _chosen(store, mesh)]
+    caption = (
+        "Firm touches, one per sensor and indenter. Left: the gel's outer surface at the largest simulated force, "
+        "coloured by how far it moved (height doubled). Right: measured (lines) and simulated (dots) contact force; "
+        "dotted: the moment that is shown."
+    )
+    pictures = [Picture(png_bytes(draw_replayed(touches)), caption)] if touches else []
+    counts = sorted((int(code), count) for code, count in mesh.facts["counts"].items())
+    rows = [(mesh.statuses[code], count) for code, count in counts]
+    return Section(f"Mesh {name}", sentences, ("frames", "how many"), rows, pictures)
+
+
+def _told(mesh: StoredMesh) -> list[tuple[str, str]]:
+    sizes, material = mesh.facts["sizes"], mesh.settings["material"]
+    said = [
+        (
+            "",
+            f"{sizes['vertices']} vertices, of which {sizes['kept']} are kept; "
+            f"E {material['youngs_modulus'] / 1e3:.4g} kPa, nu {material['poisson_ratio']:.4g}, "
+            f"mu {material['friction']:.4g}; {mesh.settings['fidelity']}.",
+        )
+    ]
+    if mesh.settings["fidelity"] == "linear":
+        said.append(("warning", "Linear is a preview: at 1 mm depth its forces are 5 to 20 % low."))
+    return said
+
+
+def _compared(store: Store, mesh: StoredMesh) -> list[tuple[str, str]]:
+    if "contact_wrench" not in store.aligned_names or store.meaning("aligned", "contact_wrench").frame != "gel":
+        return [("", "No contact force in the gel frame was measured, so that there is nothing to compare with.")]
+    in_contact = np.flatnonzero(mesh.status() == IN_CONTACT)
+    measured = store.aligned("contact_wrench", in_contact)[0][:, :3]
+    missed = np.linalg.norm(mesh.wrench(in_contact)[:, :3] - measured, axis=1)
+    known = np.isfinite(missed)
+    if not known.any():
+        return [("", "No frame in contact has a measured force to compare with.")]
+    strength = np.linalg.norm(measured[known], axis=1)
+    text = (
+        f"Over {counted(int(known.sum()), 'frame')} in contact the simulated force misses the measured one by "
+        f"{np.median(missed[known]):.2f} N in the median, {np.percentile(missed[known], 90):.2f} N in nine of ten "
+        f"(the median measured force is {np.median(strength):.2f} N)."
+    )
+    return [("", text)]
+
+
+def _chosen(store: Store, mesh: StoredMesh) -> list[int]:
+    """Trajectories to show: of each pair of sensor and indenter the one with the largest simulated force."""
+    table = store.trajectories(["sensor", "indenter", "frame_start", "frame_stop"]).to_pylist()
+    force = np.nan_to_num(np.linalg.norm(mesh.wrench()[:, :3], axis=1))
+    best: dict[tuple[str, str], tuple[float, int]] = {}
+    for row, facts in enumerate(table):
+        peak = float(force[facts["frame_start"] : facts["frame_stop"]].max(initial=0.0))
+        key = (facts["sensor"], facts["indenter"])
+        if peak > best.get(key, (0.0, -1))[0]:
+            best[key] = peak, row
+    # every indenter before any is shown again
+    shown: list[tuple[str, str]] = []
+    left = sorted(best)
+    while left and len(shown) < MOST_TOUCHES:
+        seen = {indenter for _, indenter in shown}
+        shown.append(min(left, key=lambda key: (key[1] in seen, -best[key][0])))
+        left.remove(shown[-1])
+    return [best[key][1] for key in shown]
+
+
+def replayed_touch(store: Store, mesh: StoredMesh, row: int) -> ReplayedTouch:
+    """One trajectory of the store, ready to be drawn."""
+    facts = store.trajectories().slice(row, 1).to_pylist()[0]
+    frames = np.arange(facts["frame_start"], facts["frame_stop"])
+    seconds = (store.frames(["t_ns"])["t_ns"].to_numpy()[frames] - facts["start_ns"]) / 1e9
+    simulated = mesh.wrench(frames)[:, :3]
+    shown = int(np.argmax(np.nan_to_num(np.linalg.norm(simulated, axis=1))))
+    pad, number = mesh.pad(), int(mesh.pad_numbers(frames[shown : shown + 1])[0])
+    displacement = np.zeros_like(pad.vertices[number])
+    displacement[pad.kept] = mesh.displacement(frames[shown : shown + 1])[0]
+    native, measured = _measured(store, facts["signal_rows"], facts["start_ns"])
+    title = f"{facts['sensor']}  {facts['indenter']}  {facts['trajectory']}"
+    return ReplayedTouch(
+        title, native, measured, seconds, simulated, seconds[shown], pad.vertices[number], displacement, pad.triangles
+    )
+
+
+def _measured(store: Store, signal_rows: str, start_ns: int) -> tuple[np.ndarray, np.ndarray]:
+    first, stop = json.loads(signal_rows).get("contact_wrench", [0, 0])
+    if first == stop or store.signal("contact_wrench").frame != "gel":
+        return np.zeros(0), np.zeros((0, 3))
+    signal = store.signal("contact_wrench")
+    return (signal.t_ns(first, stop) - start_ns) / 1e9, signal.values(first, stop)[:, :3]

@@ -1,0 +1,122 @@
+"""Pictures of a calibration: measured and simulated forces, residuals, and the loss around its optimum."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.report.plots import AXIS_COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+ACROSS = 4
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """One trajectory.
+
+    Parameters
+    ----------
+    title : str
+    seconds : (n,) s
+    measured, simulated : (n, 3) N
+    """
+
+    title: str
+    seconds: Array
+    measured: Array
+    simulated: Array
+
+
+@dataclass(frozen=True)
+class LossSurface:
+    """A loss over two parameters, the third fitted at each place or held.
+
+    Parameters
+    ----------
+    title, across, up : str
+        What it shows, and the axes' names with units.
+    x, y : (p,), (q,)
+    loss : (q, p)
+    best : (x, y), the optimum
+    contour : loss up to which a 95 % region reaches; NaN draws none
+    """
+
+    title: str
+    across: str
+    up: str
+    x: Array
+    y: Array
+    loss: Array
+    best: tuple[float, float]
+    contour: float
+
+
+def draw_overlays(overlays: Sequence[Overlay]) -> Figure:
+    """Dots as measured, lines as simulated, four trajectories a row."""
+    from matplotlib.figure import Figure
+
+    rows = max(1, -(-len(overlays) // ACROSS))
+    figure = Figure(figsize=(12, 2.4 * rows + 0.4), layout="constrained")
+    axes = figure.subplots(rows, ACROSS, squeeze=False)
+    for place, axis in enumerate(axes.flat):
+        if place >= len(overlays):
+            axis.set_axis_off()
+            continue
+        overlay = overlays[place]
+        for column, (name, colour) in enumerate(AXIS_COLOURS.items()):
+            axis.plot(overlay.seconds, overlay.measured[:, column], "o", color=colour, markersize=3)
+            axis.plot(overlay.seconds, overlay.simulated[:, column], color=colour, linewidth=1, label=name)
+        axis.set_title(overlay.title, fontsize=8)
+        axis.tick_params(labelsize=7)
+        if place % ACROSS == 0:
+            axis.set_ylabel("N (gel frame)", fontsize=8)
+        if place == 0:
+            axis.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def draw_surfaces(surfaces: Sequence[LossSurface]) -> Figure:
+    """Maps of the loss side by side, the optimum marked."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.4 * len(surfaces), 4), layout="constrained")
+    axes = figure.subplots(1, len(surfaces), squeeze=False)[0]
+    for axis, surface in zip(axes, surfaces, strict=True):
+        drawn = axis.contourf(surface.x, surface.y, surface.loss, levels=20, cmap="viridis_r")
+        figure.colorbar(drawn, ax=axis)
+        if np.isfinite(surface.contour) and surface.loss.min() < surface.contour < surface.loss.max():
+            axis.contour(surface.x, surface.y, surface.loss, levels=[surface.contour], colors="white")
+        axis.plot(*surface.best, "x", color="red", markersize=8)
+        axis.set_title(surface.title, fontsize=9)
+        axis.set_xlabel(surface.across, fontsize=8)
+        axis.set_ylabel(surface.up, fontsize=8)
+        axis.tick_params(labelsize=7)
+    return figure
+
+
+def draw_residuals(measured: Array, residual: Array, names: Sequence[str]) -> Figure:
+    """Residuals (n, 3), N, over the measured normal force (n,), and their histogram."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 3.2), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[2, 1])
+    limit = float(np.percentile(np.abs(residual), 99.5)) * 1.3 or 1.0
+    for column, (name, colour) in enumerate(zip(names, AXIS_COLOURS.values(), strict=True)):
+        left.plot(measured, residual[:, column], ".", color=colour, markersize=4, label=name)
+        right.hist(residual[:, column], bins=np.linspace(-limit, limit, 31), histtype="step", color=colour)
+    left.axhline(0.0, color="black", linewidth=0.6)
+    left.set_xlabel("measured normal force, N", fontsize=8)
+    left.set_ylabel("measured - simulated, N", fontsize=8)
+    left.legend(fontsize=7, frameon=False)
+    right.set_xlabel("measured - simulated, N", fontsize=8)
+    for axis in (left, right):
+        axis.tick_params(labelsize=7)
+    return figure

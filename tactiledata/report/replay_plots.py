@@ -1,0 +1,95 @@
+"""Pictures of replayed touches: measured and simulated force over time, and the deformed gel in colour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.report.plots import AXIS_COLOURS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class ReplayedTouch:
+    """One touch, ready to be drawn.
+
+    Parameters
+    ----------
+    title : str
+    seconds : (n,) s from the trajectory's start
+    measured : (n, 3) N
+        Contact force, gel frame, at its native rate; empty where none was measured.
+    frame_seconds : (m,) s
+        When images were taken.
+    simulated : (m, 3) N
+        At those moments; NaN where there is no mesh.
+    shown_second : float
+        Of the mesh.
+    vertices : (v, 3) m, gel frame, undeformed
+    displacement : (v, 3) m
+    triangles : (t, 3)
+        The outer surface.
+    """
+
+    title: str
+    seconds: NDArray[np.float64]
+    measured: NDArray[np.float64]
+    frame_seconds: NDArray[np.float64]
+    simulated: NDArray[np.float64]
+    shown_second: float
+    vertices: NDArray[np.float64]
+    displacement: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+
+
+def draw_replayed(touches: Sequence[ReplayedTouch]) -> Figure:
+    """A row per touch: the deformed surface at the largest force, and the forces over time."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 2.8 * len(touches) + 0.4), layout="constrained")
+    grid = figure.add_gridspec(len(touches), 2, width_ratios=[1, 2])
+    for row, touch in enumerate(touches):
+        _surface(figure.add_subplot(grid[row, 0], projection="3d"), touch)
+        _forces(figure.add_subplot(grid[row, 1]), touch, is_first=row == 0, is_last=row == len(touches) - 1)
+    return figure
+
+
+def _surface(axes: Any, touch: ReplayedTouch) -> None:
+    x, y, z = 1e3 * (touch.vertices + touch.displacement).T
+    moved = 1e3 * np.linalg.norm(touch.displacement, axis=1)
+    drawn = axes.plot_trisurf(x, y, z, triangles=touch.triangles, cmap="viridis", linewidth=0.1, edgecolor="#00000030")
+    drawn.set_array(moved[touch.triangles].mean(axis=1))
+    drawn.set_clim(0.0, max(float(moved.max()), 1e-6))
+    axes.set_box_aspect((np.ptp(x), np.ptp(y), max(2.0 * np.ptp(z), 1.0)))
+    axes.view_init(elev=48, azim=-60)
+    axes.set_axis_off()
+    axes.set_title(touch.title, fontsize=8)
+    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.6, pad=0.0)
+    bar.set_label("moved, mm", fontsize=7)
+    bar.ax.tick_params(labelsize=7)
+
+
+def _forces(axes: Axes, touch: ReplayedTouch, is_first: bool, is_last: bool) -> None:
+    for column, name in enumerate(("fx", "fy", "fz")):
+        label = f"{name[0].upper()}{name[1]}"
+        colour = AXIS_COLOURS[name]
+        axes.plot(touch.seconds, touch.measured[:, column], color=colour, linewidth=0.8, label=f"{label} measured")
+        axes.plot(
+            touch.frame_seconds, touch.simulated[:, column], "o--", color=colour, markersize=3.5, linewidth=0.8,
+            label=f"{label} simulated",
+        )  # fmt: skip
+    axes.axvline(touch.shown_second, color="black", linewidth=0.6, linestyle=":")
+    axes.set_ylabel("N (gel frame)", fontsize=8)
+    axes.tick_params(labelsize=8)
+    if is_first:
+        axes.legend(fontsize=7, ncols=3, frameon=False)
+    if is_last:
+        axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
