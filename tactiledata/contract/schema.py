@@ -26,6 +26,7 @@ MAX_VALUES = 2**25
 """Values that a document may stand for, aliases written out: a few lines of aliases of aliases can mean billions."""
 
 PAGES = {
+    "calibration": "docs/calibration.md",
     "log": "docs/formats-folder.md",
     "mapping": "docs/formats-mcap.md",
     "scenario": "docs/rig.md",

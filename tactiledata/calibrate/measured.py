@@ -1,0 +1,191 @@
+"""The touches of a store that a calibration can use, and the reasons why others cannot."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.errors import UnknownName
+from tactiledata.gel.history import GelTouch
+from tactiledata.gel.pad import PadMesh
+from tactiledata.ingest.tare import component_noise, touch_threshold, touching
+from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
+from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch, ReplayPlan, plan_replay
+from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
+from tactiledata.store.reader import Store
+
+Array = NDArray[np.float64]
+WRENCH = "contact_wrench"
+LEAST_FORCE = 1.0
+"""N: a touch that the sensor felt less says nothing of the gel (the SPLIT paper's lower limit, too)."""
+MOST_FRAMES = 24
+"""Of one trajectory that are played; of more, so many are taken at even distances."""
+SETTLED = 0.9
+"""Share of the samples before the touch that is free air for sure."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a store gives to a calibration.
+
+    Parameters
+    ----------
+    touches : tuple of MeasuredTouch
+    mesh : PadMesh
+    described : what the mesh was made of
+    noise : WrenchNoise
+    left_out : dict, reason -> number of trajectories
+    """
+
+    touches: tuple[MeasuredTouch, ...]
+    mesh: PadMesh | None
+    described: Any
+    noise: WrenchNoise
+    left_out: dict[str, int]
+
+
+def read_measured(store: Store, options: CalibrationOptions) -> Measured:
+    """So many trajectories of a store as the options ask for, drawn by the seed, indenters in turn.
+
+    Raises
+    ------
+    UnknownName
+        A sensor that the store does not hold.
+    """
+    plan = plan_replay(store, options.pads, options.indenter_folder)
+    if options.sensor is not None:
+        known = {touch.sensor for touch in plan.touches}
+        if options.sensor not in known:
+            raise UnknownName("sensor", options.sensor, known)
+    left_out: Counter[str] = Counter()
+    usable = _usable(store, plan, options, left_out)
+    reader = _WrenchReader(store)
+    touches: list[MeasuredTouch] = []
+    stretches: list[Array] = []
+    for planned in drawn_in_turn(usable, options.seed):
+        if len(touches) == options.trajectories:
+            break
+        wrench = reader.wrench(planned)
+        if wrench is None:
+            left_out["no contact wrench in the gel frame"] += 1
+            continue
+        stretch = reader.free_air(planned)
+        stretches.append(stretch)
+        touches.append(_measured(store, planned, wrench, len(stretch)))
+    noise = noise_at_rest(stretches, reader.samples_a_frame(touches)) or _stated_noise()
+    pad = plan.pads[usable[0].pad] if usable else None
+    mesh, described = (pad.mesh, pad.described) if pad else (None, {})
+    return Measured(tuple(touches), mesh, described, noise, dict(left_out))
+
+
+def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_out: Counter[str]) -> list[PlannedTouch]:
+    peaks = dict(zip(*(store.trajectories(["uid", "peak_force"])[name].to_pylist() for name in ("uid", "peak_force")),
+                     strict=True))  # fmt: skip
+    wanted = [touch for touch in plan.touches if options.sensor in (None, touch.sensor)]
+    pads = Counter(touch.pad for touch in wanted if touch.obstacle is None)
+    pad = pads.most_common(1)[0][0] if pads else -1
+    usable = []
+    for touch in wanted:
+        peak = peaks.get(touch.uid)
+        if touch.obstacle is not None:
+            left_out[touch.reason] += 1
+        elif touch.pad != pad:
+            left_out["a gel of another shape: calibrate it on its own, with --sensor"] += 1
+        elif peak is None or not peak >= LEAST_FORCE:
+            left_out[f"no force: the sensor felt less than {LEAST_FORCE:g} N"] += 1
+        else:
+            usable.append(touch)
+    return usable
+
+
+def drawn_in_turn(touches: Sequence[PlannedTouch], seed: int) -> list[PlannedTouch]:
+    """All touches in an order of chance, one of each indenter before the second of any."""
+    chance = np.random.default_rng(seed)
+    shuffled = [touches[place] for place in chance.permutation(len(touches))]
+    turn: Counter[str] = Counter()
+    ranked = []
+    for place, touch in enumerate(shuffled):
+        ranked.append((turn[touch.indenter], place, touch))
+        turn[touch.indenter] += 1
+    return [touch for _, _, touch in sorted(ranked, key=lambda entry: entry[:2])]
+
+
+def _measured(store: Store, planned: PlannedTouch, wrench: Array, free_samples: int) -> MeasuredTouch:
+    rows = np.arange(*planned.frames)
+    t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])[rows]
+    count = len(rows)
+    kept = np.arange(count) if count <= MOST_FRAMES else np.unique(np.linspace(0, count - 1, MOST_FRAMES).astype(int))
+    whole = planned.gel_touch(store, 0.0)
+    return MeasuredTouch(
+        planned.uid,
+        planned.name,
+        planned.sensor,
+        planned.indenter,
+        GelTouch(whole.indenter, whole.poses[kept]),
+        wrench[kept],
+        (t_ns - t_ns[0])[kept] / 1e9,
+        float(free_samples),
+    )
+
+
+def _stated_noise() -> WrenchNoise:
+    assert ROBOTIQ_FT300S.force is not None
+    return specified_noise(ROBOTIQ_FT300S.force)
+
+
+class _WrenchReader:
+    """Contact wrenches of a store, at frames and at their native rate."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        named = [name for name in store.aligned_names if name.partition("@")[0] == WRENCH]
+        self._names = [name for name in named if store.meaning("aligned", name).frame == "gel"]
+        table = store.trajectories(["uid", "signal_rows"])
+        self._spans = {
+            uid: json.loads(spans)
+            for uid, spans in zip(table["uid"].to_pylist(), table["signal_rows"].to_pylist(), strict=True)
+        }
+        self._periods: list[float] = []
+
+    def wrench(self, planned: PlannedTouch) -> Array | None:
+        """At the frames (n, 6), NaN where not known; ``None`` where nowhere."""
+        for name in self._names:
+            values, gap_ns = self._store.aligned(name, np.arange(*planned.frames))
+            values = np.where((gap_ns > GAP_LIMIT_NS)[:, None], np.nan, values)
+            if np.isfinite(values).all(axis=1).any():
+                return values
+        return None
+
+    def free_air(self, planned: PlannedTouch) -> Array:
+        """Samples (n, 6) at the native rate before the touch, each reading once."""
+        spans = self._spans[planned.uid]
+        name = next((name for name in self._names if name in spans), None)
+        if name is None:
+            return np.empty((0, 6))
+        signal = self._store.signal(name)
+        start, stop = spans[name]
+        values = signal.values(start, stop)
+        is_new = np.ones(len(values), dtype=bool)
+        is_new[1:] = (np.diff(values, axis=0) != 0).any(axis=1)
+        values = values[is_new & np.isfinite(values).all(axis=1)]
+        if len(values) > 1:
+            self._periods.append(float(np.ptp(signal.t_ns(start, stop))) / 1e9 / (len(values) - 1))
+        threshold = touch_threshold(component_noise(values))
+        contact = np.flatnonzero(touching(np.linalg.norm(values[:, :3], axis=1), threshold))
+        first = int(contact[0]) if len(contact) else len(values)
+        return values[: int(SETTLED * first)]
+
+    def samples_a_frame(self, touches: Sequence[MeasuredTouch]) -> int:
+        """Samples at the native rate from one frame to the next."""
+        steps = [step for touch in touches for step in np.diff(touch.seconds)]
+        if not steps or not self._periods:
+            return 1
+        return max(1, round(float(np.median(steps)) / float(np.median(self._periods))))

@@ -1,0 +1,92 @@
+"""What a user may choose of a calibration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.calibrate.gent import DIGIT_SHORE_A, youngs_modulus_of_shore_a
+from tactiledata.calibrate.losses import LossName
+from tactiledata.errors import UsageError
+from tactiledata.gel.fem import Fidelity
+from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.nuisance.offsets import PRIOR
+from tactiledata.replay.plan import MakePad
+
+FEWEST = 2
+"""Trajectories to fit: fewer cannot disagree."""
+
+
+@dataclass(frozen=True)
+class CalibrationOptions:
+    """What shapes a calibration, beside the store.
+
+    Parameters
+    ----------
+    loss : "vector" or "norm"
+    fidelity : "finite-strain" or "linear"
+    bounds : "paper" or "wide"
+    trajectories : int
+        Drawn from the store, those held out among them.
+    hold_out : share of them that is not fitted, 0 to below 1
+    seed : int
+        Of what is drawn.
+    shore_a : durometer reading, for the start (Gent)
+    offset_prior : m
+        Standard deviation of each trajectory's contact offset; 0: the recorded poses are taken as they are.
+    sensor : str, optional
+        Only trajectories of this sensor.
+    workers : int
+        Processes that play trajectories.
+    make_pad : callable, optional
+        A pad of one's own for each sensor model, instead of the low-resolution ones.
+    indenter_folder : Path, optional
+        Where the meshes of indenters lie that recordings name by a path.
+
+    Raises
+    ------
+    UsageError
+        A value outside its range.
+    """
+
+    loss: LossName = "vector"
+    fidelity: Fidelity = "finite-strain"
+    bounds: str = "paper"
+    trajectories: int = 25
+    hold_out: float = 0.2
+    seed: int = 0
+    shore_a: float = DIGIT_SHORE_A
+    offset_prior: float = PRIOR
+    sensor: str | None = None
+    workers: int = 1
+    make_pad: MakePad | None = None
+    indenter_folder: Path | None = None
+
+    def __post_init__(self) -> None:
+        find_bounds(self.bounds)
+        youngs_modulus_of_shore_a(self.shore_a)
+        for name, known in (("loss", ("vector", "norm")), ("fidelity", ("finite-strain", "linear"))):
+            if getattr(self, name) not in known:
+                raise UsageError(f"{name} {getattr(self, name)!r}", " or ".join(known), "Name one of them.")
+        checks = (
+            ("trajectories", self.trajectories >= FEWEST, f"at least {FEWEST}"),
+            ("hold_out", 0.0 <= self.hold_out < 1.0, "a share, 0 to below 1"),
+            ("offset_prior", 0.0 <= self.offset_prior < 1e-3, "metres, 0 to below 0.001"),
+            ("seed", self.seed >= 0, "0 or more"),
+        )
+        for name, holds, wanted in checks:
+            if not holds:
+                raise UsageError(f"{name} {getattr(self, name)}", wanted, "Correct the option.", option=name)
+
+    @property
+    def pads(self) -> MakePad:
+        """What makes the pads."""
+        return self.make_pad or partial(pad_mesh, resolution="low")
+
+    def document(self) -> dict[str, Any]:
+        """What the result depends on, for provenance."""
+        names = ("loss", "fidelity", "bounds", "trajectories", "hold_out", "seed", "shore_a", "offset_prior", "sensor")
+        return {name: getattr(self, name) for name in names}
