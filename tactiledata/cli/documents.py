@@ -24,10 +24,9 @@ def calibration_document(path: Path) -> tuple[dict[str, float], dict[str, float]
     from tactiledata.contract.schema import read_document
 
     with wrong_document_is_wrong_usage():
-        document = read_document(path)
-    material = document.get("material", document)
-    names = ("youngs_modulus", "poisson_ratio", "friction")
-    return {name: material[name] for name in names if name in material}, dict(document.get("offsets", {}))
+        document = read_document(path, "calibration")
+    material = {name: float(document[name]) for name in ("youngs_modulus", "poisson_ratio", "friction")}
+    return material, dict(document["offsets"])
 
 
 def mapping_document(path: Path | None) -> Any:

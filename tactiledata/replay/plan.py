@@ -20,7 +20,7 @@ from tactiledata.gel.pad import PadMesh
 from tactiledata.gel.relief import indenter_relief
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
-from tactiledata.replay.geometry import gel_geometry
+from tactiledata.replay.geometry import gel_geometry, implausible
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.replay.status import STATUSES, ReplayStatus
 from tactiledata.sensors.base import GelGeometry
@@ -214,6 +214,8 @@ class _Planner:
         geometry = gel_geometry(facts)
         if geometry is None:
             raise _Obstacle(ReplayStatus.GEL_UNKNOWN, f"model {model!r}")
+        if fault := implausible(geometry):
+            raise _Obstacle(ReplayStatus.GEL_UNUSABLE, fault)
         try:
             mesh = self._make_pad(model, geometry)
             cell_quadrature(mesh)

@@ -1,5 +1,7 @@
 """A coarse pad, quick to solve, and replays of the tiny store on it."""
 
+import hashlib
+
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.structured_pad import GridPlan, structured_pad
 from tactiledata.replay.options import ReplayOptions
@@ -18,3 +20,12 @@ def options(**changes):
     return ReplayOptions(
         **{"material": MATERIAL, "fidelity": "linear", "name": "coarse", "make_pad": coarse_pad, **changes}
     )
+
+
+def files(folder):
+    """Digest of every file of a store but its locks."""
+    return {
+        str(place.relative_to(folder)): hashlib.sha256(place.read_bytes()).hexdigest()
+        for place in sorted(folder.rglob("*"))
+        if place.is_file() and not place.name.endswith(".lock")
+    }
