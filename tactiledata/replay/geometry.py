@@ -9,7 +9,6 @@ from typing import Any
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import GelGeometry
 
-
 SHORTEST, LONGEST = 2e-3, 0.1
 """m, of a gel's long side; another size means another unit."""
 
