@@ -1,13 +1,14 @@
 """The points on which the layer solver knows displacements: a square grid in the plane, columns of nodes through it.
 
-In the plane: bilinear cells, the window repeated periodically. Through the thickness: two spectral elements, finer
-towards the surface, on Gauss-Lobatto points that serve as quadrature too. The lowest node is bonded and left out.
+In the plane: bilinear cells, the window repeated periodically. Through the thickness: spectral elements, finer towards
+the surface, on Gauss-Lobatto points that serve as quadrature too. The lowest node is bonded and left out.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,12 @@ from scipy.fft import next_fast_len
 
 Array = NDArray[np.floating[Any]]
 
-PITCH = 5e-4
-"""m between surface points, unless another is asked for."""
 MARGIN = 8e-4
 """m of empty window beyond the pad, so that its sides are free."""
-INTERFACE = 0.64
-"""Height of the border between the two elements, as a share of the thickness."""
+UPPER_CELLS, UPPER_SHARE = 12, 0.36
+"""Height of the uppermost element: so many pitches, at most this share of the thickness."""
+GROWTH = 3.0
+"""How much higher each next element is."""
 DEGREE = 4
 """Of the polynomials through each element."""
 
@@ -45,20 +46,30 @@ class Column:
     slope: Array
 
     @classmethod
-    def of(cls, thickness: float, interface: float = INTERFACE, degree: int = DEGREE) -> Column:
-        """Two elements of one degree over a thickness (m)."""
+    def of(cls, thickness: float, pitch: float, degree: int = DEGREE) -> Column:
+        """Elements of one degree over a thickness (m), the upper ones fit for a grid of a pitch (m)."""
         nodes, weights, derivative = gauss_lobatto(degree)
-        levels = 2 * degree
+        borders = _borders(thickness, pitch)
+        levels = degree * (len(borders) - 1)
         share, weight, pick, slope = [], [], [], []
-        for index, (low, high) in enumerate(((0.0, interface), (interface, 1.0))):
-            length = (high - low) * thickness
-            share.append(low + (high - low) * nodes)
-            weight.append(weights * length)
+        for index, (low, high) in enumerate(pairwise(borders)):
+            share.append((low + (high - low) * nodes) / thickness)
+            weight.append(weights * (high - low))
             place = np.zeros((degree + 1, levels + 1))
             place[np.arange(degree + 1), index * degree + np.arange(degree + 1)] = 1.0
             pick.append(place[:, 1:])
-            slope.append((derivative / length @ place)[:, 1:])
+            slope.append((derivative / (high - low) @ place)[:, 1:])
         return cls(*(np.concatenate(parts) for parts in (share, weight, pick, slope)))
+
+
+def _borders(thickness: float, pitch: float) -> list[float]:
+    """Heights, m, at which elements meet, from the base to the surface."""
+    height = min(UPPER_CELLS * pitch, UPPER_SHARE * thickness)
+    borders = [thickness, thickness - height]
+    while borders[-1] > 1.5 * GROWTH * height:
+        height *= GROWTH
+        borders.append(borders[-1] - height)
+    return [0.0, *borders[::-1]]
 
 
 def gauss_lobatto(degree: int) -> tuple[Array, Array, Array]:
@@ -93,7 +104,7 @@ class LayerGrid:
     outline: tuple[float, float] | None = None
 
     @classmethod
-    def of(cls, outline: tuple[float, float], pitch: float = PITCH) -> LayerGrid:
+    def of(cls, outline: tuple[float, float], pitch: float) -> LayerGrid:
         """The grid of a pad with free sides."""
         columns, rows = (next_fast_len(int(np.ceil((side + 2 * MARGIN) / pitch)), real=True) for side in outline)
         return cls(pitch, (rows, columns), outline)

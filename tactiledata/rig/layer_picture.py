@@ -14,8 +14,8 @@ from tactiledata.rig.layer_grid import LayerGrid
 Map = NDArray[Any]
 """float32; OpenCV's annotations say less."""
 
-CREASE = 3e-6
-"""m over which the gel joins the indenter."""
+CLOSED = 0.1
+"""Gaps below this share of the layer's pitch are less than the layer can tell."""
 ROUNDS = 3
 """Rounds in which it is found which point of the gel has come to lie where."""
 
@@ -50,10 +50,11 @@ def drawn_surface(
     bed = -_read(displacement[2], from_column, from_row)
     if depth <= 0:
         return -bed
-    # where the coarse surface would reach into the fine indenter, the indenter wins
+    # on the coarse surface a touching face is only nearly touched: small gaps are closed, and none is pierced
     sink = np.float32(depth) - moved_heights(print_, moved)
-    apart = sink - bed
-    return -0.5 * (sink + bed + cv2.sqrt(apart * apart + np.float32(CREASE**2)))
+    gap = np.maximum(bed - sink, 0.0)
+    told = np.clip(gap / np.float32(CLOSED * grid.pitch), 0.0, 1.0)
+    return -(sink + gap * told * told * (3.0 - 2.0 * told))
 
 
 def _read(values: Map, columns: Map, rows: Map) -> Map:

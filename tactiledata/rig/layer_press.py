@@ -58,7 +58,7 @@ def solve_press(
     thickness : m
     material : Material
     grid : LayerGrid
-        ``LayerGrid.of(outline)`` for a pad with free sides.
+        ``LayerGrid.of(outline, pitch)`` for a pad with free sides.
     is_linear : bool
         Small strain.
     tolerance : float

@@ -109,7 +109,7 @@ class Layer:
         tolerance: float = TOLERANCE,
     ) -> None:
         shear, lame = lame_constants(material)
-        column = Column.of(thickness)
+        column = Column.of(thickness, grid.pitch)
         self.grid, self.material = grid, material
         self._tolerance = tolerance
         factors = (1.0, 1.0) if is_linear else (STIFFER_SHEAR, STIFFER_VOLUME)

@@ -194,7 +194,8 @@ class Stage:
 
     def _layer(self, gel: Gel) -> Layer:
         if gel not in self._layers:
-            self._layers[gel] = Layer(LayerGrid.of(gel.outline), gel.thickness, self.scenario.material)
+            grid = LayerGrid.of(gel.outline, self.scenario.contact_pitch)
+            self._layers[gel] = Layer(grid, gel.thickness, self.scenario.material)
         return self._layers[gel]
 
 

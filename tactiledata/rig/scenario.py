@@ -143,6 +143,7 @@ class Scenario:
     start_ns: int = 1_700_000_000_000_000_000
     material: Material = Material()
     contact: str = "analytic"
+    contact_pitch: float = 4e-4
     robot: Robot = field(default_factory=Robot)
     imperfections: Imperfections = Imperfections()
     streams: Streams = Streams()
@@ -184,7 +185,7 @@ def load_scenario(source: Path | str | Mapping[str, Any], folder: Path | None = 
 
 
 def _scenario(document: Mapping[str, Any], folder: Path) -> Scenario:
-    plain = {key: document[key] for key in ("title", "seed", "start_ns", "contact") if key in document}
+    plain = {key: document[key] for key in ("title", "seed", "start_ns", "contact", "contact_pitch") if key in document}
     sections = {
         name: _record(kind, document[name])
         for name, kind in (

@@ -28,7 +28,7 @@ def write_truth(tape: Tape, folder: Path) -> None:
         folder / f"{tape.name}.json",
         {
             "material": asdict(scenario.material),
-            "contact": scenario.contact,
+            "contact": {"form": scenario.contact, "pitch": scenario.contact_pitch},
             "imperfections": asdict(scenario.imperfections),
             "clocks": {name: asdict(scenario.clock(name)) for name in ("wrench", "tcp", "joints", "frames")},
             "sensors": {serial: _sensor(tape, serial) for serial in {play.touch.sensor for play in performance.plays}},
