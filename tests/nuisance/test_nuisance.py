@@ -1,0 +1,130 @@
+"""Noise, zeros and offsets are found where they were planted, and not where they were not."""
+
+import numpy as np
+import pytest
+
+from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
+from tactiledata.nuisance.numerical import with_force_error
+from tactiledata.nuisance.offsets import FARTHEST, OffsetSeries, profile_offsets
+from tactiledata.nuisance.tare import tare_variance, without_tare
+from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
+
+
+def planted_covariance(seed=0):
+    chance = np.random.default_rng(seed)
+    scale = np.diag([0.1, 0.12, 0.2, 0.003, 0.004, 0.001])
+    mixing = np.linalg.cholesky(0.6 * np.eye(6) + 0.4)
+    return chance, scale @ mixing @ mixing.T @ scale
+
+
+def test_the_covariance_of_rest_is_found_beside_drift():
+    """Sampled covariance, correlation of forces and torques included; a drift in each stretch is not noise."""
+    chance, covariance = planted_covariance()
+    factor = np.linalg.cholesky(covariance)
+    drift = np.linspace(0, 1, 100)[:, None]
+    stretches = [chance.standard_normal((100, 6)) @ factor.T + k + drift for k in range(40)]
+    noise = noise_at_rest(stretches)
+    assert noise is not None
+    assert np.allclose(noise.covariance / covariance, 1.0, atol=0.15)
+    assert noise.inflation == pytest.approx(1.0, abs=0.1)
+
+
+def test_whitened_noise_is_white():
+    chance, covariance = planted_covariance(1)
+    noise = WrenchNoise(covariance, 1.0, "")
+    white = noise.whitened(chance.standard_normal((20_000, 6)) @ np.linalg.cholesky(covariance).T)
+    assert np.allclose(np.cov(white.T), np.eye(6), atol=0.04)
+
+
+@pytest.mark.parametrize("r", [0.0, 0.6])
+def test_correlated_neighbours_count_for_less(r):
+    """An AR(1) process is told from white noise, and by how much its mean is less certain."""
+    chance = np.random.default_rng(2)
+    stretches = []
+    for _ in range(40):
+        steps = chance.standard_normal((150, 6))
+        for k in range(1, 150):
+            steps[k] = r * steps[k - 1] + np.sqrt(1 - r**2) * steps[k]
+        stretches.append(steps)
+    noise = noise_at_rest(stretches)
+    assert noise is not None
+    assert noise.inflation == pytest.approx((1 + r) / (1 - r), rel=0.15)
+
+
+def test_too_few_samples_say_nothing():
+    assert noise_at_rest([]) is None
+    assert noise_at_rest([np.zeros((100, 6))]) is None
+    assert noise_at_rest([np.ones((3, 6))] * 100) is None
+
+
+def test_a_standing_component_gets_no_infinite_weight():
+    """A torque that a driver always sends as 0 does not decide everything."""
+    chance = np.random.default_rng(0)
+    stretch = chance.standard_normal((200, 6)) * 0.1
+    stretch[:, 5] = 0.0
+    noise = noise_at_rest([stretch])
+    assert noise is not None
+    assert noise.deviations[5] > 0.02 * noise.deviations[4]
+
+
+def test_the_specification_has_six_components():
+    deviations = specified_noise(ROBOTIQ_FT300S.force).deviations
+    assert (deviations > 0).all()
+    assert deviations[0] >= ROBOTIQ_FT300S.force.force_noise
+
+
+def test_without_tare_is_the_inverse_root_of_the_covariance():
+    """Sums of squares are those of generalised least squares with the covariance I + v 1 1ᵀ."""
+    chance = np.random.default_rng(3)
+    counts, variance = np.array([5, 1, 12]), tare_variance(np.array([40.0, 2.0, 0.0]))
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    rows = chance.standard_normal((counts.sum(), 6)) + 3.0
+    done = without_tare(rows, starts, variance)
+    for start, count, v in zip(starts, counts, variance, strict=True):
+        part = rows[start : start + count]
+        whole = np.eye(count) + v * np.ones((count, count))
+        expected = np.trace(part.T @ np.linalg.solve(whole, part))
+        assert np.sum(done[start : start + count] ** 2) == pytest.approx(expected)
+
+
+def quadratic_touches(seed=0, count=6, frames=9):
+    chance = np.random.default_rng(seed)
+    series = OffsetSeries(*(chance.standard_normal((count * frames, 6)) * s for s in (20.0, 1.5e5, 4e8)))
+    return series, np.arange(count) * frames, chance.normal(0, 4e-5, count), frames
+
+
+def test_planted_offsets_are_found():
+    """Without noise and with a prior that hardly binds, to the nanometre."""
+    series, starts, truth, frames = quadratic_touches()
+    found = profile_offsets(series.at(np.repeat(truth, frames)), series, starts, prior=1e-2)
+    assert np.allclose(found, truth, atol=2e-9)
+
+
+def test_the_profile_is_stationary():
+    """No offset nearby is better, prior included."""
+    series, starts, truth, frames = quadratic_touches(1)
+    measured = series.at(np.repeat(truth, frames)) + np.random.default_rng(0).standard_normal((54, 6)) * 5
+    found = profile_offsets(measured, series, starts)
+
+    def value(offsets):
+        return ((measured - series.at(np.repeat(offsets, frames))) ** 2).sum() + ((offsets / 4e-5) ** 2).sum()
+
+    for k in range(len(found)):
+        for step in (-1e-6, 1e-6):
+            other = found.copy()
+            other[k] += step
+            assert value(other) >= value(found)
+
+
+def test_offsets_stay_where_they_mean_something():
+    series, starts, _, frames = quadratic_touches(2)
+    far = series.at(np.repeat(np.full(len(starts), 5e-3), frames))
+    assert np.abs(profile_offsets(far, series, starts)).max() <= FARTHEST
+    assert (profile_offsets(far, series, starts, prior=0.0) == 0).all()
+
+
+def test_a_common_force_error_widens_both_sides():
+    low, high = with_force_error(900.0, (890.0, 920.0), 0.03)
+    assert low < 900 - 1.96 * 27
+    assert high > 900 + 1.96 * 27
+    assert with_force_error(900.0, (890.0, 920.0), 0.0) == (890.0, 920.0)
