@@ -87,7 +87,8 @@ class ContactWalk:
     def head_for(self, pose: Array) -> bool:
         """Set out for the next pose (4, 4); whether anything may touch there."""
         here = self.rest + self.state.displacement[self.rows]
-        step = float(np.linalg.norm(pose[:3, 3] - self.state.pose[:3, 3]))
+        # nothing is known of the pose before a touch's first
+        step = float(np.nan_to_num(np.linalg.norm(pose[:3, 3] - self.state.pose[:3, 3])))
         near = height_above(here, self.relief, pose) < LOOK_AROUND + step
         self._faces = np.flatnonzero(near[self.surface.faces].any(axis=1))
         self._pose = pose
