@@ -58,8 +58,8 @@ LARGEST_NU = 0.495
 """The paper searches to 0.5, where no gel of finite bulk modulus is; the grid of responses ends here."""
 
 BOUNDS = {
-    "paper": Bounds("paper", (838e3, 0.45, 0.5), (970e3, LARGEST_NU, 0.99), (0.5, 0.65, 0.8, 0.99)),
-    "wide": Bounds("wide", (200e3, 0.45, 0.2), (4e6, LARGEST_NU, 1.5), (0.2, 0.5, 0.65, 0.8, 0.99, 1.5)),
+    "paper": Bounds("paper", (838e3, 0.45, 0.5), (970e3, LARGEST_NU, 0.99), (0.5, 0.7, 0.99)),
+    "wide": Bounds("wide", (200e3, 0.45, 0.2), (4e6, LARGEST_NU, 1.5), (0.2, 0.5, 0.7, 0.99, 1.5)),
 }
 
 

@@ -113,7 +113,7 @@ class NormLoss:
     def value(self, parameters: Array) -> float:
         """N."""
         modulus, ratio, friction = parameters
-        simulated = modulus * np.linalg.norm(self.response.at(ratio, friction).level[:, :3], axis=1)
+        simulated = modulus * np.linalg.norm(self.response.level_at(ratio, friction)[:, :3], axis=1)
         apart = np.abs(np.linalg.norm(self.measured[:, :3], axis=1) - simulated)
         means = np.add.reduceat(apart, self.response.starts) / self.response.counts
         return float(np.average(means, weights=self.shares))

@@ -77,11 +77,14 @@ class Response:
         """The response over the offset, Young's modulus 1."""
         mu_middle = self.plan.middle[1]
         weights = _lagrange(np.asarray(self.plan.ratios), ratio)
-        level = np.tensordot(weights, self._level_over_mu(friction), axes=1)
         slope, curvature = (
             np.tensordot(weights, self.by_ratio, axes=1) + self._offset_over_mu(friction) - self.by_friction[mu_middle]
         )
-        return OffsetSeries(level, slope, curvature)
+        return OffsetSeries(self.level_at(ratio, friction), slope, curvature)
+
+    def level_at(self, ratio: float, friction: float) -> Array:
+        """Wrenches (n, 6) without offset, Young's modulus 1."""
+        return np.tensordot(_lagrange(np.asarray(self.plan.ratios), ratio), self._level_over_mu(friction), axes=1)
 
     def part(self, trajectories: Indices) -> Response:
         """The response of some trajectories, in the order given."""

@@ -11,9 +11,9 @@ from tactiledata.calibrate.losses import Loss
 
 Array = NDArray[np.float64]
 
-GLOBAL_EVALUATIONS = 500
+GLOBAL_EVALUATIONS = 300
 LOCAL_EVALUATIONS = 1500
-PRECISION = 1e-7
+PRECISION = 1e-6
 """Share of the box within which the optimum is found."""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +44,11 @@ class WrenchNoise:
 
     def whitened(self, wrench: Array) -> Array:
         """Wrenches (…, 6) in units in which the noise is white and of variance 1."""
-        factor = np.linalg.cholesky(self.covariance * self.inflation)
-        return wrench @ np.linalg.inv(factor).T
+        return wrench @ self._whitening
+
+    @cached_property
+    def _whitening(self) -> Array:
+        return np.linalg.inv(np.linalg.cholesky(self.covariance * self.inflation)).T
 
 
 def noise_at_rest(stretches: Sequence[Array], lag: int = 1) -> WrenchNoise | None:

@@ -15,6 +15,7 @@ PRIOR = 4e-5
 FARTHEST = 2.0e-4
 """m: an offset larger than five times its prior is not one of repeatability."""
 ROUNDS = 12
+HALVINGS = 6
 CLOSE = 1e-9
 """m: the offsets stand still."""
 
@@ -48,35 +49,53 @@ def profile_offsets(measured: Array, series: OffsetSeries, starts: Indices, prio
     offsets = np.zeros(len(starts))
     if prior <= 0:
         return offsets
-    counts = np.diff(starts, append=len(measured))
-    value = _value(measured, series, starts, counts, offsets, prior)
+    quartic = _cost(measured, series, starts, prior)
+    first = _derivative(quartic)
+    second = _derivative(first)
+    cost = _at(quartic, offsets)
     for _ in range(ROUNDS):
-        z = np.repeat(offsets, counts)[:, None]
-        residual = measured - series.at(z[:, 0])
-        tangent = series.slope + 2.0 * z * series.curvature
-        gradient = _sums(tangent * residual, starts) - offsets / prior**2
-        stiffness = _sums(tangent * tangent, starts) + 1.0 / prior**2
-        step = gradient / stiffness
-        tried = np.clip(offsets + step, -FARTHEST, FARTHEST)
-        reached = _value(measured, series, starts, counts, tried, prior)
-        better = reached <= value
-        # a step that overshoots is halved once; the next round linearises anew
-        half = np.clip(offsets + step / 2, -FARTHEST, FARTHEST)
-        tried = np.where(better, tried, half)
+        bend = _at(second, offsets)
+        step = -_at(first, offsets) / np.where(bend > 0, bend, 2.0 * prior**-2)
+        # a step that overshoots is halved; the next round linearises anew
+        for _ in range(HALVINGS):
+            tried = np.clip(offsets + step, -FARTHEST, FARTHEST)
+            reached = _at(quartic, tried)
+            is_worse = reached > cost
+            if not is_worse.any():
+                break
+            step = np.where(is_worse, step / 2, step)
+        tried = np.where(is_worse, offsets, tried)
         moved = np.abs(tried - offsets).max(initial=0.0)
-        offsets = tried
-        value = _value(measured, series, starts, counts, offsets, prior)
+        offsets, cost = tried, np.where(is_worse, cost, reached)
         if moved < CLOSE:
             break
     return offsets
 
 
-def _value(
-    measured: Array, series: OffsetSeries, starts: Indices, counts: Indices, offsets: Array, prior: float
-) -> Array:
-    residual = measured - series.at(np.repeat(offsets, counts))
-    return _sums(residual * residual, starts) + (offsets / prior) ** 2
+def _cost(measured: Array, series: OffsetSeries, starts: Indices, prior: float) -> Array:
+    """Each trajectory's sum of squares as a polynomial of its offset: coefficients (5, t), lowest power first."""
+    residual, slope, curvature = measured - series.level, series.slope, series.curvature
+
+    def dot(a: Array, b: Array) -> Array:
+        return np.add.reduceat(np.einsum("nk,nk->n", a, b), starts)
+
+    return np.stack(
+        [
+            dot(residual, residual),
+            -2.0 * dot(residual, slope),
+            dot(slope, slope) - 2.0 * dot(residual, curvature) + prior**-2,
+            2.0 * dot(slope, curvature),
+            dot(curvature, curvature),
+        ]
+    )
 
 
-def _sums(rows: Array, starts: Indices) -> Array:
-    return np.add.reduceat(rows.sum(axis=1), starts)
+def _derivative(polynomial: Array) -> Array:
+    return polynomial[1:] * np.arange(1, len(polynomial))[:, None]
+
+
+def _at(polynomial: Array, place: Array) -> Array:
+    value = np.zeros_like(place)
+    for coefficient in polynomial[::-1]:
+        value = value * place + coefficient
+    return value
