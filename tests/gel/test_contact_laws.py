@@ -142,7 +142,7 @@ def _moved(way):
 
 
 def test_without_friction_the_path_is_forgotten(engine):
-    """Without friction only the pose counts; with friction the way back takes another course and the loop costs work."""
+    """Without friction only the pose counts; with friction the way back is another and the loop costs work."""
     there = [(x, 0, -0.6) for x in (0, 0.1, 0.2, 0.3, 0.4)]
     loop = poses((0, 0, -0.3), *there, *there[-2::-1], *there[1:])
     smooth, rough = (pressed(engine, BALL, loop, friction) for friction in (0.0, 0.4))

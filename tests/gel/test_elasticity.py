@@ -93,7 +93,7 @@ def test_rigid_motion_costs_nothing(crooked):
     """A turn and a shift of any size leave the pad without force; the linear law holds for shifts."""
     mesh, quadrature, _ = crooked
     turn = Rotation.from_rotvec([0.4, -0.9, 1.3]).as_matrix()
-    forces = nodal_forces(crooked, stretched(mesh, turn) + [1e-3, 2e-3, -3e-3])
+    forces = nodal_forces(crooked, stretched(mesh, turn) + np.array([1e-3, 2e-3, -3e-3]))
     assert np.abs(forces).max() < 1e-12 * SIDE**2
     stiffness = linear_stiffness(mesh, quadrature, NU)
     assert np.abs(stiffness @ np.ones(stiffness.shape[0])).max() < 1e-12 * abs(stiffness).max()
