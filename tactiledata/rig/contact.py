@@ -73,6 +73,10 @@ class Contact(Protocol):
     def slipping(self) -> NDArray[np.bool_]:
         """Whether all that touches slides (n,) at ``CONTACT_RATE``."""
 
+    @property
+    def unsettled(self) -> int:
+        """How many steps of the solver did not come to rest."""
+
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """Height (n_y, n_x), m, of the gel's outer surface on the footprint's grid; zero where it is at rest."""
 

@@ -34,6 +34,11 @@ class AnalyticContact:
         """See `Contact.slipping`."""
         return self.history.slipping
 
+    @property
+    def unsettled(self) -> int:
+        """None: nothing is iterated."""
+        return 0
+
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """See `Contact.surface`."""
         print_ = self.setup.print_

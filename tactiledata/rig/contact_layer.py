@@ -33,6 +33,8 @@ class LayerContact:
         How far the path has gone at each step of the solver.
     surfaces : (k, 3, rows, columns), m, float32
         Displacements of the surface there.
+    unsettled : int
+        See `Contact.unsettled`.
     """
 
     setup: TouchSetup
@@ -42,6 +44,7 @@ class LayerContact:
     slipping: NDArray[np.bool_]
     marks: Array
     surfaces: NDArray[np.float32]
+    unsettled: int
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """See `Contact.surface`."""
@@ -72,6 +75,7 @@ def touch_layer(setup: TouchSetup, layer: Layer) -> LayerContact:
         slips[np.clip(np.searchsorted(marks, at), 0, len(marks) - 1)],
         marks,
         np.array([state.u[:, -1] for state in states], dtype=np.float32),
+        sum(not state.is_settled for state in states),
     )
 
 

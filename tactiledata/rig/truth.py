@@ -59,6 +59,7 @@ def _trajectory(play: Play) -> dict[str, Any]:
         "tilt": list(play.touch.tilt),
         "yaw": play.touch.yaw,
         "peak_force": float(np.linalg.norm(play.contact.wrench[:, :3], axis=1).max()),
+        "unsettled_steps": play.contact.unsettled,
         "slips": bool(play.contact.slipping.any()),
         "phases": [
             [play.start_ns + int(start * 1e9), play.start_ns + int(end * 1e9), name]

@@ -85,6 +85,7 @@ def test_a_press_stops_at_the_limit_of_force(layer):
     contact = touch_layer(setup_of(PRESS, shape="cylinder_flat", force_limit=3.0), layer)
     assert contact.wrench[:, 2].max() == pytest.approx(3.0, rel=0.02)
     assert contact.path.positions[:, 2].max() < 3e-4
+    assert contact.unsettled == 0
 
 
 def test_the_picture_shows_the_indenter_in_the_gel(layer):

@@ -38,6 +38,8 @@ def test_bundled_worlds_are_valid(name):
         ({"sensors": {}}, "$.sensors"),
         ({"sensors": {"A": {}}}, "$.sensors.A"),
         ({"material": {"poisson_ratio": 0.5}}, "$.material.poisson_ratio"),
+        ({"contact": "magic"}, "$.contact"),
+        ({"contact_pitch": 0.4}, "$.contact_pitch"),
         ({"images": {"encoding": "gif"}}, "$.images.encoding"),
         ({"streams": {"wrench": 0}}, "$.streams.wrench"),
         ({"images": {"capture": "video", "rate": 0}}, "$.images.rate"),
