@@ -28,12 +28,14 @@ def demo(
     workers: int = typer.Option(2, "--workers", help="Local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a small world and take it all the way to a report. Ingest, split, audit and a batch lie between.
+    """Record a small world and take it all the way to a report. Ingest, split, audit, meshes and a batch lie between.
 
     Example: tactiledata demo --out demo-out
     """
     from tactiledata.ingest.overview import write_report
     from tactiledata.ingest.pipeline import ingest
+    from tactiledata.replay.attach import replay
+    from tactiledata.replay.overview import mesh_sections
     from tactiledata.rig.record import record
     from tactiledata.rig.scenario import load_scenario
     from tactiledata.rig.worlds import find_scenario
@@ -72,22 +74,30 @@ def demo(
         audited = audit(store, "default", progress=bar)
     tell(f"   audit: {audited.lines()[0]}")
 
-    tell("4. Load: a batch from PyTorch")
+    tell("4. Replay: every touch through the soft gel, a mesh for every picture (the world's material, linear)")
+    with progress("replaying", quiet=as_json) as bar:
+        replayed = replay(store_path, _replay_options(scenario.material), workers, progress=bar)
+    for line in replayed.lines():
+        tell(f"   {line}")
+
+    tell("5. Load: a batch from PyTorch")
     batch = _load_batch(store_path)
     tell(f"   {batch['said']}")
 
-    written = write_report(store, out)
-    tell(f"5. Look: {written['picture']}\n   Open:  {written['page']}")
+    store = Store.open(store_path)
+    written = write_report(store, out, further=mesh_sections(store))
+    tell(f"6. Look: {written['picture']}\n   Open:  {written['page']}")
     if as_json:
         emit({
             "recordings": [str(log) for log in logs],
             "ingest": report.document(),
             "split": split.document(),
             "audit": audited.document(),
+            "replay": replayed.document(),
             "batch": batch,
             **{name: str(path) for name, path in written.items()},
         })  # fmt: skip
-    if report.fell_short or audited.leaks:
+    if report.fell_short or audited.leaks or replayed.fell_short:
         raise typer.Exit(1)
 
 
@@ -107,6 +117,14 @@ def _empty_folder(out: Path) -> None:
     (out / MARKER).touch()
 
 
+def _replay_options(material: Any) -> Any:
+    from tactiledata.gel.material import GelMaterial
+    from tactiledata.replay.options import ReplayOptions
+
+    own = GelMaterial(material.youngs_modulus, material.poisson_ratio, material.friction)
+    return ReplayOptions(own, fidelity="linear")
+
+
 def _load_batch(store_path: Path) -> dict[str, Any]:
     """What a batch of training frames is, in words under ``said`` and, where there is PyTorch, as shapes by stream."""
     try:
@@ -115,8 +133,9 @@ def _load_batch(store_path: Path) -> dict[str, Any]:
         return {"said": "PyTorch is not installed, so this step is left out: pip install 'tactiledata[models]'"}
     from tactiledata.loaders.torch import TactileDataset
 
-    train = TactileDataset(store_path, split="default/train", streams=["digit", "contact_wrench"], missing="drop")
+    streams = ("digit", "contact_wrench", "mesh")
+    train = TactileDataset(store_path, split="default/train", streams=list(streams), missing="drop")
     batch = next(iter(DataLoader(train, batch_size=min(64, len(train)))))
-    shapes = {name: list(batch[name].shape) for name in ("digit", "contact_wrench")}
+    shapes = {name: list(batch[name].shape) for name in streams}
     told = ", ".join(f"{name} {tuple(shape)} {batch[name].dtype}" for name, shape in shapes.items())
     return {"said": f"{counted(len(train), 'training frame')}; a batch: {told}", "shapes": shapes}
