@@ -24,6 +24,7 @@ from tactiledata.errors import BrokenLog, MissingFile
 from tactiledata.formats import FORMATS
 from tactiledata.ingest.assemble import IngestOptions, assemble
 from tactiledata.ingest.checks import broken_images, check_take, flag_broken
+from tactiledata.ingest.conflicts import conflict_findings
 from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.lag import camera_lag
 from tactiledata.ingest.replacing import replace_recordings
@@ -117,7 +118,7 @@ def ingest(
             reports = []
             otherwise = _ingested_otherwise(folder, chosen)
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports))
-        reports = _with_twins(reports, folder)
+        reports = _compared(reports, folder)
         recover(folder)  # copies of what was committed need not wait
     left = tuple(str(path) for path in unclaimed)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))
@@ -141,15 +142,16 @@ def _intake(folder: Path) -> Iterator[None]:
                     folder.rmdir()
 
 
-def _with_twins(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
-    """Reports, each with the word that its recording has a twin in the store, where it has one."""
-    twins = twin_findings(Store.open(folder), [report.sha256 for report in reports])
-    return [
-        dataclasses.replace(report, findings=(*report.findings, twins[report.sha256]))
-        if report.sha256 in twins
-        else report
-        for report in reports
-    ]
+def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
+    """Reports, each with what its recording contradicts in the store, and with its twin there, where it has one."""
+    store = Store.open(folder)
+    twins = twin_findings(store, [report.sha256 for report in reports])
+    conflicts = conflict_findings(store, {report.sha256 for report in reports if report.state in ("added", "replaced")})
+    compared = []
+    for report in reports:
+        said = [*conflicts.get(report.sha256, ()), *([twins[report.sha256]] if report.sha256 in twins else [])]
+        compared.append(dataclasses.replace(report, findings=(*report.findings, *said)))
+    return compared
 
 
 def _told(
