@@ -19,14 +19,12 @@ def wrong_document_is_wrong_usage() -> Iterator[None]:
         raise UsageError(error.found, error.expected, error.remedy, **error.facts) from error
 
 
-def calibration_document(path: Path) -> tuple[dict[str, float], dict[str, float]]:
-    """The material in a calibration.json, and by how much each trajectory is deeper than recorded, m, by uid."""
+def calibration_document(path: Path) -> Any:
+    """A calibration.json (schemas/calibration.json)."""
     from tactiledata.contract.schema import read_document
 
     with wrong_document_is_wrong_usage():
-        document = read_document(path, "calibration")
-    material = {name: float(document[name]) for name in ("youngs_modulus", "poisson_ratio", "friction")}
-    return material, dict(document["offsets"])
+        return read_document(path, "calibration")
 
 
 def mapping_document(path: Path | None) -> Any:

@@ -60,13 +60,14 @@ def replay(
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "seconds above 0")
     stated = {"youngs_modulus": youngs_modulus, "poisson_ratio": poisson_ratio, "friction": friction}
-    material, offsets = _material(calibration, stated)
+    calibrated = {} if calibration is None else calibration_document(calibration)
+    material = _material(calibrated, stated)
     options = ReplayOptions(
         material=GelMaterial(**material),
         resolution=resolution,  # type: ignore[arg-type]
         fidelity=fidelity,  # type: ignore[arg-type]
         keep=keep,  # type: ignore[arg-type]
-        offsets=offsets,
+        offsets=calibrated.get("offsets", {}),
         gap_limit_ns=round(gap_limit * 1e9),
         indenter_folder=indenters,
         name=name,
@@ -81,6 +82,8 @@ def replay(
     else:
         for line in report.lines():
             say(line)
+        if calibrated.get("fidelity", fidelity) != fidelity:
+            say(f"  the calibration was found with {calibrated['fidelity']}: its stiffness makes up for that")
         if page is not None:
             say(f"look: {page}")
             say(f"load: TactileDataset({location!r}, split=…, streams=['digit', 'mesh/{report.mesh}'])")
@@ -88,12 +91,9 @@ def replay(
         raise typer.Exit(1)
 
 
-def _material(
-    calibration: Path | None, stated: Mapping[str, float | None]
-) -> tuple[dict[str, float], dict[str, float]]:
-    """The material's parameters, those that are stated first, and offsets of trajectories."""
-    found, offsets = ({}, {}) if calibration is None else calibration_document(calibration)
-    material = {name: value if value is not None else found.get(name) for name, value in stated.items()}
+def _material(calibrated: Mapping[str, Any], stated: Mapping[str, float | None]) -> dict[str, float]:
+    """The material's parameters, those that are stated first."""
+    material = {name: value if value is not None else calibrated.get(name) for name, value in stated.items()}
     missing = [f"--{name.replace('_', '-')}" for name, value in material.items() if value is None]
     if missing:
         raise UsageError(
@@ -101,7 +101,7 @@ def _material(
             "the gel's material",
             "Name --calibration calibration.json (of `tactiledata calibrate`), or all three values.",
         )
-    return {name: float(value) for name, value in material.items() if value is not None}, offsets
+    return {name: float(value) for name, value in material.items() if value is not None}
 
 
 def _own_pad(path: Path | None, unit: str) -> Any:
