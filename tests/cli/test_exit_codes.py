@@ -21,6 +21,7 @@ MISSING_PATH = {
     "split": [NOWHERE],
     "audit": [NOWHERE],
     "replay": [NOWHERE, "--youngs-modulus", "8e5", "--poisson-ratio", "0.48", "--friction", "0.8"],
+    "scene": [NOWHERE, "--trajectory", "t00000"],
 }
 WITHOUT_PATHS = {"formats", "indenters"}
 WRONG_CALLS = {
@@ -36,6 +37,8 @@ WRONG_CALLS = {
     "report of an unknown split": ["report", "ds.zarr", "--split", "nope"],
     "audit of an unknown split": ["audit", "ds.zarr", "--split", "nope"],
     "no path at all": ["ingest"],
+    "a scene of no such trajectory": ["scene", "ds.zarr", "--trajectory", "nope", "--out", "scene.xml"],
+    "a scene as a film": ["scene", "ds.zarr", "--trajectory", "t00000", "--out", "scene.mp4"],
     "a replay without a material": ["replay", "ds.zarr", "--friction", "0.8"],
     "a replay by a calibration that is not there": ["replay", "ds.zarr", "--calibration", "nowhere.json"],
 }
