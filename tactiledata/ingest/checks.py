@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag, Take
+from tactiledata.ingest.apart import apart_findings
 from tactiledata.ingest.plausible import description_findings
 from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.ingest.units_seen import unit_findings
@@ -73,6 +74,7 @@ def check_take(take: Take, decode: Decode) -> list[Finding]:
         *_stuck_camera(take),
         *_force_findings(take),
         *_empty_trajectories(take),
+        *apart_findings(take),
     ]
 
 
@@ -137,11 +139,14 @@ def _stuck_camera(take: Take) -> list[Finding]:
     if len(crc) < 2:
         return []
     same = (crc[1:] == crc[:-1]) & (length[1:] == length[:-1]) & (length[1:] > 0) & (trajectory[1:] == trajectory[:-1])
-    moved = same & (np.abs(np.diff(force)) > 1.0)
-    if not moved.any():
+    # a slow press changes little from image to image: the force is judged over all repeats of one image
+    starts = np.flatnonzero(np.concatenate([[True], ~same]))
+    stuck = np.fmax.reduceat(force, starts) - np.fmin.reduceat(force, starts) > 1.0
+    repeats = int((np.diff([*starts, len(crc)]) - 1)[stuck].sum())
+    if not repeats:
         return []
-    text = f"{int(moved.sum())} images repeat the one before bit for bit while the force changes by more than 1 N"
-    return [Finding("camera-stuck", "warning", text, count=int(moved.sum()))]
+    text = f"{repeats} images repeat the one before bit for bit while the force changes by more than 1 N"
+    return [Finding("camera-stuck", "warning", text, count=repeats)]
 
 
 def _force_findings(take: Take) -> list[Finding]:

@@ -116,6 +116,8 @@ def find_zero(t_ns: Times, load: Values, spans: list[tuple[str, int, int]], tare
     missed, zeros = [], []
     for name, start_ns, end_ns in sorted(spans, key=lambda span: span[1]):
         start, stop = np.searchsorted(t_ns, [start_ns, end_ns])
+        if start == stop:  # without samples nobody knows where it begins
+            continue
         zero = _free_air_zero(load[start:stop], bias[start] if start < len(bias) else np.zeros(6), noise)
         if zero is None:
             missed.append(name)
