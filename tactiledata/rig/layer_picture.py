@@ -16,6 +16,8 @@ Map = NDArray[Any]
 
 CLOSED = 0.1
 """Gaps below this share of the layer's pitch are less than the layer can tell."""
+SMOOTH = 0.5
+"""Standard deviation, in pitches, of the bell that takes the cells out of the bed; the indenter stays sharp."""
 ROUNDS = 3
 """Rounds in which it is found which point of the gel has come to lie where."""
 
@@ -48,6 +50,8 @@ def drawn_surface(
         from_column = column - _read(displacement[0], from_column, from_row) / pitch
         from_row = row - _read(displacement[1], from_column, from_row) / pitch
     bed = -_read(displacement[2], from_column, from_row)
+    # a rim runs across the coarse cells in steps that no gel has
+    bed = cv2.GaussianBlur(bed, (0, 0), SMOOTH * grid.pitch / float(fine.x[1] - fine.x[0]))
     if depth <= 0:
         return -bed
     # on the coarse surface a touching face is only nearly touched: small gaps are closed, and none is pierced

@@ -29,7 +29,7 @@ from tactiledata.rig.scenario import Material
 
 Array = NDArray[np.floating[Any]]
 
-SPRINGS = 70.0
+SPRINGS = 30.0
 """Springs of the contact relative to the surface's own stiffness at the scale of a cell."""
 REACH = 4e-4
 """m ahead of the indenter where touch points are watched."""
