@@ -40,7 +40,7 @@ def replay(
     scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Play every recorded touch through the soft gel and attach a mesh to every frame. Goes on where it was killed.
+    """Attach a soft-gel mesh to every frame of a store. Touches are played as recorded; goes on where it was killed.
 
     Example: tactiledata replay ds.zarr --calibration calibration.json --workers 2
     """
