@@ -11,7 +11,7 @@ import typer
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.contract.wording import counted
-from tactiledata.errors import UsageError
+from tactiledata.errors import TactileDataError, UsageError
 
 
 def register(app: typer.Typer) -> None:
@@ -98,8 +98,20 @@ def _print(report: Any) -> None:
     replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""
     say(f"{counted(counts['added'], 'recording')} added to {report.store}{replaced}")
     for name in report.stale_splits:
-        say(
-            f"the split {name} is of the store as it was: draw it anew with tactiledata split … --name {name} --replace"
-        )
+        say(f"the split {name} is of the store as it was; bring it up to date: {_split_again(report.store, name)}")
     if report.changed and not report.stale_splits:
         say(f"next: tactiledata split {report.store} --by trajectory,sensor")
+
+
+def _split_again(location: str, name: str) -> str:
+    from tactiledata.splits.again import command
+    from tactiledata.splits.manifest import read_split_document
+    from tactiledata.store.reader import Store
+
+    try:
+        document = read_split_document(Store.open(location), name)
+    except TactileDataError:
+        document = None
+    if document is None:
+        return f"tactiledata split {location} --name {name} --replace"
+    return command(location, name, document["options"])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from tactiledata.errors import SchemaError, StoreError, UsageError
+from tactiledata.splits.again import command
 from tactiledata.splits.assign import Held, assign, choose_held_out, describe_held
 from tactiledata.splits.groups import group_trajectories
 from tactiledata.splits.manifest import read_split, read_split_document, write_split
@@ -139,7 +140,8 @@ def _existing(store: Store, name: str, options: SplitOptions) -> dict[str, Any] 
             + "; ".join(f"{key}: {document['options'][key]} there, {options.document()[key]} here" for key in differ)
             + ")",
             "the same options, to bring it up to date",
-            "Choose another --name, or --replace it (results on the old one can then not be compared with the new).",
+            f"That is `{command(store.location, name, document['options'])}`. Else choose another --name, or --replace "
+            "it (results on the old one can then not be compared with the new).",
         )
     return document
 

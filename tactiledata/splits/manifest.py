@@ -20,6 +20,7 @@ from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.wording import counted
 from tactiledata.errors import LeakError, MissingFile, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
+from tactiledata.splits.again import command
 from tactiledata.splits.assign import SPLIT_SCHEMA
 from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
 from tactiledata.splits.report import SplitReport
@@ -209,7 +210,8 @@ def load_split(store: Store, name: str) -> Split:
         raise LeakError(
             f"split {name!r} of {store.location} is out of date: {problem}",
             "a split that knows every trajectory",
-            f"{_again(name)} Nobody who has a part is moved by that.",
+            f"Run `{command(store.location, name, split.document['options'])}` again. "
+            "Nobody who has a part is moved by that.",
             name=name,
         )
     return split

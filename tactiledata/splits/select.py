@@ -62,11 +62,12 @@ def check_force_filter(frames: pa.Table, taken: NDArray[np.bool_], force: tuple[
         Nothing is left: no frames at all, no wrench at all, or no force within the bounds.
     """
     n = frames.num_rows
-    if not taken.any() and (n == 0 or force is None):
+    usable = taken_frames(frames, None)
+    if not usable.any():
         raise StoreError(
-            f"none of the store's {n} frames has an image inside a trajectory",
+            f"none of the store's {n} frames has a whole image inside a trajectory",
             "frames to split",
-            "Ingest recordings with images, or run `tactiledata info` to see what is there.",
+            "`tactiledata info` shows what is there, `tactiledata check` whether images were damaged.",
         )
     if force is None:
         return []
@@ -79,9 +80,10 @@ def check_force_filter(frames: pa.Table, taken: NDArray[np.bool_], force: tuple[
             "Use --force none to take every frame.",
         )
     if not taken.any():
+        there = value[known & usable]
+        reach = f"forces reach from {there.min():.3g} to {there.max():.3g} N" if len(there) else "theirs are not known"
         raise StoreError(
-            f"no frame with an image has a contact force in {force[0]:g}..{force[1]:g} N: forces reach from "
-            f"{float(value[known].min()):.3g} to {float(value[known].max()):.3g} N",
+            f"no frame with an image has a contact force in {force[0]:g}..{force[1]:g} N: {reach}",
             "some frames in contact",
             "Use other bounds (--force LOWEST..HIGHEST), or --force none to take every frame.",
         )

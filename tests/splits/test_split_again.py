@@ -1,0 +1,69 @@
+"""The command that an out-of-date split names is the one that brings it up to date."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+from split_cases import MemoryStore, frames, many, parts, trajectories
+
+from tactiledata.contract.take import FrameFlag
+from tactiledata.errors import LeakError, StoreError, UsageError
+from tactiledata.splits.make import make_split
+from tactiledata.splits.manifest import load_split
+
+WORDS = {"--by": "by", "--hold-out": "hold_out", "--fractions": "fractions", "--force": "force", "--name": "name"}
+
+
+def typed(line):
+    """Arguments of `make_split` from a command line."""
+    words = shlex.split(line)
+    assert words[:2] == ["tactiledata", "split"]
+    pairs = dict(zip(words[3::2], words[4::2], strict=True))
+    seed = int(pairs.pop("--seed", 0))
+    return {"seed": seed, **{WORDS[option]: text for option, text in pairs.items()}}
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"fractions": (1 / 3, 1 / 3, 1 / 3), "seed": -4},
+        {"by": "trajectory,sensor,indenter", "hold_out": {"sensor": ["a b"], "indenter": ["star", "it's"]}},
+        {"force": None, "hold_out": "none", "name": "other"},
+        {"force": (0.1, 12.5)},
+    ],
+    ids=repr,
+)
+def test_the_command_that_is_named_brings_it_up_to_date(tmp_path, options):
+    """Whatever options it was made with; and who has a part keeps it."""
+    rows = many(60, sensors=["a b", "B", "C", "D", "E"], indenters=("ball", "star", "it's", "cross"))
+    store = MemoryStore(tmp_path, trajectories(rows[:50]))
+    make_split(store, **options)
+    name = options.get("name", "default")
+    before = parts(load_split(store, name).table)
+    bigger = MemoryStore(tmp_path, trajectories(rows))
+    with pytest.raises(LeakError) as refused:
+        load_split(bigger, name)
+    make_split(bigger, **typed(re.search("`(.*)`", str(refused.value))[1]))
+    now = parts(load_split(bigger, name).table)
+    assert len(now) == 60
+    assert {uid: now[uid] for uid in before} == before
+
+
+def test_other_options_are_refused_with_those_that_were_meant(tmp_path):
+    store = MemoryStore(tmp_path, trajectories(many(50)))
+    make_split(store, seed=7)
+    with pytest.raises(UsageError) as refused:
+        make_split(store)
+    assert typed(re.search("`(.*)`", str(refused.value))[1]) == {"name": "default", "seed": 7}
+
+
+@pytest.mark.parametrize("force", [(1, 13), None])
+def test_images_that_are_all_broken_are_not_blamed_on_the_force(tmp_path, force):
+    """Forces lie within the bounds; there is no whole image."""
+    table = trajectories(many(50))
+    broken = np.full(3 * table.num_rows, int(FrameFlag.BROKEN))
+    store = MemoryStore(tmp_path, table, frames(table, flags=broken))
+    with pytest.raises(StoreError, match="has a whole image"):
+        make_split(store, force=force)
