@@ -52,7 +52,7 @@ def play_path(touch: GelTouch, mesh_digest: str, fidelity: str, ratio: float, fr
 def load_play(path: Path) -> Play | None:
     """The play, or ``None`` where there is none that can be read."""
     try:
-        with np.load(path, allow_pickle=False) as kept:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as kept:
             play = Play(kept["wrench"], kept["status"])
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None

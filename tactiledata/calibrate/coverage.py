@@ -1,0 +1,57 @@
+"""How often the intervals hold the truth, on surrogate data drawn from a response that is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import Bounds
+from tactiledata.calibrate.intervals import profile_intervals
+from tactiledata.calibrate.least_squares import polish
+from tactiledata.calibrate.losses import VectorLoss
+from tactiledata.nuisance.tare import tare_variance
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What was counted.
+
+    Parameters
+    ----------
+    share : (3,)
+        Of the data sets whose interval of E, nu and mu holds the truth.
+    estimates : (draws, 3)
+    """
+
+    share: Array
+    estimates: Array
+
+
+def coverage(loss: VectorLoss, bounds: Bounds, truth: Array, draws: int = 200, seed: int = 0) -> Coverage:
+    """Coverage of the 95 % intervals at a truth (3,): noise, zeros and offsets are drawn anew, the plays are not."""
+    chance = np.random.default_rng([seed, 3])
+    covered = np.zeros(3)
+    estimates = np.empty((draws, 3))
+    for draw in range(draws):
+        one = loss.with_measured(surrogate(loss, truth, chance))
+        estimates[draw] = bounds.scaled(polish(one, bounds, bounds.shares(truth)).shares)
+        ends = profile_intervals(one, bounds, estimates[draw]).ends
+        covered += (ends[:, 0] <= truth) & (truth <= ends[:, 1])
+    return Coverage(covered / draws, estimates)
+
+
+def surrogate(loss: VectorLoss, truth: Array, chance: np.random.Generator) -> Array:
+    """Wrenches (n, 6), N and N m, as they might have been measured were ``truth`` true."""
+    response = loss.response
+    counts = response.counts
+    offsets = loss.prior * chance.standard_normal(len(counts))
+    series = response.at(float(truth[1]), float(truth[2]))
+    clean = truth[0] * series.at(np.repeat(offsets, counts))
+    factor = np.linalg.cholesky(loss.noise.covariance * loss.noise.inflation).T
+    zeros = np.sqrt(tare_variance(loss.free_samples))[:, None] * chance.standard_normal((len(counts), 6))
+    rows = chance.standard_normal(clean.shape) + np.repeat(zeros, counts, axis=0)
+    return clean + rows @ factor

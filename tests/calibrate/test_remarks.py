@@ -1,0 +1,110 @@
+"""What is said of a fit: each sentence where it holds, and not where it does not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from closed_form import FRAMES, NOISE, TRUTH, ClosedFormWorld
+
+from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.calibrate.fit import fit
+from tactiledata.calibrate.intervals import Intervals
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.remarks import remarks
+
+WIDE = find_bounds("wide")
+PAPER = find_bounds("paper")
+
+
+@pytest.fixture(scope="module")
+def world():
+    return ClosedFormWorld()
+
+
+def said(world, measured, bounds=WIDE, **options):
+    found = fit(
+        world.experiment(measured, bounds.name), NOISE, bounds, CalibrationOptions(bounds=bounds.name, **options)
+    )
+    return by_code(remarks(found, bounds, 4e-5, {}, True)), found
+
+
+def by_code(findings):
+    together = {}
+    for finding in findings:
+        together[finding.code] = together.get(finding.code, "") + finding.message + "\n"
+    return together
+
+
+def test_nothing_is_said_of_a_sound_fit(world):
+    """The negative control of every sentence: the truth well inside the bounds, enough touches that slip."""
+    found, _ = said(world, world.measured(offsets=np.random.default_rng(0).normal(0, 3e-5, world.count)))
+    assert not set(found) - {"calibration-unidentified"}
+    assert "E cannot" not in found.get("calibration-unidentified", "")
+
+
+def test_a_bound_hit_is_called_a_symptom(world):
+    """A gel softer than the paper's bounds pins E below; inside wide bounds it does not."""
+    measured = world.measured(truth=TRUTH * [0.85, 1, 1])
+    found, _ = said(world, measured, PAPER)
+    assert "E stands at its lower bound, 838.0 kPa" in found["calibration-bound"]
+    assert "symptom" in found["calibration-bound"]
+    assert "calibration-bound" not in said(world, measured)[0]
+
+
+def test_friction_cannot_be_known_without_slip():
+    """Touches without shear tell nothing of mu; sheared ones do."""
+    still, sheared = ClosedFormWorld(shear=1e-6), ClosedFormWorld()
+    assert "mu cannot be known" in said(still, still.measured())[0]["calibration-unidentified"]
+    assert "mu cannot" not in said(sheared, sheared.measured())[0].get("calibration-unidentified", "")
+
+
+@pytest.mark.parametrize(("together", "is_said"), [(-0.97, True), (0.96, True), (0.90, False), (-0.2, False)])
+def test_a_singular_pair_is_named(world, together, is_said):
+    """E and nu, which the pad's thickness imitates; a weaker correlation is not singular."""
+    _, found = said(world, world.measured())
+    correlation = np.eye(3)
+    correlation[0, 1] = correlation[1, 0] = together
+    known = found.intervals
+    pinned = replace(found, intervals=Intervals(known.ends, known.is_open, correlation, known.inflation))
+    found_codes = by_code(remarks(pinned, WIDE, 4e-5, {}, True))
+    assert ("calibration-singular" in found_codes) == is_said
+    if is_said:
+        assert "E and nu are a singular pair" in found_codes["calibration-singular"]
+        assert "thickness" in found_codes["calibration-singular"]
+
+
+def test_one_radius_makes_a_singular_pair_of_its_own():
+    """Spheres of one size at one depth fix a combination of E and nu only; several sizes and depths part them."""
+    world = ClosedFormWorld(30)
+    world.radius[:] = 4e-3
+    world.depth[:] = 0.8e-3 * np.concatenate([np.linspace(-0.1, 1, FRAMES // 2), np.ones(FRAMES - FRAMES // 2)])
+    _, alike = said(world, world.measured())
+    several = ClosedFormWorld(30)
+    _, apart = said(several, several.measured())
+    one, other = (abs(found.intervals.correlation[0, 1]) for found in (alike, apart))
+    assert one > other
+
+
+def test_a_misfit_is_said(world):
+    """Forces that the model cannot give: turned by 20 degrees."""
+    turn = np.array([[np.cos(0.35), -np.sin(0.35), 0], [np.sin(0.35), np.cos(0.35), 0], [0, 0, 1]])
+    measured = world.measured()
+    turned = np.hstack([measured[:, :3] @ turn.T, measured[:, 3:] @ turn.T])
+    assert "times the noise" in said(world, turned)[0]["calibration-misfit"]
+
+
+def test_a_common_offset_and_a_far_one_are_said(world):
+    """A shift of all poses, and one trajectory whose tip slipped in its holder."""
+    common, _ = said(world, world.measured(offsets=8e-5))
+    assert "share +0.0" in common["calibration-common-offset"]
+    far = np.zeros(world.count)
+    far[3] = 1.8e-4
+    single, _ = said(world, world.measured(offsets=far))
+    assert "1 trajectory of 20" in single["calibration-offset"]
+    assert "calibration-common-offset" not in single
+
+
+def test_reasons_for_leaving_out_are_counted(world):
+    _, found = said(world, world.measured())
+    findings = remarks(found, WIDE, 4e-5, {"no force: the sensor felt less than 1 N": 3}, True)
+    assert any("3 trajectories left out: no force" in finding.message for finding in findings)
