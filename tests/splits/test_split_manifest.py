@@ -83,7 +83,7 @@ def test_growth_keeps_parts_and_held_out_units(store):
     added = [{**row, "uid": f"a{k:015x}", "source": 1000 + k} for k, row in enumerate(many(100, "FGHIJKLMN"))]
     both = trajectories([*store.table.to_pylist(), *added])
     bigger = MemoryStore(store.folder, both)
-    with pytest.raises(LeakError, match=r"100 new trajectories.*tactiledata split --name default"):
+    with pytest.raises(LeakError, match=r"100 new trajectories.*tactiledata split .* --name default"):
         load_split(bigger, "default")
     second = make_split(bigger)
     after = parts(load_split(bigger, "default").table)
