@@ -79,6 +79,9 @@ def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source
     for child in children:
         if child.name.startswith(".") or child.suffix == ".zarr":
             continue
+        if child.is_symlink() and path.resolve().is_relative_to(child.resolve()):
+            unclaimed.append(child)  # it leads back up, out of what was named
+            continue
         found, left = _below(child, format_name, depth - 1)
         sources.extend(found)
         unclaimed.extend(left)

@@ -210,7 +210,7 @@ def test_bad_options_are_refused_and_nothing_is_written(store, options, message)
         (many(1), {}, "must stand together"),
         ([*many(1), {"parent": f"{0:016x}"}], {}, "must stand together"),
         (many(4), {"contact_force": np.full(12, np.nan)}, "--force none"),
-        (many(4), {"flags": np.full(12, FrameFlag.MISSING)}, "no frame with an image"),
+        (many(4), {"flags": np.full(12, FrameFlag.MISSING)}, "has a whole image"),
         (many(4), {"trajectory": np.full(12, 9)}, "trajectory row 9"),
         ([{"uid": "a"}, {"uid": "a"}, {"uid": "b"}], {}, "stands twice"),
         ([{"uid": "a", "parent": "b"}, {"uid": "b", "parent": "a"}, {"uid": "c"}], {}, "derived from itself"),
