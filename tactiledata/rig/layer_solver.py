@@ -175,7 +175,8 @@ class Layer:
             if moved < MOVE_SHARE * self._tolerance and change <= enough:
                 break
             u = mixing.next(u, error, load)
-        return self._state(u, found, near, pose, moved < UNSETTLED)
+        is_settled = moved < UNSETTLED and bool(change <= 10 * enough)
+        return self._state(u, found, near, pose, is_settled)
 
     def _points_at(self, u: Array) -> Array:
         return self._points.places + self._points.share @ u[:, -1].reshape(3, -1).T
