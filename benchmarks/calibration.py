@@ -2,9 +2,9 @@
 
     python benchmarks/calibration.py [--quick] [--seeds 20] [--draws 200] [--fidelity linear|finite-strain] [--low]
 
-Every seed draws its own touches, truth, offsets, zeros and noise; the engine itself plays the truth, so what is measured
-is the statistics and the interpolation, not the distance of the engine from a real gel. Without ``--low`` the pad is a
-coarse one of 143 surface nodes. Plays are kept in TACTILEDATA_CACHE.
+Every seed draws its own touches, truth, offsets, zeros and noise; the engine itself plays the truth, so what is
+measured is the statistics and the interpolation, not the distance of the engine from a real gel. Without ``--low`` the
+pad is a coarse one of 143 surface nodes. Plays are kept in TACTILEDATA_CACHE.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def main() -> None:
     seeds, draws, count = (2, 3, 8) if asked.quick else (asked.seeds, asked.draws, asked.trajectories)
     mesh = pad_mesh("digit", DIGIT.gel) if asked.low else structured_pad("digit-coarse", DIGIT.gel, COARSE)
     print(f"{count} trajectories of {FRAMES} frames, {asked.fidelity}, pad {mesh.name} ({len(mesh.vertices)} vertices)")
-    errors, held = [], []
+    errors, held, runs = [], [], []
     for seed in range(seeds):
         measured, truth = world(seed, count, mesh, asked.fidelity)
         row = []
@@ -94,8 +94,8 @@ def main() -> None:
             ends = done.fit.intervals.ends
             if loss == "vector":
                 held.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
-                first = (done, truth) if seed == 0 else first
                 spent = time.perf_counter() - began
+                runs.append((done, truth))
         errors.append(row)
         words = "; ".join(
             f"{name} E {100 * e[0]:+.2f} % nu {100 * e[1]:+.2f} % mu {100 * e[2]:+.2f} %"
@@ -106,7 +106,7 @@ def main() -> None:
     for k, name in enumerate(("vector", "norm")):
         print(f"{name}: |error| median, largest, %: {np.median(table[:, k], axis=0)}, {table[:, k].max(axis=0)}")
     print(f"95 % intervals that hold the truth: {np.mean(held, axis=0)}")
-    done, truth = first
+    done, truth = runs[0]
     began = time.perf_counter()
     loss = vector_loss(done.experiment, NOISE, done.fit.fitted, 4e-5)
     share = coverage(loss, done.bounds, truth, draws).share

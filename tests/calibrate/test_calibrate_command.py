@@ -1,0 +1,80 @@
+"""The command on a recorded store, and what it says of stores that it cannot use."""
+
+import json
+import shutil
+import sys
+
+import pytest
+
+from tactiledata.cli.main import run
+from tactiledata.gel import structured_pad
+from tactiledata.gel.structured_pad import GridPlan
+
+COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
+
+
+def run_command(capsys, monkeypatch, *arguments):
+    """Exit code, standard output and standard error."""
+    monkeypatch.setattr(sys, "argv", ["tactiledata", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        run()
+    printed = capsys.readouterr()
+    return stop.value.code, printed.out, printed.err
+
+
+@pytest.mark.slow
+def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypatch):
+    """A result, a page and words; the same bytes again; JSON for machines; replay's offsets by uid."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
+    out = tmp_path / "calibration.json"
+    arguments = ("calibrate", tiny_store, "--fidelity", "linear", "--out", out)
+    code, printed, _ = run_command(capsys, monkeypatch, *arguments)
+    assert code == 0
+    assert "95 % interval" in printed
+    first = out.read_bytes()
+    assert (tmp_path / "calibration.html").read_text().count("data:image/png") == 3
+    code, printed, _ = run_command(capsys, monkeypatch, *arguments, "--json")
+    assert code == 0
+    assert out.read_bytes() == first
+    document = json.loads(printed)
+    assert document == json.loads(first)
+    assert len(document["offsets"]) == len(document["trajectories"]["fitted"] + document["trajectories"]["held_out"])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--loss", "l2"), "vector or norm"),
+        (("--fidelity", "fine"), "finite-strain or linear"),
+        (("--bounds", "narrow"), "paper, wide"),
+        (("--trajectories", "1"), "at least 2"),
+        (("--hold-out", "1.5"), "0 to below 1"),
+        (("--out", "calibration.yaml"), "ends in .json"),
+        (("--shore-a", "140"), "Shore A"),
+        (("--sensor", "D99999"), "D20001"),
+    ],
+)
+def test_wrong_options_are_wrong_usage(tiny_store, tmp_path, capsys, monkeypatch, options, words):
+    monkeypatch.chdir(tmp_path)
+    code, _, said = run_command(capsys, monkeypatch, "calibrate", tiny_store, *options)
+    assert code == 2
+    assert words in said
+    assert "Traceback" not in said
+    assert not list(tmp_path.glob("calibration*"))
+
+
+def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, monkeypatch):
+    """Recordings whose arm was not recorded: data fell short, and why."""
+    from tactiledata.ingest.pipeline import ingest
+
+    recording = tmp_path / "recording"
+    shutil.copytree(tiny_folders[0], recording)
+    for name in ("tcp.csv", "joints.csv"):
+        (recording / name).unlink()
+    ingest([recording], tmp_path / "ds.zarr")
+    monkeypatch.chdir(tmp_path)
+    code, _, said = run_command(capsys, monkeypatch, "calibrate")
+    assert code == 1
+    assert "no stream of tcp poses" in said
+    assert "0 trajectories can be used" in said
