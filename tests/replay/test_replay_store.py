@@ -176,6 +176,7 @@ def test_killed_and_resumed_is_the_same(copied, seed, tmp_path, monkeypatch):
     assert files(copied) == files(whole)
 
 
+@pytest.mark.slow
 def test_frames_that_come_later_are_replayed_later(tiny_mcaps, tmp_path):
     """A store that grew goes on where the mesh ended, and is then as if all had been there at once."""
     from tactiledata.ingest.pipeline import ingest
