@@ -41,10 +41,10 @@ def touches(chance: np.random.Generator, count: int) -> list[MeasuredTouch]:
     made = []
     for k in range(count):
         poses = np.tile(np.eye(4), (FRAMES, 1, 1))
-        depth = chance.uniform(0.5e-3, 1.1e-3)
+        depth = chance.uniform(0.4e-3, 1.0e-3)
         poses[:, :2, 3] = chance.uniform(-2.5e-3, 2.5e-3, 2)
         poses[:, 2, 3] = -depth * np.concatenate([np.linspace(-0.1, 1, half), np.ones(FRAMES - half)])
-        way = chance.uniform(3e-4, 9e-4) * np.linspace(0.2, 1, FRAMES - half)
+        way = chance.uniform(5e-4, 15e-4) * np.linspace(0.2, 1, FRAMES - half)
         angle = chance.uniform(0, 2 * np.pi)
         poses[half:, 0, 3] += way * np.cos(angle)
         poses[half:, 1, 3] += way * np.sin(angle)

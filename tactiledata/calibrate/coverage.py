@@ -53,5 +53,6 @@ def surrogate(loss: VectorLoss, truth: Array, chance: np.random.Generator) -> Ar
     clean = truth[0] * series.at(np.repeat(offsets, counts))
     factor = np.linalg.cholesky(loss.noise.covariance * loss.noise.inflation).T
     zeros = np.sqrt(tare_variance(loss.free_samples))[:, None] * chance.standard_normal((len(counts), 6))
-    rows = chance.standard_normal(clean.shape) + np.repeat(zeros, counts, axis=0)
+    scatter = chance.standard_normal(clean.shape) / loss.weights[:, None]
+    rows = scatter + np.repeat(zeros, counts, axis=0)
     return clean + rows @ factor

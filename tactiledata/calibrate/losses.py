@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.calibrate.response import Response
 from tactiledata.nuisance.noise import WrenchNoise
+from tactiledata.nuisance.numerical import frame_weights
 from tactiledata.nuisance.offsets import PRIOR, OffsetSeries, profile_offsets
 from tactiledata.nuisance.tare import tare_variance, without_tare
 
@@ -89,7 +90,13 @@ class VectorLoss:
         return OffsetSeries(*(self._white(modulus * part) for part in (raw.level, raw.slope, raw.curvature)))
 
     def _white(self, wrench: Array) -> Array:
-        return without_tare(self.noise.whitened(wrench), self.response.starts, tare_variance(self.free_samples))
+        rows = self.noise.whitened(wrench) * self.weights[:, None]
+        return without_tare(rows, self.response.starts, tare_variance(self.free_samples), self.weights)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of the frames (n,): large forces are simulated with larger errors."""
+        return frame_weights(self.measured[:, :3], float(self.noise.deviations[:3].mean()))
 
 
 @dataclass(frozen=True)

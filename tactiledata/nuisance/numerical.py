@@ -3,10 +3,29 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 FORCE_ERROR = {"finite-strain": 0.03, "linear": 0.12}
 """Standard deviation, as a share: against converged reference solutions finite strain is 2 to 4 % off on the low mesh,
 linear 10 to 20 % at 1 mm depth (docs/calibration.md)."""
+
+SCATTER = 0.01
+"""Standard deviation, as a share of the force: by how much frame by frame the solver's tolerance, patches that come and
+go under a rim, and the grid of responses move a simulated force."""
+
+
+def frame_weights(forces: Array, noise: float, scatter: float = SCATTER) -> Array:
+    """Weights (n,) of frames whose simulated forces scatter beside the noise of the measured ones.
+
+    Parameters
+    ----------
+    forces : (n, 3) N
+    noise : N, standard deviation of one component
+    scatter : share of the force
+    """
+    return 1.0 / np.sqrt(1.0 + (scatter * np.linalg.norm(forces, axis=1) / noise) ** 2)
 
 
 def with_force_error(value: float, interval: tuple[float, float], share: float) -> tuple[float, float]:

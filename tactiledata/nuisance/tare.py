@@ -17,11 +17,11 @@ def tare_variance(free_samples: Array) -> Array:
     return MEDIAN_LOSS / np.maximum(free_samples, 1.0)
 
 
-def without_tare(whitened: Array, starts: Indices, variance: Array) -> Array:
+def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Array) -> Array:
     """Whitened rows (n, k) with each trajectory's unknown zero marginalised: their squares sum to the likelihood's.
 
-    A zero b ~ N(0, v) per component and trajectory is the same as the covariance I + v 1 1ᵀ over its rows; this
-    multiplies by that matrix's inverse square root, which takes off a share of the rows' mean.
+    A zero b ~ N(0, v) per component and trajectory, in rows of weight w, is the same as the covariance I + v w wᵀ over
+    its rows; this multiplies by that matrix's inverse square root, which takes off a share of the rows' mean.
 
     Parameters
     ----------
@@ -29,8 +29,11 @@ def without_tare(whitened: Array, starts: Indices, variance: Array) -> Array:
         First row of each trajectory, ascending.
     variance : (t,)
         Of the zero, over that of one reading.
+    weights : (n,)
+        With which the rows were multiplied.
     """
     counts = np.diff(starts, append=len(whitened))
-    share = 1.0 - 1.0 / np.sqrt(1.0 + counts * variance)
-    means = np.add.reduceat(whitened, starts, axis=0) / counts[:, None]
-    return whitened - np.repeat(means * share[:, None], counts, axis=0)
+    square = np.add.reduceat(weights**2, starts)
+    share = 1.0 - 1.0 / np.sqrt(1.0 + square * variance)
+    means = np.add.reduceat(whitened * weights[:, None], starts, axis=0) / square[:, None]
+    return whitened - weights[:, None] * np.repeat(means * share[:, None], counts, axis=0)

@@ -74,15 +74,17 @@ def test_the_specification_has_six_components():
 
 
 def test_without_tare_is_the_inverse_root_of_the_covariance():
-    """Sums of squares are those of generalised least squares with the covariance I + v 1 1ᵀ."""
+    """Sums of squares are those of generalised least squares with the covariance I + v w wᵀ."""
     chance = np.random.default_rng(3)
     counts, variance = np.array([5, 1, 12]), tare_variance(np.array([40.0, 2.0, 0.0]))
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     rows = chance.standard_normal((counts.sum(), 6)) + 3.0
-    done = without_tare(rows, starts, variance)
+    weights = chance.uniform(0.3, 1.0, len(rows))
+    done = without_tare(rows, starts, variance, weights)
     for start, count, v in zip(starts, counts, variance, strict=True):
         part = rows[start : start + count]
-        whole = np.eye(count) + v * np.ones((count, count))
+        weight = weights[start : start + count]
+        whole = np.eye(count) + v * np.outer(weight, weight)
         expected = np.trace(part.T @ np.linalg.solve(whole, part))
         assert np.sum(done[start : start + count] ** 2) == pytest.approx(expected)
 
