@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-MEMORY = 20
+MEMORY = 60
 """Differences kept: the tangent changes little from one load step to the next, so that old ones still serve."""
 REGULARISATION = 1e-10
 """Relative to the mean squared difference; keeps nearly parallel differences from cancelling."""

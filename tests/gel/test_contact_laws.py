@@ -12,9 +12,11 @@ from tactiledata.gel.fem import FemEngine
 from tactiledata.gel.history import FrameStatus, GelTouch
 from tactiledata.gel.internal_forces import ElasticPad, internal_forces
 from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.structured_pad import pad_mesh
 from tactiledata.gel.surface import contact_surface
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere
+from tactiledata.sensors.digit import DIGIT
 
 NU = 0.47
 BALL = Sphere(4e-3)
@@ -202,6 +204,15 @@ def test_a_jump_is_followed_in_parts(engine):
     jumped = pressed(engine, BALL, poses((0, 0, 5), (0, 0, -0.8)))
     walked = pressed(engine, BALL, poses((0, 0, 5), *[(0, 0, -0.1 * step) for step in range(1, 9)]))
     assert jumped.wrench[-1, 2] == pytest.approx(walked.wrench[-1, 2], rel=5e-3)
+
+
+@pytest.mark.slow
+def test_nearly_incompressible_and_deep():
+    """At nu = 0.495 a ball is followed to 0.9 mm on the sensor's own pad, and the force rises ever faster."""
+    engine = FemEngine(pad_mesh("digit", DIGIT.gel), 0.495)
+    history = pressed(engine, BALL, poses((0, 0, 1), *[(0, 0, -0.1 * step) for step in range(1, 10)]), 0.6, keep="none")
+    assert (history.status[1:] == FrameStatus.SOLVED).all()
+    assert np.diff(history.wrench[1:, 2], 2).min() > 0
 
 
 def test_wrong_calls_are_told():
