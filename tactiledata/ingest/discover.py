@@ -10,6 +10,7 @@ from tactiledata.contract.records import Source
 from tactiledata.errors import BrokenLog, MissingFile, TactileDataError
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
+from tactiledata.formats.links import leads_back_up
 from tactiledata.formats.natural_order import natural_key
 
 MAX_DEPTH = 4
@@ -79,8 +80,8 @@ def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source
     for child in children:
         if child.name.startswith(".") or child.suffix == ".zarr":
             continue
-        if child.is_symlink() and path.resolve().is_relative_to(child.resolve()):
-            unclaimed.append(child)  # it leads back up, out of what was named
+        if leads_back_up(child):
+            unclaimed.append(child)
             continue
         found, left = _below(child, format_name, depth - 1)
         sources.extend(found)

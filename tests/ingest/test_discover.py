@@ -1,6 +1,7 @@
 """What is found under a path: what lies there or is linked there, and nothing above it."""
 
 import shutil
+from pathlib import Path
 
 from tactiledata.ingest.discover import find_sources
 
@@ -12,9 +13,20 @@ def test_links_that_lead_back_up_are_left(tiny_mcaps, tmp_path):
         shutil.copy(log, tmp_path / place)
     shutil.copy(tiny_mcaps[1], tmp_path / "above.mcap")
     (tmp_path / "named" / "up").symlink_to("..")
-    sources, left = find_sources([tmp_path / "named"])
-    assert [source.key for source in sources] == [tiny_mcaps[0].name]
-    assert [path.name for path in left] == ["up"]
+    (tmp_path / "named" / "itself").symlink_to("itself")
+    (tmp_path / "named" / "here").symlink_to(".")
+    sources, _ = find_sources([tmp_path / "named"])
+    assert [Path(source.path).name for source in sources] == [tiny_mcaps[0].name]
     (tmp_path / "named" / "across").symlink_to(tmp_path / "elsewhere")
     sources, _ = find_sources([tmp_path / "named"])
-    assert len(sources) == 2
+    assert sorted(Path(source.path).name for source in sources) == sorted(log.name for log in tiny_mcaps)
+
+
+def test_links_up_are_left_between_folder_logs_too(tiny_folders, tmp_path):
+    """Folders that no format claims are searched in another place than collections of bags."""
+    shutil.copytree(tiny_folders[0], tmp_path / "named" / "log")
+    shutil.copytree(tiny_folders[1], tmp_path / "above")
+    (tmp_path / "named" / "up").symlink_to("..")
+    sources, left = find_sources([tmp_path / "named"])
+    assert [Path(source.path).name for source in sources] == ["log"]
+    assert [path.name for path in left] == ["up"]

@@ -11,6 +11,7 @@ from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding, Source
 from tactiledata.contract.schema import parse_document, read_document
 from tactiledata.errors import BrokenLog, SchemaError, UnsafeContent
+from tactiledata.formats.links import leads_back_up
 from tactiledata.formats.mcap_parts.layout import MAGIC
 from tactiledata.formats.natural_order import natural_key
 
@@ -73,6 +74,8 @@ def _is_mcap(path: Path) -> bool:
 
 def _is_company(path: Path) -> bool:
     """Whether something may lie beside MCAP files without being a recording of another format."""
+    if leads_back_up(path):
+        return True
     if path.is_dir():
         return is_bag_folder(path) or all(
             child.suffix.lower() in IMAGE_SUFFIXES for child in path.iterdir() if not child.name.startswith(".")
@@ -104,7 +107,9 @@ def bag_sources(path: Path, name: str) -> list[Source]:
         return [_folder_source(path, path.name, name)]
     found: list[Source] = []
     for child in sorted(path.iterdir(), key=lambda child: natural_key(child.name)):
-        if child.is_dir() and not child.name.startswith(".") and is_bag_folder(child):
+        if child.name.startswith(".") or leads_back_up(child):
+            continue
+        if child.is_dir() and is_bag_folder(child):
             found += [_below(path.name, source) for source in bag_sources(child, name)]
         elif child.is_file() and is_bag_file(child):
             found.append(_file_source(child, f"{path.name}/{child.name}", name))
