@@ -13,9 +13,9 @@ from tactiledata.gel.structured_pad import GridPlan, structured_pad
 from tactiledata.sensors.base import GelGeometry
 
 BLOCK = GelGeometry(outline=(0.012, 0.012), thickness=0.004, edge_thickness=0.004)
-FINE = GridPlan(14, 14, 0.8e-3 / 4, (2.4e-3, 2.4e-3), (0.0, 0.2, 0.38, 0.53, 0.65, 0.75, 0.83, 0.89, 0.95, 1.0))
-COARSE = GridPlan(5, 5, 0.8e-3, (2.4e-3, 2.4e-3), (0.0, 0.4, 0.75, 0.9, 1.0))
-"""For elements with quadratic displacements; its lines are every fourth one of the fine grid where the patch is."""
+FINE = GridPlan(11, 11, 0.3e-3, (2.4e-3, 2.4e-3), (0.0, 0.2, 0.38, 0.53, 0.65, 0.75, 0.83, 0.89, 0.95, 1.0))
+COARSE = GridPlan(6, 6, 0.6e-3, (2.4e-3, 2.4e-3), (0.0, 0.35, 0.65, 0.85, 1.0))
+"""For elements with quadratic displacements; its lines are every second one of the fine grid where the patch is."""
 PATCH = 2.4e-3
 POISSON = 0.46
 SHEAR = 1 / (2 * (1 + POISSON))
