@@ -86,8 +86,8 @@ def test_one_radius_makes_a_singular_pair_of_its_own():
 
 
 def test_a_misfit_is_said(world):
-    """Forces that the model cannot give: turned by 20 degrees."""
-    turn = np.array([[np.cos(0.35), -np.sin(0.35), 0], [np.sin(0.35), np.cos(0.35), 0], [0, 0, 1]])
+    """Forces that the model cannot give: turned by 46 degrees."""
+    turn = np.array([[np.cos(0.8), -np.sin(0.8), 0], [np.sin(0.8), np.cos(0.8), 0], [0, 0, 1]])
     measured = world.measured()
     turned = np.hstack([measured[:, :3] @ turn.T, measured[:, 3:] @ turn.T])
     assert "times the noise" in said(world, turned)[0]["calibration-misfit"]
