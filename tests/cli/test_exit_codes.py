@@ -21,6 +21,7 @@ MISSING_PATH = {
     "split": [NOWHERE],
     "audit": [NOWHERE],
     "replay": [NOWHERE, "--youngs-modulus", "8e5", "--poisson-ratio", "0.48", "--friction", "0.8"],
+    "calibrate": [NOWHERE],
     "scene": [NOWHERE, "--trajectory", "t00000"],
 }
 WITHOUT_PATHS = {"formats", "indenters"}
