@@ -23,7 +23,7 @@ PATIENCE = 20
 LENIENCE = 300.0
 """After so many iterations, how far off the tolerance a step is taken: at narrow pins a few patches keep trading a
 hundredth of the largest force; the frame's residual tells."""
-SWEEPS = 60
+SWEEPS = 30
 
 
 class LinearSolver:
@@ -71,7 +71,9 @@ class LinearSolver:
 
     def _surface_displacement(self, forces: Array) -> Array:
         pressed = np.flatnonzero(forces.any(axis=1))
-        return np.einsum("pj,pjn->n", forces[pressed], self._by_patch[pressed], optimize=True).reshape(-1, 3)
+        columns = self._by_patch[pressed].reshape(3 * len(pressed), self._by_patch.shape[-1])
+        displacement = forces[pressed].astype(np.float32).ravel() @ columns
+        return displacement.astype(float).reshape(-1, 3)
 
     def _fill(self, journey: Journey, kept: dict[int, Array]) -> None:
         """The volume's displacement of all frames that were solved."""
