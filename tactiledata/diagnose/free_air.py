@@ -1,0 +1,92 @@
+"""Structure before anything touches: it comes from the sensor, its mount or its clock, whatever the contact does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.instability import Drift, instability
+from tactiledata.diagnose.overall import Offset, offsets
+from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.residuals import FEWEST_UNITS, Parameter, Residuals
+from tactiledata.diagnose.sign_flips import DRAWS
+
+Array = NDArray[np.float64]
+
+PHASE, FREE_AIR = "phase", "free air"
+
+
+@dataclass(frozen=True)
+class FreeAir:
+    """What free-air frames show.
+
+    Parameters
+    ----------
+    frames, trajectories : int
+    p : float
+        That they hold no structure; 1 where it cannot be tested.
+    offsets : tuple of Offset
+        Components whose mean is not 0.
+    drifts : tuple of Drift
+        Components whose mean goes with a covariate.
+    words : str
+    """
+
+    frames: int
+    trajectories: int
+    p: float
+    offsets: tuple[Offset, ...]
+    drifts: tuple[Drift, ...]
+    words: str
+
+    @property
+    def is_tested(self) -> bool:
+        """Whether there were frames enough."""
+        return self.trajectories >= FEWEST_UNITS
+
+
+def free_air(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> FreeAir:
+    """Means and drifts of each component in the frames whose ``phase`` is "free air"."""
+    rows: NDArray[np.bool_] = np.zeros(len(residuals.values), dtype=bool)
+    if PHASE in residuals.labels:
+        rows = residuals.labels[PHASE] == FREE_AIR
+    if not rows.any():
+        return FreeAir(
+            0, 0, 1.0, (), (), "No frames in free air: an error of the sensor cannot be told from one of contact."
+        )
+    alone = _with_biases(residuals.part(rows))
+    if alone.unit_count < FEWEST_UNITS:
+        text = f"Free air in {alone.unit_count} trajectories only: too few to say anything of the sensor alone."
+        return FreeAir(int(rows.sum()), alone.unit_count, 1.0, (), (), text)
+    means = offsets(alone, seed, draws)
+    drifts = instability(project(alone), seed + 1, draws)
+    p = min([1.0, *(2 * mean.p for mean in means), *(2 * drift.p for drift in drifts)])
+    return FreeAir(int(rows.sum()), alone.unit_count, p, means, drifts, _words(p, means, drifts))
+
+
+def _with_biases(alone: Residuals) -> Residuals:
+    """Free-air frames know one parameter for each component: its zero. Labels of contact mean nothing there."""
+    width = len(alone.components)
+    slopes = np.broadcast_to(np.eye(width), (len(alone.values), width, width)).copy()
+    deviations = np.ones(width) if alone.deviations is None else alone.deviations
+    units = alone.units or ("times the noise",) * width
+    return replace(
+        alone,
+        labels={name: texts for name, texts in alone.labels.items() if name not in (PHASE, "contact")},
+        parameters=tuple(
+            Parameter(f"zero of {name}", unit) for name, unit in zip(alone.components, units, strict=True)
+        ),
+        sensitivities=slopes / deviations,
+    )
+
+
+def _words(p: float, means: tuple[Offset, ...], drifts: tuple[Drift, ...]) -> str:
+    if p > 0.05:
+        return "Free air holds no structure: sensor, mount and clock give no cause for the rest."
+    said = {mean.words: mean.p for mean in means} | {drift.words: drift.p for drift in drifts}
+    return (
+        f"Structure in free air, before anything touches: {min(said, key=lambda words: said[words])}. It comes from the sensor, its mount or "
+        "its clock; look there before you speak of contact."
+    )

@@ -1,0 +1,139 @@
+"""Parameters that are no constants: what drifts with depth, rate, load, time, place or indenter.
+
+A calibration that has absorbed an effect leaves parameters that would take other values in other parts of the data. The
+score of a parameter, summed over frames above a value of a covariate, tells so without a refit (Nyblom 1989; Hansen
+1992; Zeileis and Hornik 2007); the largest over all values is its statistic. Whole trajectories are the units:
+their signs are thrown anew (Cameron, Gelbach and Miller 2008), the same throw for all pairs of parameter and
+covariate, whose maximum controls the error of the whole family (Westfall and Young 1993).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import rankdata
+
+from tactiledata.diagnose.ladder import cuts, levels, slope, steps
+from tactiledata.diagnose.projection import Projection
+from tactiledata.diagnose.residuals import Residuals, joined_names
+from tactiledata.diagnose.scores import Contributions, contributions
+from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
+from tactiledata.diagnose.slopes import Change, change, over
+from tactiledata.diagnose.wording import p_words
+
+Array = NDArray[np.float64]
+
+ALIKE = 0.9
+"""Rank correlation from which on two covariates tell the same story."""
+
+
+@dataclass(frozen=True)
+class Drift:
+    """One pair of parameter and covariate.
+
+    Parameters
+    ----------
+    parameter, covariate : str
+    statistic : float
+        Largest of the studentised scores over all cuts or levels.
+    p : float
+        For all pairs together.
+    at : str
+        Where the score is largest: a value of the covariate, or a level of the label.
+    change : Change
+        Between the 5 % and 95 % quantiles of the covariate, or at the level against all others.
+    words : str
+    alike : names of covariates that cannot be told from this one in these data
+    """
+
+    parameter: str
+    covariate: str
+    statistic: float
+    p: float
+    at: str
+    change: Change
+    words: str
+    alike: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Pair:
+    place: int
+    covariate: str
+    found: Contributions
+    at: tuple[str, ...]
+    is_label: bool
+
+
+def instability(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tuple[Drift, ...]:
+    """Every pair of shared parameter and covariate or label, the strongest first.
+
+    Raises
+    ------
+    TactileDataError
+        Too few units of exchange.
+    """
+    residuals = projection.residuals
+    residuals.need_units("tests of drifting parameters")
+    pairs = _pairs(projection)
+    if not pairs:
+        return ()
+    thrown = signs(residuals.unit_count, draws, seed)
+    observed = np.array([np.abs(pair.found.statistic).max() for pair in pairs])
+    drawn = np.stack([np.abs(pair.found.flipped(thrown)).max(axis=1) for pair in pairs], axis=1)
+    p_values = family_wise(observed, drawn)
+    order = np.lexsort((-observed, p_values))
+    alike = look_alikes(residuals)
+    return tuple(_drift(projection, pairs[k], float(observed[k]), float(p_values[k]), alike) for k in order)
+
+
+def _pairs(projection: Projection) -> list[_Pair]:
+    residuals, pairs = projection.residuals, []
+    for place in range(projection.directions.shape[2]):
+        weights = projection.information(place)
+        for name, covariate in residuals.covariates.items():
+            places = cuts(covariate.values, weights)
+            if len(places):
+                found = contributions(projection, place, steps(covariate.values, places))
+                pairs.append(_Pair(place, name, found, tuple(f"{at:.6g}" for at in places), False))
+        for name, texts in residuals.labels.items():
+            names, instruments = levels(texts)
+            if names:
+                pairs.append(_Pair(place, name, contributions(projection, place, instruments), tuple(names), True))
+    return [pair for pair in pairs if (pair.found.spread > 0).any()]
+
+
+def _drift(
+    projection: Projection, pair: _Pair, statistic: float, p: float, alike: Mapping[str, tuple[str, ...]]
+) -> Drift:
+    residuals = projection.residuals
+    parameter = residuals.parameters[residuals.shared[pair.place]].name
+    at = pair.at[int(np.abs(pair.found.statistic).argmax())]
+    if pair.is_label:
+        moved = change(projection, pair.place, (residuals.labels[pair.covariate] == at).astype(np.float64))
+        words = f"{moved.words} at {pair.covariate} {at}, against all others ({p_words(p)})"
+        return Drift(parameter, pair.covariate, statistic, p, at, moved, words, ())
+    covariate = residuals.covariates[pair.covariate]
+    instrument, low, high = slope(covariate.values, projection.information(pair.place))
+    moved = change(projection, pair.place, instrument[:, 0])
+    words = f"{moved.words} {over(pair.covariate, low, high, covariate.unit)} ({p_words(p)})"
+    same = alike[pair.covariate]
+    if same:
+        words += f"; in these data {pair.covariate} cannot be told from {joined_names(same)}"
+    return Drift(parameter, pair.covariate, statistic, p, at, moved, words, same)
+
+
+def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
+    """For each covariate those whose ranks go with its own, or against them."""
+    names = list(residuals.covariates)
+    ranks = [rankdata(residuals.covariates[name].values) for name in names]
+    centred = [one - one.mean() for one in ranks]
+    unit = np.array([one / max(float(np.linalg.norm(one)), 1e-300) for one in centred])
+    together = np.abs(unit @ unit.T) if names else np.zeros((0, 0))
+    return {
+        name: tuple(other for place, other in enumerate(names) if place != k and together[k, place] > ALIKE)
+        for k, name in enumerate(names)
+    }

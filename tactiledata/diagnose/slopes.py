@@ -1,0 +1,73 @@
+"""By how much a parameter changes over a covariate, with an interval that whole trajectories vouch for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from tactiledata.diagnose.projection import Projection
+from tactiledata.diagnose.residuals import Parameter
+from tactiledata.diagnose.wording import quantity, signed_change
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of a parameter.
+
+    Parameters
+    ----------
+    parameter : Parameter
+    value, half_width : float
+        In the parameter's unit; the 95 % interval is value ± half_width.
+    """
+
+    parameter: Parameter
+    value: float
+    half_width: float
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether it is said as a share of the parameter's value."""
+        return bool(np.isfinite(self.parameter.value) and self.parameter.value != 0)
+
+    @property
+    def words(self) -> str:
+        """``"E falls by 11 ± 2 %"``."""
+        if self.is_relative:
+            share = 100.0 / abs(self.parameter.value)
+            return signed_change(self.parameter.name, self.value * share, self.half_width * share, "%")
+        return signed_change(self.parameter.name, self.value, self.half_width, self.parameter.unit)
+
+
+def change(projection: Projection, place: int, instrument: Array) -> Change:
+    """The change of a shared parameter along an instrument (n,), all other parameters refitted with it.
+
+    Its variance is the sandwich of the units of exchange at the fit that includes the change.
+    """
+    field = projection.orthogonal((projection.directions[:, :, place] * instrument[:, None])[:, :, None])
+    weighed = projection.weigh(field)
+    scores = projection.dot(weighed, projection.left[:, :, None])[:, 0]
+    information = projection.dot(field, weighed)[:, 0]
+    total = float(information.sum())
+    parameter = projection.residuals.parameters[projection.residuals.shared[place]]
+    if total <= 0:
+        return Change(parameter, 0.0, float("inf"))
+    value = float(scores.sum()) / total
+    units = len(scores)
+    # a unit that carries much of the information pulls the fit towards itself: its misfit is scaled up for that
+    leverage = np.clip(information / total, 0.0, 0.9)
+    misfit = (scores - value * information) / (1.0 - leverage)
+    effective = total**2 / float((information**2).sum())
+    freedom = max(min(units, effective) - 1.0, 1.0)
+    deviation = float(np.sqrt((misfit**2).sum())) / total
+    return Change(parameter, value, float(student.ppf(0.975, freedom)) * deviation)
+
+
+def over(name: str, low: float, high: float, unit: str) -> str:
+    """``"between depth 0.2 mm and 1.1 mm"``."""
+    return f"between {name} {quantity(low, unit)} and {quantity(high, unit)}"

@@ -1,0 +1,48 @@
+"""Numbers, quantities and changes as people say them."""
+
+from __future__ import annotations
+
+import math
+
+VERBS = {True: "rises", False: "falls"}
+
+
+def rounded(value: float, digits: int = 2) -> str:
+    """A number with so many significant digits, without exponent where it can be read without."""
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}"
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    if -3 < places <= 6:
+        return f"{round(value, places):.{max(places, 0)}f}"
+    return f"{value:.{digits - 1}e}"
+
+
+def quantity(value: float, unit: str) -> str:
+    """``"0.30 mm"``; without a unit where there is none."""
+    return rounded(value) if unit in ("", "1", "?") else f"{rounded(value)} {unit}"
+
+
+def with_interval(value: float, half_width: float, unit: str) -> str:
+    """``"11 ± 2 %"``: both to the digits that the interval leaves."""
+    if not math.isfinite(half_width) or half_width <= 0:
+        return f"{rounded(value)} {unit}".strip()
+    places = max(-3, (0 if half_width >= 2 * 10 ** math.floor(math.log10(half_width)) else 1)
+                 - math.floor(math.log10(half_width)))  # fmt: skip
+    digits = max(places, 0)
+    said = f"{round(value, places):.{digits}f} ± {round(half_width, places):.{digits}f}"
+    return said if unit in ("", "1", "?") else f"{said} {unit}"
+
+
+def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
+    """``"E falls by 11 ± 2 %"``."""
+    return f"{name} {VERBS[value > 0]} by {with_interval(abs(value), half_width, unit)}"
+
+
+def percent(share: float) -> str:
+    """``"62 %"``."""
+    return f"{100 * share:.0f} %"
+
+
+def p_words(value: float) -> str:
+    """``"p = 0.012"``, or ``"p < 0.001"``."""
+    return "p < 0.001" if value < 0.001 else f"p = {rounded(value)}"
