@@ -153,13 +153,14 @@ def _split(
     """The borders of a stretch that stands out, and those inside what they part."""
     edges = [edge for edge in (start, stop) if 0 < edge < len(values)]
     yield from ((origin + edge, p) for edge in edges)
-    for low, high in zip([0, *edges], [*edges, len(values)], strict=True):
-        part = values[low:high]
+    parts = [(low, values[low:high]) for low, high in zip([0, *edges], [*edges, len(values)], strict=True)]
+    for low, part in parts:
         if len(part) < 2 * SHORTEST:
             continue
         shuffled = rng.permuted(np.broadcast_to(part, (draws, len(part))), axis=1)
         height, inner_start, inner_stop = (float(found[0]) for found in _tallest(part[None]))
         inner = float((1 + np.count_nonzero(_tallest(shuffled)[0] >= height - 1e-12)) / (1 + draws))
+        inner *= len(parts)
         if max(inner, p) <= LEVEL:
             yield from _split(part, origin + low, int(inner_start), int(inner_stop), max(inner, p), rng, draws)
 

@@ -1,6 +1,6 @@
 """Residuals aligned at an event and averaged over trajectories: what the event alone brings.
 
-The window's mean before the event is taken off. Runs of neighbouring frames whose mean stands out are clusters; the
+A window reaches to the events before and after it; its mean before the event is taken off. Runs of neighbouring frames whose mean stands out are clusters; the
 largest cluster is compared with the largest that arises when whole trajectories change their sign (Maris and Oostenveld
 2007), over all kinds of events and all components together.
 """
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.events import Events
+from tactiledata.diagnose.events import Events, stretch
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.sign_flips import DRAWS, signs
 from tactiledata.diagnose.wording import p_words, rounded
@@ -140,7 +140,9 @@ def _windows(residuals: Residuals, events: Events, frames: NDArray[np.int64]) ->
     rows = events.rows[:, None] + frames
     inside = (rows >= 0) & (rows < len(residuals.values))
     rows = np.clip(rows, 0, len(residuals.values) - 1)
-    inside &= residuals.trajectory[rows] == residuals.trajectory[events.rows][:, None]
+    # only the stretches that the event parts: what lies behind another event is that event's affair
+    number = stretch(residuals)
+    inside &= number[rows] == np.where(frames < 0, number[events.rows - 1][:, None], number[events.rows][:, None])
     values = np.where(inside[:, :, None], residuals.values[rows], 0.0)
     is_before = inside & (frames < 0)
     values = values - (values * is_before[:, :, None]).sum(axis=1, keepdims=True) / np.maximum(

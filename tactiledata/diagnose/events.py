@@ -37,6 +37,14 @@ class Events:
     rows: Indices
 
 
+def stretch(residuals: Residuals) -> Indices:
+    """Number of the stretch of each frame (n,): frames of one trajectory in which every label keeps its value."""
+    turns = np.concatenate([[0], np.diff(residuals.trajectory)]) != 0
+    for texts in residuals.labels.values():
+        turns[1:] |= texts[1:] != texts[:-1]
+    return np.cumsum(turns).astype(np.int64)
+
+
 def find_events(residuals: Residuals) -> tuple[Events, ...]:
     """Changes of each label inside trajectories, those that fewer than eight trajectories show left out."""
     found: dict[str, list[Indices]] = {}

@@ -86,7 +86,8 @@ def _words(p: float, means: tuple[Offset, ...], drifts: tuple[Drift, ...]) -> st
     if p > 0.05:
         return "Free air holds no structure: sensor, mount and clock give no cause for the rest."
     said = {mean.words: mean.p for mean in means} | {drift.words: drift.p for drift in drifts}
+    strongest = min(said, key=lambda words: said[words])
     return (
-        f"Structure in free air, before anything touches: {min(said, key=lambda words: said[words])}. It comes from the sensor, its mount or "
+        f"Structure in free air, before anything touches: {strongest}. It comes from the sensor, its mount or "
         "its clock; look there before you speak of contact."
     )

@@ -107,10 +107,9 @@ def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, dr
     values = rng.normal(size=(*residuals.values.shape, draws))
     if noise.correlation > 0:
         fresh = np.sqrt(1.0 - noise.correlation**2)
-        first = np.isin(np.arange(len(values)), residuals.starts)
-        for row in range(1, len(values)):
-            if not first[row]:
-                values[row] = noise.correlation * values[row - 1] + fresh * values[row]
+        for later in range(1, int(residuals.counts.max())):
+            rows = residuals.starts[residuals.counts > later] + later
+            values[rows] = noise.correlation * values[rows - 1] + fresh * values[rows]
     values *= np.maximum(rng.normal(1.0, noise.doubt, draws), 0.1)
     if noise.discrepancy is not None:
         values += noise.discrepancy @ rng.normal(size=(noise.discrepancy.shape[2], draws))
