@@ -27,7 +27,13 @@ LAYERS = [  # bottom first; packages of one row never import one another
     ["tactiledata.cli"],
     ["split_models"],
 ]
-FAMILIES = ["tactiledata.compute", "tactiledata.formats", "tactiledata.indenters", "tactiledata.sensors"]
+FAMILIES = [
+    "tactiledata.compute",
+    "tactiledata.effects",
+    "tactiledata.formats",
+    "tactiledata.indenters",
+    "tactiledata.sensors",
+]
 RIG_MAY_IMPORT = {
     "tactiledata.errors",
     "tactiledata.units",

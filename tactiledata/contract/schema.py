@@ -27,6 +27,7 @@ MAX_VALUES = 2**25
 
 PAGES = {
     "calibration": "docs/calibration.md",
+    "effect": "docs/effects.md",
     "log": "docs/formats-folder.md",
     "mapping": "docs/formats-mcap.md",
     "scenario": "docs/rig.md",

@@ -1,0 +1,111 @@
+"""What every effect offers; a new effect is one file with one such class and one line in the table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar, Literal
+
+from tactiledata.effects.design import Designs, designed_difference
+from tactiledata.effects.parameter import Parameter
+from tactiledata.effects.state import TouchState
+from tactiledata.errors import UnknownName
+
+Slot = Literal["P", "K", "C", "I", "T", "S"]
+SLOTS: tuple[Slot, ...] = ("P", "K", "C", "I", "T", "S")
+"""Pose, contact kinematics, constitutive law, interface, time, sensor: the order in which effects act."""
+CONTACT_SLOTS = SLOTS[:4]
+"""Effects that change what is asked of the gel; the others work on its answer."""
+SLOT_TITLES: dict[Slot, str] = {
+    "P": "pose",
+    "K": "contact geometry",
+    "C": "constitutive law",
+    "I": "interface",
+    "T": "time",
+    "S": "sensor",
+}
+
+
+class Effect:
+    """A piece of physics that a simulation may lack. Members are stateless.
+
+    Attributes
+    ----------
+    name : str
+        In the table and in settings.
+    number : int, optional
+        In the catalogue of docs/effects.md.
+    title : str
+        A few words.
+    slot : one of ``SLOTS``
+    parameters : tuple of Parameter
+    look_alikes : tuple of str
+        Names of effects that leave similar traces.
+    told_apart_by : str
+        The trial that separates it from them.
+    detectability : str
+        What of it can be seen on such a rig, with a number.
+    reference : str
+        Where equation and ranges come from.
+    needs : tuple of str
+        Fields of the touch, optional ones, without which it cannot be played.
+    feeds_back : bool
+        Whether it depends on the wrench that it changes; the simulator then looks for the balance.
+    designs : dict, parameter -> design points
+        Of effects that are played by the gel engine: what it must play beforehand.
+    """
+
+    name: ClassVar[str]
+    number: ClassVar[int | None] = None
+    title: ClassVar[str]
+    slot: ClassVar[Slot]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    look_alikes: ClassVar[tuple[str, ...]]
+    told_apart_by: ClassVar[str]
+    detectability: ClassVar[str]
+    reference: ClassVar[str]
+    needs: ClassVar[tuple[str, ...]] = ()
+    feeds_back: ClassVar[bool] = False
+    designs: ClassVar[Designs] = {}
+
+    def complete(self, values: Mapping[str, float]) -> dict[str, float]:
+        """All parameters by name: those given, checked, and the defaults of the others.
+
+        Raises
+        ------
+        UnknownName
+            A parameter that the effect does not have.
+        UsageError
+            A value outside its bounds.
+        """
+        names = [parameter.name for parameter in self.parameters]
+        for name in values:
+            if name not in names:
+                raise UnknownName(f"parameter of effect {self.name!r}", name, names)
+        return {
+            parameter.name: parameter.check(values.get(parameter.name, parameter.default), self.name)
+            for parameter in self.parameters
+        }
+
+    def is_null(self, values: Mapping[str, float]) -> bool:
+        """Whether every strength has its null value."""
+        complete = self.complete(values)
+        return all(parameter.null in (None, complete[parameter.name]) for parameter in self.parameters)
+
+    def apply(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        """The state with the effect; the very same object where its strengths are null.
+
+        Raises
+        ------
+        UsageError
+            Values that it cannot have, or a covariate that the touch does not tell.
+        """
+        if self.is_null(values):
+            return state
+        complete = self.complete(values)
+        changed = self.change(state, complete)
+        difference = designed_difference(self.designs, complete, state.base)
+        return changed if difference is None else changed.with_elastic(difference)
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        """The state with the effect, values complete and not all null; without what ``designs`` add."""
+        return state

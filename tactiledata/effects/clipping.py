@@ -1,0 +1,76 @@
+"""Readings that end at a limit, and data that were chosen by noisy readings (entry 27)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import strength
+from tactiledata.effects.state import TouchState
+
+Array = NDArray[np.float64]
+FARTHEST = 2.0
+"""Standard deviations outside the range from which on no frame was chosen, so that none is biased."""
+
+
+def selection_bias(force: Array, deviation: float, low: float, high: float) -> Array:
+    """Mean (n,) of the noise of norms (n,) that were kept because norm plus noise lay in [low, high].
+
+    The mean of a truncated normal: s (phi(a) - phi(b)) / (Phi(b) - Phi(a)), a = (low - F) / s, b = (high - F) / s.
+    """
+    margin = FARTHEST * deviation
+    is_near = (force > low - margin) & (force < high + margin)
+    near = np.where(is_near, force, low)
+    a, b = (low - near) / deviation, (high - near) / deviation
+    return np.where(is_near, deviation * (_density(a) - _density(b)) / (ndtr(b) - ndtr(a)), 0.0)
+
+
+def _density(z: Array) -> Array:
+    return np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+
+
+class Clipping(Effect):
+    """Components of the force end at +-1 / inverse_limit; norms near the ends of the chosen range are biased inwards.
+
+    ``inverse_limit`` is one over the limit, so that its null is no limit. ``noise`` is that of the norm by which frames
+    were chosen (`selection_bias`): close to 1 N those are kept whose noise was positive.
+
+    Source: truncated normal distribution; the SPLIT paper keeps frames of 1 to 13 N.
+    """
+
+    name = "clipping"
+    number = 27
+    title = "saturation and selection"
+    slot = "S"
+    parameters = (
+        strength(
+            "inverse_limit", "1/N", "one over the largest component that is read",
+            bounds=(0.0, 1.0), plausible=(0.0, 0.1), deviation=0.05, source="limits of 10 N and more; estimate",
+        ),
+        strength(
+            "noise", "N", "standard deviation of the norm by which frames were chosen",
+            bounds=(0.0, 2.0), plausible=(0.0, 0.3), deviation=0.1, source="0.1 N of the FT 300-S, and a little more",
+        ),
+    )  # fmt: skip
+    look_alikes = ("quantisation", "sensor_drift", "mount_offset")
+    told_apart_by = "Choose the frames by depth in place of force: the bias is gone."
+    detectability = "0.1 N of noise biases frames at the 1 N threshold by 0.08 N, those at 1.2 N by nothing."
+    reference = "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, ch. 13"
+    needs = ("selection",)
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        low, high = state.covariate("selection", self.name)
+        wrench = state.wrench.copy()
+        force = wrench[:, :3]
+        if values["inverse_limit"] > 0:
+            force = np.clip(force, -1.0 / values["inverse_limit"], 1.0 / values["inverse_limit"])
+        if values["noise"] > 0:
+            size = np.linalg.norm(force, axis=1)
+            bias = selection_bias(size, values["noise"], low, high)
+            force = force * (1.0 + np.divide(bias, size, out=np.zeros_like(size), where=size > 0))[:, None]
+        wrench[:, :3] = force
+        return state.read(wrench)

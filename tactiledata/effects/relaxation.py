@@ -1,0 +1,54 @@
+"""Linear viscoelastic relaxation (entry 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.state import TouchState
+from tactiledata.effects.time_operators import fading_memory
+
+
+class Relaxation(Effect):
+    """One term of a Prony series: F(t) = F_e(t) + share * integral of exp(-(t - s) / time) dF_e(s).
+
+    F_e is the answer of the fully relaxed gel, whose modulus is the simulation's; ``share`` is E_i over it. Set it
+    several times for a spectrum. Where the sum would pull, a gel without adhesion has parted: the wrench is 0.
+
+    Source: Lakes, Viscoelastic Materials, ch. 2; contact at one depth history, Lee and Radok, J. Appl. Mech. 27, 1960.
+    """
+
+    name = "relaxation"
+    number = 1
+    title = "viscoelastic relaxation"
+    slot = "T"
+    parameters = (
+        strength(
+            "share", "1", "modulus that relaxes, over the relaxed modulus",
+            bounds=(0.0, 1.0), plausible=(0.0, 0.15), deviation=0.06, source="0.02 to 0.15 a term, PDMS and Ecoflex",
+        ),
+        shape(
+            "time", "s", "time constant",
+            default=3.0, bounds=(0.02, 300.0), grid=(0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0), source="0.1 to 60 s",
+        ),
+    )  # fmt: skip
+    look_alikes = ("lag", "mullins", "heating", "clock_skew")
+    told_apart_by = (
+        "A dwell of 60 s at one depth: force falls at zero motion; a lag does not, and ends within a second."
+    )
+    detectability = "share 0.1: 0.5 N at 5 N in the first dwell second; E and mu hide 50 to 84 % of its variance."
+    reference = "Lakes, Viscoelastic Materials"
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        wrench = state.wrench
+        slow = wrench + values["share"] * fading_memory(state.touch.seconds, wrench, values["time"])
+        parted = ~state.contact.touching | ((slow[:, 2] <= 0) & (state.contact.wrench[:, 2] > 0))
+        return state.read(np.where(parted[:, None] & np.isfinite(slow), _at_rest(wrench, state), slow))
+
+
+def _at_rest(wrench: np.ndarray, state: TouchState) -> np.ndarray:
+    """What is read of a gel that has parted: what the touch has in free air, which is 0 but for an adhesive pull."""
+    return np.where(state.contact.touching[:, None], 0.0, wrench)

@@ -1,0 +1,81 @@
+"""A bubble, a defect or a part that came off the backing (entry 23)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.state import TouchState, wrench_at
+
+_SPOT = "digit-design issue 40 (bubbles, defects of the adhesive layer), digit-interface issue 15"
+
+
+class SoftRegion(Effect):
+    """A spot of the gel that is softer, as seen by a contact over and beside it.
+
+    To first order in the loss, the stiffness falls by the mean of the loss where the elastic energy is. Energy of a
+    contact of radius a on a gel of thickness h is taken as a Gaussian of variance s^2 = a^2 + (h / 2)^2 about its
+    centre c, the spot as exp(-|x - x0|^2 / (2 R^2)). Then w = R^2 / (R^2 + s^2) exp(-|c - x0|^2 / (2 (R^2 + s^2))), the
+    force is multiplied by 1 - loss w, and the centre of pressure moves away from the spot by s^2 grad ln(1 - loss w).
+    Shear is softened while it sticks only, and beyond a traction ``onset``, where the backing begins to slip.
+
+    Source: perturbation of the elastic energy (Hellmann-Feynman), convolution of Gaussians.
+    """
+
+    name = "soft_region"
+    number = 23
+    title = "bubble or delamination"
+    slot = "K"
+    parameters = (
+        strength(
+            "normal_loss", "1", "share of the normal stiffness that the spot has lost",
+            bounds=(0.0, 0.9), plausible=(0.0, 0.5), deviation=0.2, source=_SPOT + "; size: estimate",
+        ),
+        strength(
+            "shear_loss", "1", "share of the shear stiffness that the spot has lost",
+            bounds=(0.0, 0.9), plausible=(0.0, 0.5), deviation=0.2, source=_SPOT + "; size: estimate",
+        ),
+        shape("x", "m", "of the spot", default=0.0, bounds=(-0.02, 0.02), grid=(-4e-3, 0.0, 4e-3), source="the gel"),
+        shape("y", "m", "of the spot", default=0.0, bounds=(-0.02, 0.02), grid=(-5e-3, 0.0, 5e-3), source="the gel"),
+        shape(
+            "radius", "m", "of the spot",
+            default=2e-3, bounds=(2e-4, 0.01), grid=(1e-3, 3e-3), source="bubbles of 1 to 3 mm; estimate",
+        ),
+        shape(
+            "onset", "Pa", "mean shear traction from which shear is softened",
+            default=0.0, bounds=(0.0, 1e6), grid=(0.0,), source="estimate",
+        ),
+    )  # fmt: skip
+    look_alikes = ("dome", "pad_edge", "wear", "mullins")
+    told_apart_by = "The same press on a grid of places, on two sensors: the loss stays with one place of one sensor."
+    detectability = "A loss of 30 % under the contact is 1 to 2 N of 5; 5 mm beside it nothing."
+    reference = "first-order perturbation of the elastic energy"
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        contact = state.contact
+        away = contact.centre - [values["x"], values["y"]]
+        energy = contact.radius**2 + (state.touch.geometry.thickness / 2.0) ** 2
+        width = values["radius"] ** 2 + energy
+        weight = values["radius"] ** 2 / width * np.exp(-(away**2).sum(axis=1) / (2.0 * width))
+        normal = 1.0 - values["normal_loss"] * weight
+        shear = 1.0 - values["shear_loss"] * weight * self._beyond_onset(state, values["onset"])
+        factors = np.ones((len(weight), 6))
+        factors[:, [2, 3, 4]] = normal[:, None]
+        factors[:, [0, 1, 5]] = shear[:, None]
+        softened = state.stiffened(factors)
+        moved = away * (energy * values["normal_loss"] * weight / (width * normal))[:, None]
+        pressing = softened.contact.wrench[:, :3] * [0.0, 0.0, 1.0]
+        aside = wrench_at(pressing, moved)
+        aside[:, :3] = -0.0
+        return softened.with_interface(aside)
+
+    @staticmethod
+    def _beyond_onset(state: TouchState, onset: float) -> np.ndarray:
+        """Share (n,) of the shear traction that lies beyond the onset; 0 while the contact slides."""
+        contact = state.contact
+        shear = np.linalg.norm(contact.wrench[:, :2], axis=1)
+        kept = np.divide(onset * contact.area, shear, out=np.ones_like(shear), where=shear > 0)
+        return np.where(contact.sliding, 0.0, np.maximum(1.0 - kept, 0.0))

@@ -1,0 +1,79 @@
+"""Friction that is larger before it gives way, and the more so the longer it rested (entry 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.state import TouchState
+
+Array = NDArray[np.float64]
+
+
+class StaticFriction(Effect):
+    """mu times 1 + (excess + ageing log10(1 + hold / time)) exp(-slip / length), until it rests again.
+
+    ``hold`` is how long the contact stuck, ``slip`` how far it slid since. Which frames slide is asked of the gel with
+    the static friction of a fresh contact.
+
+    Source: Baumberger and Caroli, Adv. Phys. 55, 2006: ageing at rest, renewal over a memory length.
+    """
+
+    name = "static_friction"
+    number = 9
+    title = "static friction and ageing"
+    slot = "I"
+    parameters = (
+        strength(
+            "excess", "1", "share by which static friction is larger than kinetic",
+            bounds=(0.0, 1.0), plausible=(0.0, 0.4), deviation=0.15, source="mu_s / mu_k of 1.05 to 1.4; estimate",
+        ),
+        strength(
+            "ageing", "1", "further share per decade of rest",
+            bounds=(0.0, 0.3), plausible=(0.0, 0.05), deviation=0.03, source="2 to 5 % per decade",
+        ),
+        shape(
+            "length", "m", "way over which the excess dies out",
+            default=2e-4, bounds=(1e-6, 5e-3), grid=(5e-5, 2e-4, 8e-4), source="estimate",
+        ),
+        shape(
+            "time", "s", "rest after which ageing counts",
+            default=1.0, bounds=(0.01, 100.0), grid=(1.0,), source="usual reference of ageing laws",
+        ),
+    )  # fmt: skip
+    look_alikes = ("rate_friction", "partial_slip", "area_friction")
+    told_apart_by = (
+        "Hold for 1, 10 and 100 s, then slide twice: the first peak grows with the rest, the second has none."
+    )
+    detectability = "excess 0.2: a peak of 0.8 N at 5 N and mu 0.8, gone after some tenths of a millimetre."
+    reference = "Baumberger and Caroli, Adv. Phys. 55, 2006"
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        fresh = 1.0 + values["excess"]
+        stuck = state.rubbed(np.full(len(state.touch), fresh)).contact
+        return state.rubbed(1.0 + self._excess(state, values, stuck.touching, stuck.sliding))
+
+    @staticmethod
+    def _excess(
+        state: TouchState, values: Mapping[str, float], touching: NDArray[np.bool_], sliding: NDArray[np.bool_]
+    ) -> Array:
+        """Share (n,) by which friction exceeds the kinetic one, frame after frame."""
+        ways, spans = state.touch.lateral_steps, state.touch.time_steps
+        excess = np.zeros(len(ways))
+        hold = slip = 0.0
+        for frame in range(len(ways)):
+            if not touching[frame]:
+                hold = slip = 0.0
+                continue
+            if not sliding[frame]:
+                hold = spans[frame] if slip > 0 else hold + spans[frame]
+                slip = 0.0
+            aged = values["excess"] + values["ageing"] * np.log10(1.0 + hold / values["time"])
+            excess[frame] = aged * np.exp(-slip / values["length"])
+            if sliding[frame]:
+                slip += ways[frame]
+        return excess

@@ -1,0 +1,42 @@
+"""What time does to a wrench that is known frame by frame and straight between frames."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def fading_memory(seconds: Array, wrench: Array, time: float) -> Array:
+    """The part of a wrench (n, 6) that is not yet forgotten: the integral of exp(-(t - s) / time) dF(s).
+
+    Exact for a wrench that is straight between frames; the past before the first frame is forgotten. Rows that are NaN
+    are passed over and stay NaN.
+    """
+    known = np.isfinite(wrench).all(axis=1)
+    memory = np.full_like(wrench, np.nan)
+    memory[known] = _memory(seconds[known], wrench[known], time)
+    return memory
+
+
+def _memory(seconds: Array, wrench: Array, time: float) -> Array:
+    spans = np.diff(seconds)
+    fades = np.exp(-spans / time)
+    gains = -np.expm1(-spans / time) * (time / spans)
+    changes = gains[:, None] * np.diff(wrench, axis=0)
+    memory = np.zeros_like(wrench)
+    for frame, (fade, change) in enumerate(zip(fades, changes, strict=True)):
+        memory[frame + 1] = fade * memory[frame] + change
+    return memory
+
+
+def delayed(seconds: Array, wrench: Array, delay: Array | float) -> Array:
+    """The wrench (n, 6) as it was ``delay`` seconds earlier, straight between frames and held at both ends."""
+    known = np.isfinite(wrench).all(axis=1)
+    if not known.any():
+        return wrench
+    at = (seconds - delay)[known]
+    late = np.full_like(wrench, np.nan)
+    late[known] = np.stack([np.interp(at, seconds[known], column) for column in wrench[known].T], axis=1)
+    return late
