@@ -6,6 +6,7 @@ import contextlib
 import io
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from tactiledata.gel.cells import CellQuadrature
 from tactiledata.gel.pad import PadMesh
 from tactiledata.gel.stiffness import linear_stiffness
 from tactiledata.gel.surface import ContactSurface
+from tactiledata.gel.triangular import BlockFactor
 
 Array = NDArray[np.float64]
 
@@ -62,6 +64,26 @@ class FactorisedPad:
         displacement = np.zeros((count, 3 * len(self.mesh.vertices)))
         displacement[:, free] = self.factor.solve(right).T
         return displacement.reshape(count, -1, 3)
+
+    def solve_roughly(self, forces: Array) -> Array:
+        """As ``solve``, to a relative error of about 1e-6, in a fraction of the time."""
+        count = len(forces)
+        free = self.mesh.free
+        displacement = np.zeros((count, 3 * len(self.mesh.vertices)))
+        displacement[:, free] = self.blocks.solve(forces.reshape(count, -1)[:, free])
+        return displacement.reshape(count, -1, 3)
+
+    def solve_refined(self, forces: Array) -> Array:
+        """As ``solve``, to a relative error of about 1e-11, in less time."""
+        displacement = self.solve_roughly(forces)
+        count = len(forces)
+        left = forces.reshape(count, -1) - (self.stiffness @ displacement.reshape(count, -1).T).T
+        return displacement + self.solve_roughly(left.reshape(forces.shape))
+
+    @cached_property
+    def blocks(self) -> BlockFactor:
+        """The factor in single precision."""
+        return BlockFactor.of(self.factor)
 
 
 def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from numba import get_num_threads
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from tactiledata.gel.compliance import FactorisedPad
 from tactiledata.gel.history import GelHistory
 from tactiledata.gel.internal_forces import ElasticPad, internal_forces
 from tactiledata.gel.journey import Journey
 from tactiledata.gel.mixing import SecantMixer
+from tactiledata.gel.pad import PadMesh
 from tactiledata.gel.surface import ContactSurface
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 TOLERANCE = 5e-7
 """m: a step is solved when no node moves further in an iteration."""
@@ -29,12 +34,14 @@ SWEEPS = 20
 """Of the contact solver in each iteration: the outer iterations do the rest."""
 FARTHEST = 5e-3
 """m: an iterate that moves a node further is lost."""
+BELOW_SURFACE = 3
+"""Every so manieth node below the surface measures how far an iterate is from the solution."""
 
 
 class Traveller:
     """A journey with its iterate: the whole pad's displacement (v, 3), m, and the patch forces (m, 3), m^2."""
 
-    def __init__(self, journey: Journey, tolerance: float) -> None:
+    def __init__(self, journey: Journey, tolerance: float, measured: Indices) -> None:
         self.journey = journey
         self._tolerance = tolerance
         state = journey.walk.state
@@ -42,7 +49,7 @@ class Traveller:
         self.forces = state.forces
         self.is_under_way = True
         self._iterations = 0
-        self._mixer = SecantMixer(state.displacement.size, state.forces.size)
+        self._mixer = SecantMixer(state.displacement.size + state.forces.size, measured)
         self._stride: tuple[Array, Array] | None = None
 
     def set_out(self) -> None:
@@ -88,7 +95,7 @@ class Traveller:
         size = displacement.size
         point = np.concatenate([self.displacement.ravel(), self.forces.ravel()])
         reached = np.concatenate([displacement.ravel(), forces.ravel()])
-        mixed = self._mixer.mix(point, reached - point)
+        mixed = self._mixer.mix(point, reached)
         self.displacement = mixed[:size].reshape(displacement.shape)
         self.forces = mixed[size:].reshape(forces.shape)
 
@@ -112,37 +119,54 @@ class FiniteStrainSolver:
     ) -> None:
         self._pad, self._elastic, self._surface = pad, elastic, surface
         self._tolerance = tolerance
+        self._measured = _measured(pad.mesh, surface)
+        self._libraries = ThreadpoolController()
 
     def run(self, journeys: Iterator[Journey], width: int) -> Iterator[tuple[int, GelHistory]]:
         """Solve journeys, ``width`` at a time; a new one sets out when another has arrived."""
         active: list[Traveller] = []
-        while True:
-            while len(active) < width and (journey := next(journeys, None)) is not None:
-                active.append(Traveller(journey, self._tolerance))
-                active[-1].set_out()
-            if not active:
-                return
-            for traveller in active:
-                if not traveller.is_under_way:
-                    yield traveller.journey.number, traveller.journey.recorder.history()
-            active = [traveller for traveller in active if traveller.is_under_way]
-            if active:
-                self._iterate(active)
+        with ThreadPoolExecutor(get_num_threads()) as threads:
+            while True:
+                while len(active) < width and (journey := next(journeys, None)) is not None:
+                    active.append(Traveller(journey, self._tolerance, self._measured))
+                    active[-1].set_out()
+                if not active:
+                    return
+                for traveller in active:
+                    if not traveller.is_under_way:
+                        yield traveller.journey.number, traveller.journey.recorder.history()
+                active = [traveller for traveller in active if traveller.is_under_way]
+                if active:
+                    # threads share the travellers; products that start threads of their own only get in the way
+                    with self._libraries.limit(limits=1, user_api="blas"):
+                        self._iterate(active, threads)
 
-    def _iterate(self, active: list[Traveller]) -> None:
+    def _iterate(self, active: list[Traveller], threads: ThreadPoolExecutor) -> None:
         """One iteration of every traveller's load step."""
         displacement = np.stack([traveller.displacement for traveller in active])
         unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio)
-        pressed = [
-            traveller.journey.walk.press(displacement[row], traveller.forces, SWEEPS, FORCE_TOLERANCE / 10)
-            for row, traveller in enumerate(active)
-        ]
-        for row, (forces, _) in enumerate(pressed):
+
+        def press(row: int) -> tuple[Array, Array]:
+            forces, gaps = active[row].journey.walk.press(
+                displacement[row], active[row].forces, SWEEPS, FORCE_TOLERANCE / 10
+            )
             unbalanced[row, self._surface.nodes] -= self._surface.averaging.T @ forces
+            return forces, gaps
+
+        pressed = list(threads.map(press, range(len(active))))
         unbalanced[:, self._pad.mesh.base] = 0.0
-        displacement -= self._pad.solve(unbalanced)
-        for row, traveller in enumerate(active):
+        reached = displacement - self._pad.solve_roughly(unbalanced)
+
+        def judge(row: int) -> None:
             forces, gaps = pressed[row]
             largest = float(np.abs(forces).max())
             residual = float(np.abs(unbalanced[row]).max()) / largest if largest > 0 else 0.0
-            traveller.judge(displacement[row], forces, gaps, residual)
+            active[row].judge(reached[row], forces, gaps, residual)
+
+        list(threads.map(judge, range(len(active))))
+
+
+def _measured(mesh: PadMesh, surface: ContactSurface) -> Indices:
+    """Which unknowns (k,) of a flattened displacement (v, 3) tell how far an iterate is off."""
+    nodes = np.union1d(surface.nodes, np.arange(0, len(mesh.vertices), BELOW_SURFACE))
+    return (3 * nodes[:, None] + np.arange(3)).ravel()

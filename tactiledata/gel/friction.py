@@ -75,7 +75,10 @@ def _sweep(
     tolerance: float,
 ) -> float:
     count = len(patches)
-    moved = np.zeros((count, 3))
+    moved = np.zeros(3 * count)
+    # responses of the patches in use, side by side in memory; a row is fetched when its patch first carries a force
+    responses = np.empty((count, 3, 3 * count), dtype=np.float32)
+    is_fetched = np.zeros(count, dtype=np.bool_)
     stiff_normal = np.empty(count)
     stiff_tangent = np.empty(count)
     softness = np.empty(count)
@@ -88,6 +91,7 @@ def _sweep(
         softness[i] = PARTIAL_LOAD * (1.0 - covers[i]) / covers[i] * along
         stiff_normal[i] = 1.0 / (along + softness[i])
         stiff_tangent[i] = 2.0 / (own[0, 0] + own[1, 1] + own[2, 2] - along)
+    new, slip = np.empty(3), np.empty(3)
     largest = 0.0
     for _ in range(sweeps):
         change = 0.0
@@ -96,13 +100,14 @@ def _sweep(
             n = normals[i]
             f = forces[i]
             before = f[0] * n[0] + f[1] * n[1] + f[2] * n[2]
-            gap = gaps[i] + n[0] * moved[i, 0] + n[1] * moved[i, 1] + n[2] * moved[i, 2] + softness[i] * before
+            m0, m1, m2 = moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]
+            gap = gaps[i] + n[0] * m0 + n[1] * m1 + n[2] * m2 + softness[i] * before
             after = before - gap * stiff_normal[i]
-            new = np.zeros(3)
+            new[:] = 0.0
             if after > 0.0:
                 depth = after / stiff_normal[i]
                 share = 1.0 if openings[i] <= 0.0 else depth / (openings[i] + depth)
-                slip = slips[i] + moved[i]
+                slip[0], slip[1], slip[2] = slips[i, 0] + m0, slips[i, 1] + m1, slips[i, 2] + m2
                 off = slip[0] * n[0] + slip[1] * n[1] + slip[2] * n[2]
                 size = 0.0
                 for a in range(3):
@@ -119,12 +124,18 @@ def _sweep(
             elif before == 0.0 and f[0] == 0.0 and f[1] == 0.0 and f[2] == 0.0:
                 continue
             d0, d1, d2 = new[0] - f[0], new[1] - f[1], new[2] - f[2]
-            row = compliance[patches[i]]
-            for k in range(count):
-                block = row[patches[k]]
-                # symmetric: the block of (k, i) is the transpose of that of (i, k)
-                for a in range(3):
-                    moved[k, a] += block[0, a] * d0 + block[1, a] * d1 + block[2, a] * d2
+            row = responses[i]
+            if not is_fetched[i]:
+                is_fetched[i] = True
+                for k in range(count):
+                    # symmetric: the block of (k, i) is the transpose of that of (i, k)
+                    block = compliance[patches[i], patches[k]]
+                    for b in range(3):
+                        for a in range(3):
+                            row[b, 3 * k + a] = block[b, a]
+            along_x, along_y, along_z = row[0], row[1], row[2]
+            for k in range(3 * count):
+                moved[k] += along_x[k] * d0 + along_y[k] * d1 + along_z[k] * d2
             f[0], f[1], f[2] = new[0], new[1], new[2]
             change = max(change, abs(d0), abs(d1), abs(d2))
             largest = max(largest, after)

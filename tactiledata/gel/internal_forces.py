@@ -14,6 +14,8 @@ from tactiledata.gel.pad import PadMesh
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+BLOCKS = 32
+"""Parts of the cells that threads share."""
 LEAST_VOLUME_RATIO = 1e-3
 """A quadrature point that is squeezed further is treated as squeezed to this, so that a wild iterate stays finite."""
 
@@ -25,8 +27,8 @@ class ElasticPad:
     Parameters
     ----------
     cells : (c, n)
-    gradients : (c, q, n, 3), weights : (c, q)
-        See ``CellQuadrature``.
+    gradients : (c, n, 3, q), weights : (c, q)
+        See ``CellQuadrature``, the points last.
     starts, places : (v + 1,), (c n,)
         The entries of each node in the flattened cells: ``places[starts[i]:starts[i + 1]]``.
     """
@@ -44,7 +46,8 @@ class ElasticPad:
         counts = np.bincount(flat, minlength=len(mesh.vertices))
         starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
         places = np.argsort(flat, kind="stable").astype(np.int64)
-        return ElasticPad(np.ascontiguousarray(mesh.cells), quadrature.gradients, quadrature.weights, starts, places)
+        gradients = np.ascontiguousarray(quadrature.gradients.transpose(0, 2, 3, 1))
+        return ElasticPad(np.ascontiguousarray(mesh.cells), gradients, quadrature.weights, starts, places)
 
 
 def internal_forces(pad: ElasticPad, displacement: Array, poisson_ratio: float) -> Array:
@@ -57,7 +60,7 @@ def internal_forces(pad: ElasticPad, displacement: Array, poisson_ratio: float) 
     lame = poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))
     count, nodes = displacement.shape[0], pad.cells.shape[1]
     by_cell = np.empty((count, len(pad.cells) * nodes, 3))
-    _cell_forces(displacement, pad.cells, pad.gradients, pad.weights, shear, lame, by_cell)
+    _cell_forces(displacement, pad.cells, pad.gradients, pad.weights, shear, lame, BLOCKS, by_cell)
     forces = np.empty_like(displacement)
     _gather(by_cell, pad.starts, pad.places, forces)
     return forces
@@ -77,66 +80,87 @@ def _gather(by_cell: Array, starts: Indices, places: Indices, forces: Array) -> 
 
 @njit(parallel=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _cell_forces(
-    displacement: Array, cells: Indices, gradients: Array, weights: Array, shear: float, lame: float, out: Array
+    displacement: Array,
+    cells: Indices,
+    gradients: Array,
+    weights: Array,
+    shear: float,
+    lame: float,
+    blocks: int,
+    out: Array,
 ) -> None:
+    """Forces of each cell on its nodes; the innermost loops run over a cell's points, so that they are vectorised."""
     batch, count = displacement.shape[0], cells.shape[0]
-    points, nodes = gradients.shape[1], gradients.shape[2]
-    for item in prange(batch * count):
-        b, cell = item // count, item % count
-        deformation = np.empty((points, 9))
-        squares = np.empty(points)
-        ratios = np.empty(points)
-        volume = 0.0
-        mean_ratio = 0.0
-        for q in range(points):
-            f = deformation[q]
-            f[:] = 0.0
-            f[0] = f[4] = f[8] = 1.0
-            for node in range(nodes):
-                moved = displacement[b, cells[cell, node]]
-                g0, g1, g2 = gradients[cell, q, node]
-                for i in range(3):
-                    f[3 * i] += moved[i] * g0
-                    f[3 * i + 1] += moved[i] * g1
-                    f[3 * i + 2] += moved[i] * g2
-            ratio = (
-                f[0] * (f[4] * f[8] - f[5] * f[7])
-                - f[1] * (f[3] * f[8] - f[5] * f[6])
-                + f[2] * (f[3] * f[7] - f[4] * f[6])
-            )
-            square = 0.0
-            for k in range(9):
-                square += f[k] * f[k]
-            squares[q] = square
-            ratios[q] = max(ratio, LEAST_VOLUME_RATIO)
-            volume += weights[cell, q]
-            mean_ratio += weights[cell, q] * ratio
-        mean_ratio = max(mean_ratio / volume, LEAST_VOLUME_RATIO)
-        # derivative of the energy with respect to the mean change of volume, per volume
-        pressure = 0.0
-        for q in range(points):
-            pressure += weights[cell, q] * ratios[q] ** (-2.0 / 3.0) * squares[q]
-        pressure *= shear / (3.0 * volume) * mean_ratio ** (-1.0 / 3.0)
-        pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
-        forces = out[b, cell * nodes : (cell + 1) * nodes]
-        forces[:] = 0.0
-        stress = np.empty(9)
-        for q in range(points):
-            f = deformation[q]
-            scale = shear * (mean_ratio / ratios[q]) ** (2.0 / 3.0)
-            # d(ratio)/dF is the cofactor of F
-            along = pressure - scale * squares[q] / (3.0 * ratios[q])
-            stress[0] = scale * f[0] + along * (f[4] * f[8] - f[5] * f[7])
-            stress[1] = scale * f[1] + along * (f[5] * f[6] - f[3] * f[8])
-            stress[2] = scale * f[2] + along * (f[3] * f[7] - f[4] * f[6])
-            stress[3] = scale * f[3] + along * (f[2] * f[7] - f[1] * f[8])
-            stress[4] = scale * f[4] + along * (f[0] * f[8] - f[2] * f[6])
-            stress[5] = scale * f[5] + along * (f[1] * f[6] - f[0] * f[7])
-            stress[6] = scale * f[6] + along * (f[1] * f[5] - f[2] * f[4])
-            stress[7] = scale * f[7] + along * (f[2] * f[3] - f[0] * f[5])
-            stress[8] = scale * f[8] + along * (f[0] * f[4] - f[1] * f[3])
-            stress *= weights[cell, q]
-            for node in range(nodes):
-                g0, g1, g2 = gradients[cell, q, node]
-                for i in range(3):
-                    forces[node, i] += stress[3 * i] * g0 + stress[3 * i + 1] * g1 + stress[3 * i + 2] * g2
+    nodes, points = gradients.shape[1], gradients.shape[3]
+    for block in prange(blocks):
+        f, stress = np.empty((9, points)), np.empty((9, points))
+        ratios, squares, roots = np.empty(points), np.empty(points), np.empty(points)
+        for cell in range(block * count // blocks, (block + 1) * count // blocks):
+            gradient, weight = gradients[cell], weights[cell]
+            for b in range(batch):
+                f[:] = 0.0
+                for node in range(nodes):
+                    moved = displacement[b, cells[cell, node]]
+                    for i in range(3):
+                        for a in range(3):
+                            row, slope = f[3 * i + a], gradient[node, a]
+                            for q in range(points):
+                                row[q] += moved[i] * slope[q]
+                volume = mean_ratio = 0.0
+                least = most = 1.0
+                for q in range(points):
+                    f[0, q] += 1.0
+                    f[4, q] += 1.0
+                    f[8, q] += 1.0
+                    # the cofactor of F, which is d(ratio)/dF
+                    stress[0, q] = f[4, q] * f[8, q] - f[5, q] * f[7, q]
+                    stress[1, q] = f[5, q] * f[6, q] - f[3, q] * f[8, q]
+                    stress[2, q] = f[3, q] * f[7, q] - f[4, q] * f[6, q]
+                    stress[3, q] = f[2, q] * f[7, q] - f[1, q] * f[8, q]
+                    stress[4, q] = f[0, q] * f[8, q] - f[2, q] * f[6, q]
+                    stress[5, q] = f[1, q] * f[6, q] - f[0, q] * f[7, q]
+                    stress[6, q] = f[1, q] * f[5, q] - f[2, q] * f[4, q]
+                    stress[7, q] = f[2, q] * f[3, q] - f[0, q] * f[5, q]
+                    stress[8, q] = f[0, q] * f[4, q] - f[1, q] * f[3, q]
+                    ratio = f[0, q] * stress[0, q] + f[1, q] * stress[1, q] + f[2, q] * stress[2, q]
+                    ratios[q] = max(ratio, LEAST_VOLUME_RATIO)
+                    least, most = min(least, ratios[q]), max(most, ratios[q])
+                    volume += weight[q]
+                    mean_ratio += weight[q] * ratio
+                    square = 0.0
+                    for k in range(9):
+                        square += f[k, q] * f[k, q]
+                    squares[q] = square
+                mean_ratio = max(mean_ratio / volume, LEAST_VOLUME_RATIO)
+                if least > 0.6 and most < 1.5:
+                    # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps are exact in this range
+                    for q in range(points):
+                        off = ratios[q] - 1.0
+                        root = 1.0 - off * (1.0 / 3.0) + off * off * (2.0 / 9.0)
+                        for _ in range(4):
+                            root *= (4.0 - ratios[q] * root * root * root) * (1.0 / 3.0)
+                        roots[q] = root * root
+                else:
+                    for q in range(points):
+                        roots[q] = ratios[q] ** (-2.0 / 3.0)
+                # derivative of the energy with respect to the mean change of volume, per volume
+                pressure = 0.0
+                for q in range(points):
+                    pressure += weight[q] * roots[q] * squares[q]
+                root = mean_ratio ** (-1.0 / 3.0)
+                pressure *= shear / (3.0 * volume) * root
+                pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
+                for q in range(points):
+                    scale = shear * mean_ratio * root * roots[q]
+                    along = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
+                    scale *= weight[q]
+                    for k in range(9):
+                        stress[k, q] = scale * f[k, q] + along * stress[k, q]
+                for node in range(nodes):
+                    for i in range(3):
+                        force = 0.0
+                        for a in range(3):
+                            row, slope = stress[3 * i + a], gradient[node, a]
+                            for q in range(points):
+                                force += row[q] * slope[q]
+                        out[b, cell * nodes + node, i] = force

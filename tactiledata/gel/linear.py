@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+from collections import deque
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from numba import get_num_threads
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from tactiledata.gel.compliance import BATCH, FactorisedPad
 from tactiledata.gel.history import GelHistory
@@ -42,15 +47,22 @@ class LinearSolver:
         self._by_patch = np.ascontiguousarray(response.transpose(2, 3, 0, 1)).reshape(*response.shape[2:], -1)
 
     def run(self, journeys: Iterator[Journey]) -> Iterator[tuple[int, GelHistory]]:
-        """Solve journeys one after the other."""
-        for journey in journeys:
-            kept: dict[int, Array] = {}
-            while journey.next_step():
-                frame = self._solve_step(journey)
-                if frame is not None:
-                    kept[frame] = journey.walk.state.forces
-            self._fill(journey, kept)
-            yield journey.number, journey.recorder.history()
+        """Solve journeys, one on each thread."""
+        count = get_num_threads()
+        with ThreadPoolExecutor(count) as threads, ThreadpoolController().limit(limits=1, user_api="blas"):
+            under_way = deque(threads.submit(self._play, journey) for journey in itertools.islice(journeys, 2 * count))
+            while under_way:
+                yield under_way.popleft().result()
+                under_way.extend(threads.submit(self._play, journey) for journey in itertools.islice(journeys, 1))
+
+    def _play(self, journey: Journey) -> tuple[int, GelHistory]:
+        kept: dict[int, Array] = {}
+        while journey.next_step():
+            frame = self._solve_step(journey)
+            if frame is not None:
+                kept[frame] = journey.walk.state.forces
+        self._fill(journey, kept)
+        return journey.number, journey.recorder.history()
 
     def _solve_step(self, journey: Journey) -> int | None:
         walk = journey.walk
@@ -83,5 +95,5 @@ class LinearSolver:
             loads = np.zeros((len(part), len(self._pad.mesh.vertices), 3))
             for row, frame in enumerate(part):
                 loads[row, self._surface.nodes] = self._surface.averaging.T @ kept[frame]
-            for frame, displacement in zip(part, self._pad.solve(loads), strict=True):
+            for frame, displacement in zip(part, self._pad.solve_refined(loads), strict=True):
                 journey.recorder.put_displacement(frame, displacement)

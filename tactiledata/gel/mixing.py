@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 MEMORY = 60
 """Differences kept: the tangent changes little from one load step to the next, so that old ones still serve."""
@@ -21,13 +22,16 @@ class SecantMixer:
 
     Parameters
     ----------
-    measured, carried : int
-        Lengths of the unknowns that the residual measures, and of those that only follow along.
+    size : int
+        Length of the unknowns.
+    measured : (k,)
+        Those of them that the residual is measured by; the others only follow along.
     """
 
-    def __init__(self, measured: int, carried: int) -> None:
-        self._steps = np.zeros((MEMORY, measured + carried))
-        self._changes = np.zeros((MEMORY, measured + carried))
+    def __init__(self, size: int, measured: Indices) -> None:
+        # where the fixed point's map leads is only added up, so that single precision serves
+        self._leads = np.zeros((MEMORY, size), dtype=np.float32)
+        self._changes = np.zeros((MEMORY, len(measured)))
         self._gram = np.zeros((MEMORY, MEMORY))
         self._measured = measured
         self._filled = 0
@@ -43,25 +47,26 @@ class SecantMixer:
         self._filled = self._next = 0
         self._last = None
 
-    def mix(self, point: Array, residual: Array) -> Array:
-        """The next point (measured + carried,), from a point and what the fixed point's map changed in it."""
+    def mix(self, point: Array, reached: Array) -> Array:
+        """The next point (size,), from a point and what the fixed point's map made of it."""
+        residual = (reached - point)[self._measured]
         if self._last is not None:
-            self._remember(point - self._last[0], residual - self._last[1])
-        self._last = (point.copy(), residual.copy())
+            self._remember(reached - self._last[0], residual - self._last[1])
+        self._last = (reached, residual)
         if not self._filled:
-            return point + residual
+            return reached
         kept = slice(0, self._filled)
         gram = self._gram[kept, kept]
         damped = gram + np.eye(self._filled) * (REGULARISATION * np.trace(gram) / self._filled)
-        weights = np.linalg.solve(damped, self._changes[kept, : self._measured] @ residual[: self._measured])
-        mixed: Array = point + residual - weights @ self._steps[kept] - weights @ self._changes[kept]
+        weights = np.linalg.solve(damped, self._changes[kept] @ residual)
+        mixed: Array = reached - weights.astype(np.float32) @ self._leads[kept]
         return mixed
 
-    def _remember(self, step: Array, change: Array) -> None:
+    def _remember(self, lead: Array, change: Array) -> None:
         place = self._next
-        self._steps[place], self._changes[place] = step, change
+        self._leads[place], self._changes[place] = lead, change
         self._next = (place + 1) % MEMORY
         self._filled = max(self._filled, place + 1)
-        products = self._changes[: self._filled, : self._measured] @ change[: self._measured]
+        products = self._changes[: self._filled] @ change
         self._gram[place, : self._filled] = products
         self._gram[: self._filled, place] = products

@@ -23,7 +23,7 @@ MAY_TOUCH = 2e-4
 LOOKS = 6
 """Iterations of a step after which it stands which points lie under the indenter: an edge that passes over a point
 changes the equations, and with it the point, to and fro for ever."""
-LARGEST_STEP = 1.3e-4
+LARGEST_STEP = 1.5e-4
 """m: an indenter that moves further between two frames is followed in parts."""
 
 

@@ -47,7 +47,7 @@ def our_forces(depths: list[float]) -> list[np.ndarray]:
     factor = splu(linear_stiffness(mesh, quadrature, POISSON)[free][:, free].tocsc())
     displacement = np.zeros_like(mesh.vertices)
     forces = []
-    mixer = SecantMixer(len(free), 0)
+    mixer = SecantMixer(len(free), np.arange(len(free)))
     for depth in np.arange(1, 11) * 1e-4:
         mixer.start_step()
         displacement[is_held] = pushed(mesh.vertices, depth)[1][is_held]
@@ -56,7 +56,8 @@ def our_forces(depths: list[float]) -> list[np.ndarray]:
             change = -factor.solve(internal.ravel()[free])
             if np.abs(change).max() < 1e-9:
                 break
-            displacement.ravel()[free] = mixer.mix(displacement.ravel()[free].copy(), change)
+            point = displacement.ravel()[free]
+            displacement.ravel()[free] = mixer.mix(point, point + change)
         else:
             pytest.fail(f"no equilibrium at {depth}")
         if np.isclose(depth, depths).any():
