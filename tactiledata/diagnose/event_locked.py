@@ -1,8 +1,8 @@
 """Residuals aligned at an event and averaged over trajectories: what the event alone brings.
 
-A window reaches to the events before and after it; its mean before the event is taken off. Runs of neighbouring frames whose mean stands out are clusters; the
-largest cluster is compared with the largest that arises when whole trajectories change their sign (Maris and Oostenveld
-2007), over all kinds of events and all components together.
+A window reaches to the events before and after it; its mean before the event is taken off. Runs of neighbouring frames
+whose mean stands out are clusters; the largest cluster is compared with the largest that arises when whole trajectories
+change their sign (Maris and Oostenveld 2007), over all kinds of events and all components together.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.scores import Contributions
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
-from tactiledata.diagnose.slopes import Change
+from tactiledata.diagnose.slopes import Change, refitted
 from tactiledata.diagnose.wording import p_words
 
 
@@ -53,11 +53,8 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
     observed = np.abs(found.statistic)
     drawn = np.abs(found.flipped(signs(residuals.unit_count, draws, seed)))
     p_values = family_wise(observed, drawn)
-    left = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score)) @ projection.inverse
-    widths = 1.96 * np.sqrt((left**2).sum(axis=0))
     listed = []
-    for k, place in enumerate(residuals.shared):
-        moved = Change(residuals.parameters[place], float(projection.refit[k]), float(widths[k]))
+    for k, moved in enumerate(refitted(projection)):
         listed.append(
             Offset(
                 moved.parameter.name,

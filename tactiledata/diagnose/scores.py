@@ -62,16 +62,20 @@ class Contributions:
 
 
 def contributions(projection: Projection, place: int, instruments: Array) -> Contributions:
-    """Scores of letting one shared parameter vary with instruments, orthogonal to all shared and own parameters.
+    """Scores of letting a shared parameter, by its place among them, vary with instruments: see `along`."""
+    return along(projection, projection.directions[:, :, place], instruments)
+
+
+def along(projection: Projection, direction: Array, instruments: Array) -> Contributions:
+    """Scores of fields ``instrument * direction``, orthogonal to all shared and own parameters.
 
     Parameters
     ----------
-    place : int
-        Among the shared parameters.
+    direction : (n, k)
+        The sensitivity of what varies.
     instruments : (n, c)
-        By how much the parameter varies in each frame: steps, slopes, kernels.
+        By how much it varies in each frame: steps, slopes, kernels.
     """
-    direction = projection.directions[:, :, place]
     residuals = projection.residuals
     score = np.einsum("nk,nk->n", direction, projection.score)
     with_shared = np.einsum("nk,nkp->np", direction, projection.weighed)

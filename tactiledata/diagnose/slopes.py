@@ -68,6 +68,18 @@ def change(projection: Projection, place: int, instrument: Array) -> Change:
     return Change(parameter, value, float(student.ppf(0.975, freedom)) * deviation)
 
 
+def refitted(projection: Projection) -> list[Change]:
+    """By how much a linear refit moves each shared parameter, with intervals from what the units disagree on."""
+    of_frames = np.einsum("nkp,nk->np", projection.directions, projection.score)
+    moved = projection.residuals.by_unit(of_frames) @ projection.inverse
+    units = len(moved)
+    widths = float(student.ppf(0.975, max(units - 1, 1))) * np.sqrt((moved**2).sum(axis=0) * units / max(units - 1, 1))
+    return [
+        Change(projection.residuals.parameters[place], float(projection.refit[k]), float(widths[k]))
+        for k, place in enumerate(projection.residuals.shared)
+    ]
+
+
 def over(name: str, low: float, high: float, unit: str) -> str:
     """``"between depth 0.2 mm and 1.1 mm"``."""
     return f"between {name} {quantity(low, unit)} and {quantity(high, unit)}"

@@ -1,0 +1,170 @@
+"""Dimensionless numbers made of covariates: the only things that open forms are built of."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.dimensions import NONE, Unit, find_unit
+from tactiledata.diagnose.history import fading_memory, largest_so_far
+from tactiledata.diagnose.ladder import is_logarithmic
+from tactiledata.diagnose.residuals import Covariate, Residuals
+from tactiledata.diagnose.wording import quantity, rounded
+
+Array = NDArray[np.float64]
+
+FADINGS = (0.1, 1.0, 10.0, 100.0)
+"""s: a decade apart, as relaxation spectra are wide."""
+MOST_ATOMS = 28
+MOST_HISTORIES = 3
+MOST_LEVELS = 6
+EXPONENTS = (-2, -1, 1, 2)
+
+
+@dataclass(frozen=True)
+class Atom:
+    """A number without dimension in each frame.
+
+    Parameters
+    ----------
+    name : str
+        As it stands in a formula.
+    values : (n,)
+    complexity : int
+        What it costs to say it: 1 for a covariate over its scale.
+    """
+
+    name: str
+    values: Array
+    complexity: int
+
+
+def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time: str | None = None) -> list[Atom]:
+    """Atoms, the simple ones first.
+
+    Parameters
+    ----------
+    scales : dict, covariate -> float
+        What it is measured by, in its own unit; by default its 95 % quantile, to one digit.
+    time : str, optional
+        The covariate that is the time inside a trajectory; without it nothing fades.
+    """
+    listed: list[Atom] = []
+    for atom in itertools.chain(
+        _scaled(residuals, scales or {}),
+        _levels(residuals),
+        _histories(residuals, scales or {}, time),
+        _ratios(residuals),
+        _groups(residuals),
+    ):
+        if len(listed) == MOST_ATOMS:
+            break
+        if np.ptp(atom.values) > 0 and not any(_is_same(atom.values, other.values) for other in listed):
+            listed.append(atom)
+    return listed
+
+
+def scale_of(name: str, values: Array, scales: Mapping[str, float]) -> float:
+    """What a covariate is measured by."""
+    if name in scales:
+        return scales[name]
+    usual = float(np.quantile(np.abs(values), 0.95)) or float(np.abs(values).max())
+    return float(f"{usual:.0e}") if usual > 0 else 1.0
+
+
+def _scaled(residuals: Residuals, scales: Mapping[str, float]) -> Iterator[Atom]:
+    for name, covariate in residuals.covariates.items():
+        scale = scale_of(name, covariate.values, scales)
+        said = f"{name}/({quantity(scale, covariate.unit)})"
+        if is_logarithmic(covariate.values):
+            # a logarithm is counted from 1 where that is among the values: people know it by heart
+            one = 1.0 if covariate.values.min() <= 1.0 <= covariate.values.max() and name not in scales else scale
+            yield Atom(f"log10({name}/({quantity(one, covariate.unit)}))", np.log10(covariate.values / one), 1)
+        yield Atom(said, covariate.values / scale, 1)
+
+
+def _levels(residuals: Residuals) -> Iterator[Atom]:
+    for label, texts in residuals.labels.items():
+        levels = np.unique(texts)
+        if 2 <= len(levels) <= MOST_LEVELS:
+            for level in levels:
+                yield Atom(f"[{label} is {level}]", (texts == level).astype(np.float64), 1)
+
+
+def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | None) -> Iterator[Atom]:
+    inside = [
+        (name, covariate)
+        for name, covariate in residuals.covariates.items()
+        if name != time and _varies_inside(residuals, covariate.values)
+    ]
+    for name, covariate in inside[:MOST_HISTORIES]:
+        scale = scale_of(name, covariate.values, scales)
+        said = f"({quantity(scale, covariate.unit)})"
+        yield Atom(f"largest {name} so far/{said}", largest_so_far(covariate.values, residuals.starts) / scale, 2)
+        if time is None:
+            continue
+        seconds = _seconds(residuals.covariates[time])
+        span = float(np.median(np.maximum.reduceat(seconds, residuals.starts)
+                               - np.minimum.reduceat(seconds, residuals.starts)))  # fmt: skip
+        shortest = span / max(float(np.median(residuals.counts)), 1.0)
+        for fading in FADINGS:
+            if 0.3 * shortest <= fading <= 3.0 * span:
+                memory = fading_memory(covariate.values, seconds, residuals.starts, fading)
+                yield Atom(f"{name} remembered for {rounded(fading, 1)} s/{said}", memory / scale, 2)
+
+
+def _ratios(residuals: Residuals) -> Iterator[Atom]:
+    """Two covariates of the same dimension, one over the other."""
+    known = _known(residuals)
+    for (name, values, unit), (other, below, unit_below) in itertools.permutations(known, 2):
+        if unit.exponents == unit_below.exponents != NONE and (below > 0).all():
+            yield Atom(f"{name}/{other}", values * unit.factor / (below * unit_below.factor), 2)
+
+
+def _groups(residuals: Residuals) -> Iterator[Atom]:
+    """Three covariates whose powers have no dimension together, as ``force/(modulus radius^2)``."""
+    positive = [one for one in _known(residuals) if (one[1] > 0).all() and not one[2].is_pure]
+    for three in itertools.combinations(positive, 3):
+        if len({unit.exponents for _, _, unit in three}) < 3:
+            continue
+        for powers in itertools.product(EXPONENTS, repeat=3):
+            if powers[0] < 0 or any(_total(three, powers)):
+                continue
+            values = np.prod([(v * u.factor) ** p for (_, v, u), p in zip(three, powers, strict=True)], axis=0)
+            name = " ".join(n if p == 1 else f"{n}^{p}" for (n, _, _), p in zip(three, powers, strict=True))
+            yield Atom(f"({name})", values, 3)
+
+
+def _total(three: tuple[tuple[str, Array, Unit], ...], powers: tuple[int, ...]) -> tuple[float, ...]:
+    together = [unit.power(power).exponents for (_, _, unit), power in zip(three, powers, strict=True)]
+    return tuple(sum(column) for column in zip(*together, strict=True))
+
+
+def _known(residuals: Residuals) -> list[tuple[str, Array, Unit]]:
+    """Covariates whose unit is known; positions, which go below 0, have an origin by choice and make no ratio."""
+    listed = []
+    for name, covariate in residuals.covariates.items():
+        unit = find_unit(covariate.unit)
+        if unit is not None and covariate.values.min() >= 0:
+            listed.append((name, covariate.values, unit))
+    return listed
+
+
+def _varies_inside(residuals: Residuals, values: Array) -> bool:
+    spread = np.maximum.reduceat(values, residuals.starts) - np.minimum.reduceat(values, residuals.starts)
+    return bool((spread > 0).mean() > 0.5)
+
+
+def _seconds(time: Covariate) -> Array:
+    unit = find_unit(time.unit)
+    return time.values * (unit.factor if unit is not None and not unit.is_pure else 1.0)
+
+
+def _is_same(values: Array, other: Array) -> bool:
+    """Whether two atoms differ by a factor only."""
+    size = float(np.linalg.norm(values)) * float(np.linalg.norm(other))
+    return bool(abs(float(values @ other)) > 0.9999 * size)

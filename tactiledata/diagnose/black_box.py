@@ -1,0 +1,70 @@
+"""What boosted trees can predict of a residual from all covariates: the ceiling of explainable structure.
+
+They name nothing and extrapolate nothing; what they reach on trajectories that they have not seen is what a formula may
+hope for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.features import features
+from tactiledata.diagnose.folds import folds
+from tactiledata.diagnose.projection import Projection
+
+Array = NDArray[np.float64]
+
+TREES = 60
+LEAVES = 12
+
+
+@dataclass(frozen=True)
+class BlackBox:
+    """The ceiling.
+
+    Parameters
+    ----------
+    predicted : (n, k)
+        Of trajectories by trees that were grown on others; 0 where they would do harm to all together.
+    squares : (u,)
+        Sums of squares of each unit of exchange that they leave, own parameters marginalised.
+    explained : float
+        Share of the squares that they explain, not below 0.
+    """
+
+    predicted: Array
+    squares: Array
+    explained: float
+
+
+def black_box(projection: Projection, seed: int = 0) -> BlackBox:
+    """Boosted trees on the refitted residual, trajectories held out by fives."""
+    from sklearn.ensemble import HistGradientBoostingRegressor
+
+    residuals = projection.residuals
+    columns = features(residuals)
+    predicted = np.zeros_like(projection.left)
+    fold = folds(residuals, seed)
+    if columns.shape[1]:
+        for number in np.unique(fold):
+            train, test = fold != number, fold == number
+            for component in range(predicted.shape[1]):
+                learner = HistGradientBoostingRegressor(
+                    max_iter=TREES, max_leaf_nodes=LEAVES, min_samples_leaf=20, early_stopping=False, random_state=seed
+                )
+                learner.fit(columns[train], projection.left[train, component])
+                predicted[test, component] = learner.predict(columns[test])
+    before = float((projection.left * projection.score).sum())
+    squares = _squares(projection, predicted)
+    if squares.sum() >= before:
+        predicted = np.zeros_like(predicted)
+        squares = _squares(projection, predicted)
+    return BlackBox(predicted, squares, max(0.0, 1.0 - float(squares.sum()) / max(before, 1e-300)))
+
+
+def _squares(projection: Projection, predicted: Array) -> Array:
+    left = projection.left - predicted
+    return projection.residuals.by_unit((left * projection.weigh(left)).sum(axis=1))

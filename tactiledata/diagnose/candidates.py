@@ -1,0 +1,132 @@
+"""What an open form chooses from: a carrier with a unit, times products of up to two dimensionless atoms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.atoms import Atom
+from tactiledata.diagnose.projection import Projection
+from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.scores import along
+from tactiledata.diagnose.wording import with_interval
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """What a dimensionless term multiplies.
+
+    Parameters
+    ----------
+    name : str
+        A parameter, which then changes by a share of itself, or a component, to which something is added.
+    field : (n, k)
+        Whitened change of the simulation where the term is 1 and its coefficient 1 ``unit``.
+    unit : str
+        Of the coefficient: ``"1"`` for a share.
+    """
+
+    name: str
+    field: Array
+    unit: str
+
+    def words(self, term: str, value: float, half_width: float) -> str:
+        """``"E (1 + 0.081 ± 0.010 × log10(speed/(1.0 mm/s)))"``, or ``"fx + 0.30 ± 0.05 N × …"``."""
+        if self.unit == "1":
+            sign = "+" if value > 0 else "-"
+            return f"{self.name} (1 {sign} ({with_interval(abs(value), half_width, '1')}) × {term})"
+        sign = "plus" if value > 0 else "minus"
+        return f"{self.name} {sign} ({with_interval(abs(value), half_width, self.unit)}) × {term}"
+
+
+def carriers(residuals: Residuals) -> list[Carrier]:
+    """Shared parameters whose value is known, by shares; and every component, by its unit."""
+    listed = []
+    for place in residuals.shared:
+        parameter = residuals.parameters[place]
+        if np.isfinite(parameter.value) and parameter.value != 0 and np.any(residuals.slopes[:, :, place]):
+            listed.append(Carrier(parameter.name, residuals.slopes[:, :, place] * parameter.value, "1"))
+    width = len(residuals.components)
+    deviations = np.ones(width) if residuals.deviations is None else residuals.deviations
+    units = residuals.units or ("times the noise",) * width
+    for column, name in enumerate(residuals.components):
+        field = np.zeros_like(residuals.values)
+        field[:, column] = 1.0 / deviations[column]
+        listed.append(Carrier(name, field, units[column]))
+    return listed
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """All products of carriers and terms.
+
+    Parameters
+    ----------
+    carriers : c of them
+    names, complexities : m terms
+    terms : (n, m)
+    """
+
+    carriers: tuple[Carrier, ...]
+    names: tuple[str, ...]
+    complexities: tuple[int, ...]
+    terms: Array
+
+    @classmethod
+    def of(cls, carriers: Sequence[Carrier], atoms: Sequence[Atom]) -> Candidates:
+        """Atoms, and their products of degree two; products that repeat one another are left out."""
+        names, complexities = [one.name for one in atoms], [one.complexity for one in atoms]
+        columns = [one.values for one in atoms]
+        for first, one in enumerate(atoms):
+            for other in atoms[first:]:
+                product = one.values * other.values
+                if np.ptp(product) <= 0 or np.array_equal(product, one.values) or np.array_equal(product, other.values):
+                    continue
+                names.append(f"{one.name} × {other.name}" if other is not one else f"{one.name}^2")
+                complexities.append(one.complexity + other.complexity)
+                columns.append(product)
+        matrix = np.column_stack(columns) if columns else np.zeros((len(carriers[0].field), 0))
+        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix)
+
+    def part(self, rows: NDArray[np.bool_]) -> Candidates:
+        """The same candidates in the frames of a mask (n,)."""
+        kept = tuple(Carrier(one.name, one.field[rows], one.unit) for one in self.carriers)
+        return Candidates(kept, self.names, self.complexities, self.terms[rows])
+
+    def __len__(self) -> int:
+        return len(self.carriers) * len(self.names)
+
+    def carrier_of(self, number: int) -> Carrier:
+        """Carrier of a candidate."""
+        return self.carriers[number // len(self.names)]
+
+    def name_of(self, number: int) -> str:
+        """Term of a candidate."""
+        return self.names[number % len(self.names)]
+
+    def complexity_of(self, number: int) -> int:
+        """Of a candidate."""
+        return self.complexities[number % len(self.names)]
+
+    def field(self, number: int) -> Array:
+        """Whitened field (n, k) of a candidate with coefficient 1."""
+        return self.carrier_of(number).field * self.terms[:, number % len(self.names), None]
+
+    def scores(self, projection: Projection) -> tuple[Array, Array]:
+        """Contributions (u, m) of the units of exchange to each candidate's score, and its information (m,)."""
+        found = [along(projection, one.field, self.terms) for one in self.carriers]
+        return np.concatenate([one.by_unit for one in found], axis=1), np.concatenate(
+            [one.information for one in found]
+        )
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Squared norms (m,) of the candidates' fields before anything is projected out."""
+        told = np.stack([np.einsum("nk,nk->n", one.field, one.field) for one in self.carriers])
+        return (told @ self.terms**2).ravel()

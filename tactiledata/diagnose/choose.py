@@ -1,0 +1,137 @@
+"""Which candidates become terms: stable under halving the trajectories, and certain against all others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.candidates import Candidates
+from tactiledata.diagnose.projection import Projection, project
+from tactiledata.diagnose.residuals import Parameter, Residuals
+from tactiledata.diagnose.sign_flips import p_value, signs
+from tactiledata.diagnose.stability import THRESHOLD, false_terms_bound, stable_choices
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+DRAWS = 999
+MOST_TERMS = 4
+SCREENED = 45
+"""Candidates that are kept of each round of screening."""
+ROUNDS = 3
+AS_GOOD = 0.95
+"""Of the best gain in a family: the simplest term that reaches it is taken."""
+LEVEL = 0.05
+VISIBLE = 1e-3
+"""Share of a candidate's norm that parameters must leave of it."""
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """A candidate that became a term: its number; the rest as in `tactiledata.diagnose.open_form.Term`."""
+
+    number: int
+    inclusion: float
+    p: float
+    alike: tuple[str, ...]
+
+
+def choose(residuals: Residuals, candidates: Candidates, seed: int = 0) -> tuple[list[Accepted], float]:
+    """The candidates that are stable and certain, and the bound of false ones.
+
+    Raises
+    ------
+    TactileDataError
+        Too few units of exchange.
+    """
+    residuals.need_units("an open form")
+    choices, bound = _stable(residuals, candidates, seed)
+    accepted: list[Accepted] = []
+    for number, inclusion, alike in choices[:MOST_TERMS]:
+        projection = project(with_fields(residuals, [candidates.field(one.number) for one in accepted]))
+        p = _against_all(projection, candidates, number, seed)
+        if p > LEVEL:
+            break
+        accepted.append(Accepted(number, inclusion, p, alike))
+    return accepted, bound
+
+
+def with_fields(residuals: Residuals, fields: Sequence[Array]) -> Residuals:
+    """Residuals that have fields (n, k) as further shared parameters, at the end."""
+    if not fields:
+        return residuals
+    return replace(
+        residuals,
+        parameters=(*residuals.parameters, *(Parameter(f"term {place}") for place in range(len(fields)))),
+        sensitivities=np.concatenate([residuals.slopes, np.stack(list(fields), axis=2)], axis=2),
+    )
+
+
+def _stable(
+    residuals: Residuals, candidates: Candidates, seed: int
+) -> tuple[list[tuple[int, float, tuple[str, ...]]], float]:
+    """Candidates with their inclusion and their likes, the strongest first, and the bound of false ones."""
+    screened, by_unit = _screen(residuals, candidates)
+    if not len(screened):
+        return [], 0.0
+    projection = project(residuals)
+    fields = projection.orthogonal(np.stack([candidates.field(number) for number in screened], axis=2))
+    weighed = projection.weigh(fields)
+    pieces = [
+        fields[start : start + count].reshape(-1, len(screened)).T
+        @ weighed[start : start + count].reshape(-1, len(screened))
+        for start, count in zip(residuals.starts, residuals.counts, strict=True)
+    ]
+    grams = residuals.units_of(np.array(pieces))
+    scores = projection.dot(fields, projection.score[:, :, None])
+    families = stable_choices(scores, grams, np.random.default_rng(seed))
+    norms = np.maximum(np.einsum("umm->m", grams), 1e-300)
+    gains = scores.sum(axis=0) ** 2 / norms
+    found = []
+    for family in families:
+        if family.inclusion < THRESHOLD:
+            continue
+        good = [place for place in family.members if gains[place] >= AS_GOOD * gains[family.members].max()]
+        best = min(good, key=lambda place: (candidates.complexity_of(int(screened[place])), -gains[place]))
+        likes = [_full_name(candidates, int(screened[place])) for place in family.members if place != best]
+        found.append((float(gains[best]), (int(screened[best]), family.inclusion, tuple(likes[:3]))))
+    found.sort(key=lambda one: -one[0])
+    return [one for _, one in found], false_terms_bound(by_unit)
+
+
+def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Array]:
+    """Numbers of the candidates that explain most, alone and after the best of each round before; all scores (u, m)."""
+    kept: list[int] = []
+    bests: list[int] = []
+    first = np.zeros((0, 0))
+    for _ in range(ROUNDS):
+        projection = project(with_fields(residuals, [candidates.field(number) for number in bests]))
+        by_unit, information = candidates.scores(projection)
+        first = by_unit if not bests else first
+        is_visible = information > VISIBLE * candidates.sizes
+        gains = np.where(is_visible, by_unit.sum(axis=0) ** 2 / np.where(is_visible, information, 1.0), 0.0)
+        order = np.argsort(-gains, kind="stable")[:SCREENED]
+        kept += [int(number) for number in order if gains[number] > 0 and number not in kept]
+        if not len(order) or gains[order[0]] <= 0:
+            break
+        bests.append(int(order[0]))
+    return np.array(kept, dtype=np.int64), first
+
+
+def _against_all(projection: Projection, candidates: Candidates, number: int, seed: int) -> float:
+    """p-value of one candidate against the largest of all when signs of whole trajectories are thrown anew."""
+    by_unit, information = candidates.scores(projection)
+    spread = np.sqrt((by_unit**2).sum(axis=0))
+    is_visible = (information > VISIBLE * candidates.sizes) & (spread > 0)
+    if not is_visible[number]:
+        return 1.0
+    scaled = (by_unit / np.where(is_visible, spread, 1.0))[:, is_visible]
+    observed = abs(float(by_unit[:, number].sum() / spread[number]))
+    return p_value(observed, np.abs(signs(len(by_unit), DRAWS, seed) @ scaled).max(axis=1))
+
+
+def _full_name(candidates: Candidates, number: int) -> str:
+    return f"{candidates.carrier_of(number).name}: {candidates.name_of(number)}"

@@ -1,0 +1,152 @@
+"""Where recordings and simulation differ: every locator, and one error rate over all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactiledata.diagnose.change_points import Step, change_points
+from tactiledata.diagnose.energy import EnergyShares, energy_shares
+from tactiledata.diagnose.event_locked import EventLocked, event_locked
+from tactiledata.diagnose.events import find_events
+from tactiledata.diagnose.free_air import FreeAir, free_air
+from tactiledata.diagnose.gate import Gate, NoiseModel, gate
+from tactiledata.diagnose.honest_tree import Leaf, honest_tree
+from tactiledata.diagnose.instability import Drift, instability
+from tactiledata.diagnose.overall import Offset, offsets
+from tactiledata.diagnose.projection import Projection, project
+from tactiledata.diagnose.region import RegionMap, region_maps
+from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.sign_flips import holm
+
+LEVEL = 0.05
+MOST_SAID = 3
+
+
+@dataclass(frozen=True)
+class LocateOptions:
+    """What locators need to know.
+
+    Parameters
+    ----------
+    order_by : covariate along which steps are sought
+    plane : two covariates that span the gel
+    noise : NoiseModel, optional
+        ``None`` where the size of the noise is not known: the residual's size then proves nothing.
+    seed : int
+    """
+
+    order_by: str = "index"
+    plane: tuple[str, str] = ("x", "y")
+    noise: NoiseModel | None = None
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Located:
+    """What all locators say.
+
+    Parameters
+    ----------
+    projection : Projection
+        After the refit of the shared parameters.
+    gate : Gate, optional
+    free_air : FreeAir
+    overall, drifts, events, steps, maps, leaves
+        See the modules of these names.
+    energy : EnergyShares
+    p : dict, locator -> p-value
+        Holm's, over all locators that had something to test.
+    """
+
+    projection: Projection
+    gate: Gate | None
+    free_air: FreeAir
+    overall: tuple[Offset, ...]
+    drifts: tuple[Drift, ...]
+    events: tuple[EventLocked, ...]
+    steps: tuple[Step, ...]
+    maps: tuple[RegionMap, ...]
+    leaves: tuple[Leaf, ...]
+    energy: EnergyShares
+    p: dict[str, float]
+
+    @property
+    def is_structured(self) -> bool:
+        """Whether any locator is certain, all of them taken together."""
+        return any(value <= LEVEL for value in self.p.values())
+
+    def is_certain(self, locator: str) -> bool:
+        """Whether one of them is."""
+        return self.p.get(locator, 1.0) <= LEVEL
+
+    def _sentence(self, words: str) -> str:
+        """With a capital, unless it begins with the name of a component or parameter."""
+        residuals = self.projection.residuals
+        names = (*residuals.components, *(one.name for one in residuals.parameters))
+        return f"{words if words.startswith(names) else words[0].upper() + words[1:]}."
+
+    def sentences(self) -> list[str]:
+        """What is certain, the plainest first; where nothing is, that."""
+        if not self.is_structured:
+            return ["Nothing found: no locator finds structure that chance does not explain."]
+        said = []
+        if self.is_certain("free air"):
+            said.append(self.free_air.words)
+        if self.gate is not None and self.is_certain("size of the residual"):
+            said.append(self.gate.words)
+        if self.is_certain("a common offset"):
+            said += [self._sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
+        if self.is_certain("drifting parameters"):
+            said += [self._sentence(one.words) for one in self.drifts if one.p <= LEVEL][:MOST_SAID]
+        if self.is_certain("events"):
+            said += [self._sentence(one.words) for one in self.events if one.p <= LEVEL][:MOST_SAID]
+        if self.is_certain("steps"):
+            said += [self._sentence(one.words) for one in self.steps][:MOST_SAID]
+        if self.is_certain("the map"):
+            said += [self._sentence(one.words) for one in self.maps if one.p <= LEVEL][:1]
+        if self.is_certain("the tree"):
+            said += [self._sentence(one.words) for one in self.leaves if one.p <= LEVEL][:1]
+        if self.energy.sharpest is not None and self.energy.sharpest.factors:
+            said.append(self._sentence(self.energy.words))
+        return said
+
+
+def locate(residuals: Residuals, options: LocateOptions | None = None) -> Located:
+    """Every locator on the same residuals.
+
+    Raises
+    ------
+    TactileDataError
+        Too few units of exchange.
+    """
+    chosen = options or LocateOptions()
+    seed = chosen.seed
+    residuals.need_units("a diagnosis")
+    projection = project(residuals)
+    refitted = residuals.with_values(projection.left)
+    opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
+    air = free_air(residuals, seed)
+    common = offsets(residuals, seed + 1)
+    drifts = instability(projection, seed + 2)
+    events = event_locked(refitted, find_events(residuals), seed=seed + 3)
+    steps = change_points(projection, chosen.order_by, seed + 4)
+    maps = region_maps(projection, *chosen.plane, seed=seed + 5)
+    leaves = honest_tree(projection, seed + 6)
+    variance = 1.0 if chosen.noise is not None else 0.0
+    shares = energy_shares(projection, variance, seed + 7)
+    tests = {
+        "size of the residual": None if opened is None else opened.p,
+        "free air": air.p if air.is_tested else None,
+        "a common offset": min([one.p for one in common], default=None),
+        "drifting parameters": min([one.p for one in drifts], default=None),
+        "events": min([one.p for one in events], default=None),
+        "steps": min([one.p for one in steps], default=1.0) if chosen.order_by in residuals.covariates else None,
+        "the map": min([one.p for one in maps], default=None),
+        "the tree": min([one.p for one in leaves], default=None),
+    }
+    asked = {name: value for name, value in tests.items() if value is not None}
+    corrected = holm(np.array(list(asked.values())))
+    together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
+    return Located(projection, opened, air, common, drifts, events, steps, maps, leaves, shares, together)

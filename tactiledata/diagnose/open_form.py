@@ -1,0 +1,146 @@
+"""What is missing as a formula: few dimensionless terms, chosen again and again by halves of the trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.atoms import atoms
+from tactiledata.diagnose.candidates import Candidates, Carrier, carriers
+from tactiledata.diagnose.choose import Accepted, choose, with_fields
+from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.signatures import Likeness, likenesses
+from tactiledata.diagnose.slopes import refitted
+from tactiledata.diagnose.wording import percent
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term of an open form.
+
+    Parameters
+    ----------
+    carrier : str
+        What changes: a parameter (by a share) or a component.
+    term : str
+    coefficient, half_width : float
+        With its 95 % interval; dimensionless for a parameter, else in the component's unit.
+    inclusion : float
+        Share of halves of the trajectories that choose it, or one that is the same in these data.
+    p : float
+        Against all candidates together, after the terms before it.
+    alike : names of candidates that these data cannot tell from it
+    words : str
+    """
+
+    carrier: str
+    term: str
+    coefficient: float
+    half_width: float
+    inclusion: float
+    p: float
+    alike: tuple[str, ...]
+    words: str
+
+
+@dataclass(frozen=True)
+class OpenForm:
+    """The formula.
+
+    Parameters
+    ----------
+    terms : in the order in which they were accepted; none where nothing is certain
+    fields : (n, k, t)
+        Whitened fields of the terms with coefficient 1.
+    fitted : (n, k)
+        Their sum, with their coefficients.
+    candidates : int
+        So many were tried.
+    false_terms : float
+        Upper bound of the expected number of false ones.
+    behaves_like : known signatures that the sum resembles, the nearest first
+    words : str
+    """
+
+    terms: tuple[Term, ...]
+    fields: Array
+    fitted: Array
+    candidates: int
+    false_terms: float
+    behaves_like: tuple[Likeness, ...]
+    words: str
+
+
+def open_form(
+    residuals: Residuals,
+    signatures: Mapping[str, Array] | None = None,
+    scales: Mapping[str, float] | None = None,
+    time: str | None = None,
+    seed: int = 0,
+    carried: Sequence[Carrier] | None = None,
+) -> OpenForm:
+    """A sparse formula of the residual.
+
+    Parameters
+    ----------
+    signatures : dict, name -> (n, k), optional
+        Whitened fields of known effects.
+    scales, time
+        See `tactiledata.diagnose.atoms.atoms`.
+    carried : sequence of Carrier, optional
+        By default those of the parameters and components.
+
+    Raises
+    ------
+    TactileDataError
+        Too few units of exchange.
+    """
+    candidates = find_candidates(residuals, scales, time, carried)
+    accepted, bound = choose(residuals, candidates, seed)
+    return _summed(residuals, candidates, accepted, bound, signatures or {})
+
+
+def find_candidates(
+    residuals: Residuals,
+    scales: Mapping[str, float] | None = None,
+    time: str | None = None,
+    carried: Sequence[Carrier] | None = None,
+) -> Candidates:
+    """What an open form of residuals chooses from: the residuals themselves are not looked at."""
+    listed = carriers(residuals) if carried is None else list(carried)
+    return Candidates.of(listed, atoms(residuals, scales, time))
+
+
+def _summed(
+    residuals: Residuals,
+    candidates: Candidates,
+    accepted: list[Accepted],
+    bound: float,
+    signatures: Mapping[str, Array],
+) -> OpenForm:
+    fields = np.zeros((*residuals.values.shape, len(accepted)))
+    for place, chosen in enumerate(accepted):
+        fields[:, :, place] = candidates.field(chosen.number)
+    if not accepted:
+        words = "No formula: no term is chosen often enough by halves of the trajectories."
+        return OpenForm((), fields, np.zeros_like(residuals.values), len(candidates), bound, (), words)
+    changes = refitted(project(with_fields(residuals, list(np.moveaxis(fields, 2, 0)))))[-len(accepted) :]
+    terms = []
+    for chosen, one in zip(accepted, changes, strict=True):
+        name, carrier = candidates.name_of(chosen.number), candidates.carrier_of(chosen.number)
+        said = carrier.words(name, one.value, one.half_width)
+        words = f"{said}, chosen by {percent(chosen.inclusion)} of halves"
+        terms.append(
+            Term(carrier.name, name, one.value, one.half_width, chosen.inclusion, chosen.p, chosen.alike, words)
+        )
+    fitted = fields @ np.array([one.value for one in changes])
+    resembled = likenesses(project(residuals), fitted, signatures)
+    like = next((f"; it behaves like {one.name} (cosine {one.cosine:.2f})" for one in resembled if one.is_near), "")
+    words = f"{'; '.join(term.words for term in terms)}{like}"
+    return OpenForm(tuple(terms), fields, fitted, len(candidates), bound, resembled, words)
