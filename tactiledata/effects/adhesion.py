@@ -106,7 +106,7 @@ class Adhesion(Effect):
         work = values["work"] * np.where(slid, AFTER_SHEAR, 1.0)
         pull = np.zeros(len(depth))
         pull[leaves] = self._pull(state, contact, depth[leaves], deepest[leaves], work[leaves])
-        parted = np.maximum.accumulate(leaves & ~contact.touching & (pull == 0.0))
+        parted = np.maximum.accumulate(leaves & (depth < 0) & (pull == 0.0))
         force = np.zeros((len(depth), 3))
         force[:, 2] = np.where(parted, 0.0, pull)
         return state.with_interface(wrench_at(force, np.nan_to_num(contact.centre)))

@@ -20,6 +20,8 @@ class MountOffset(Effect):
 
     d -> d + deeper, (x, y) -> (x, y) + (x0, y0), all lengths of the indenter times 1 + radius_error. The first two are
     kinematics; the third is played by the gel engine at -3 % and +3 %.
+
+    Source: rigid-body kinematics.
     """
 
     name = "mount_offset"

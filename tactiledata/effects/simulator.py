@@ -76,21 +76,32 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
 
     if not any(setting.member.feeds_back for setting in settings):
         return after(start.felt)
-    felt = start.contact.wrench
-    known = np.isfinite(felt)
-    close = CLOSE * np.abs(felt[known]).max(initial=0.0)
+    known = np.isfinite(start.contact.wrench)
+    felt = _bridged(start.contact.wrench, known)
+    close = CLOSE * np.abs(felt).max(initial=0.0)
     step, miss = np.ones_like(felt), np.zeros_like(felt)
     for turn in range(MOST_ROUNDS):
         state = after(felt)
-        last, miss = miss, np.where(known, state.contact.wrench - felt, 0.0)
+        away = state.contact.wrench - felt
+        last, miss = miss, np.where(np.isfinite(away), away, 0.0)
         if np.abs(miss).max(initial=0.0) <= close:
             break
         if turn > 0:
             fell = last - miss
             step = np.divide(step * last, fell, out=np.ones_like(fell), where=np.abs(fell) > 1e-3 * np.abs(miss))
             step = np.clip(step, LEAST_STEP, LARGEST_STEP)
-        felt = felt + step * miss
+        felt = _bridged(felt + step * miss, known)
     return state
+
+
+def _bridged(wrench: Array, known: NDArray[np.bool_]) -> Array:
+    """A wrench (n, 6) with what is unknown taken from its neighbours, as what is not simulated bends the arm, too."""
+    frames = np.arange(len(wrench))
+    columns = [
+        column if sure.all() else np.interp(frames, frames[sure], column[sure]) if sure.any() else np.zeros(len(column))
+        for column, sure in zip(wrench.T, known.T, strict=True)
+    ]
+    return np.stack(columns, axis=1)
 
 
 def _zeroed(state: TouchState) -> TouchState:

@@ -12,6 +12,10 @@ from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+ROUNDS = 2
+"""When it slides depends on how long it rested, and that on when it slid."""
 
 
 class StaticFriction(Effect):
@@ -53,27 +57,41 @@ class StaticFriction(Effect):
     reference = "Baumberger and Caroli, Adv. Phys. 55, 2006"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        fresh = 1.0 + values["excess"]
-        stuck = state.rubbed(np.full(len(state.touch), fresh)).contact
-        return state.rubbed(1.0 + self._excess(state, values, stuck.touching, stuck.sliding))
+        touching = state.contact.touching
+        held = _held(state, touching, np.zeros(len(touching), dtype=bool))
+        for _ in range(ROUNDS):
+            limit = self._aged(held, values)
+            sliding = state.rubbed(1.0 + limit).contact.sliding
+            held = _held(state, touching, sliding)
+        slipped = _slipped(state, touching & sliding)
+        excess = self._aged(held, values) * np.exp(-slipped / values["length"])
+        return state.rubbed(np.where(touching, 1.0 + excess, 1.0))
 
     @staticmethod
-    def _excess(
-        state: TouchState, values: Mapping[str, float], touching: NDArray[np.bool_], sliding: NDArray[np.bool_]
-    ) -> Array:
-        """Share (n,) by which friction exceeds the kinetic one, frame after frame."""
-        ways, spans = state.touch.lateral_steps, state.touch.time_steps
-        excess = np.zeros(len(ways))
-        hold = slip = 0.0
-        for frame in range(len(ways)):
-            if not touching[frame]:
-                hold = slip = 0.0
-                continue
-            if not sliding[frame]:
-                hold = spans[frame] if slip > 0 else hold + spans[frame]
-                slip = 0.0
-            aged = values["excess"] + values["ageing"] * np.log10(1.0 + hold / values["time"])
-            excess[frame] = aged * np.exp(-slip / values["length"])
-            if sliding[frame]:
-                slip += ways[frame]
-        return excess
+    def _aged(held: Array, values: Mapping[str, float]) -> Array:
+        return values["excess"] + values["ageing"] * np.log10(1.0 + held / values["time"])
+
+
+def _held(state: TouchState, touching: Flags, sliding: Flags) -> Array:
+    """How long (n,), s, the contact has stuck, or had stuck when it began to slide."""
+    held = np.zeros(len(touching))
+    now, has_slid = 0.0, False
+    for frame, span in enumerate(state.touch.time_steps):
+        if not touching[frame]:
+            now, has_slid = 0.0, False
+        elif sliding[frame]:
+            has_slid = True
+        else:
+            now, has_slid = span + (0.0 if has_slid else now), False
+        held[frame] = now
+    return held
+
+
+def _slipped(state: TouchState, sliding: Flags) -> Array:
+    """How far (n,), m, it had slid before each frame, since it last stuck."""
+    slipped = np.zeros(len(sliding))
+    now = 0.0
+    for frame, way in enumerate(state.touch.lateral_steps):
+        slipped[frame] = now if sliding[frame] else 0.0
+        now = now + way if sliding[frame] else 0.0
+    return slipped

@@ -1,0 +1,178 @@
+"""What every effect of the table keeps."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.ball_on_layer import BallOnLayer
+from tactiledata.effects.base import SLOTS
+from tactiledata.effects.parameter import DIMENSIONS
+from tactiledata.effects.reference_touch import largest_changes
+from tactiledata.effects.setting import EffectSetting, in_order
+from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.state import TouchState
+from tactiledata.effects.touch import Touch
+from tactiledata.errors import UnknownName, UsageError
+
+CATALOGUE = set(range(1, 30)) - {28}
+every_effect = pytest.mark.parametrize("name", EFFECTS)
+
+
+def null_values(name, rng):
+    """Strengths at null, shapes anywhere."""
+    return {p.name: p.null if p.null is not None else rng.uniform(*p.bounds) for p in EFFECTS[name].parameters}
+
+
+def test_the_catalogue_is_complete():
+    """Each entry of the catalogue but the 28th, numerics, is one effect."""
+    assert sorted(EFFECTS[name].number for name in EFFECTS) == sorted(CATALOGUE)
+
+
+@every_effect
+def test_it_describes_itself(name):
+    """Slot, words and look-alikes are there; what it needs are optional fields of a touch."""
+    effect = EFFECTS[name]
+    assert effect.name == name
+    assert effect.slot in SLOTS
+    for text in (effect.title, effect.told_apart_by, effect.detectability, effect.reference):
+        assert text.strip()
+    assert any(character.isdigit() for character in effect.detectability)
+    assert "Source: " in effect.__doc__
+    assert effect.look_alikes
+    assert set(effect.look_alikes) <= set(EFFECTS) - {name}
+    optional = {field.name for field in dataclasses.fields(Touch) if field.default is None}
+    assert set(effect.needs) <= optional
+
+
+@every_effect
+def test_parameters_are_sound(name):
+    """Units are known; the null lies in the plausible range, that in the bounds, grids too; a design point is no null."""
+    effect = EFFECTS[name]
+    names = [parameter.name for parameter in effect.parameters]
+    assert len(set(names)) == len(names)
+    assert any(parameter.null is not None for parameter in effect.parameters)
+    for parameter in effect.parameters:
+        low, high = parameter.bounds
+        assert parameter.unit in DIMENSIONS
+        assert parameter.meaning
+        assert parameter.source
+        assert low <= parameter.plausible[0] < parameter.plausible[1] <= high
+        assert low <= parameter.default <= high
+        assert all(low <= value <= high for value in parameter.grid)
+        if parameter.null is None:
+            assert parameter.grid
+        else:
+            assert parameter.plausible[0] <= parameter.null <= parameter.plausible[1]
+            assert 0 < parameter.deviation <= max(map(abs, parameter.plausible))
+            assert parameter.log_prior(parameter.null) == 0.0
+        assert parameter.log_prior(high + 1.0) == -math.inf
+    assert set(effect.designs) <= {parameter.name for parameter in effect.parameters if parameter.null == 0.0}
+    assert all(place != 0.0 for points in effect.designs.values() for place, _ in points)
+
+
+@every_effect
+def test_null_is_the_identity(name, touch):
+    """With null strengths and any shapes, the state is the very same object."""
+    state = TouchState.start(touch, BallOnLayer(touch))
+    rng = np.random.default_rng(1)
+    assert EFFECTS[name]().apply(state, {}) is state
+    assert EFFECTS[name]().apply(state, null_values(name, rng)) is state
+
+
+def test_all_effects_at_null_leave_every_bit(touch):
+    """All of them together, at null, give the bytes of the plain simulation, zeroed or not."""
+    rng = np.random.default_rng(2)
+    settings = [EffectSetting(name, null_values(name, rng)) for name in EFFECTS]
+    for tare in (None, np.arange(len(touch)) < 8):
+        on = dataclasses.replace(touch, tare=tare)
+        plain = with_effects(BallOnLayer, []).play(on)
+        both = with_effects(BallOnLayer, settings).play(on)
+        assert both.wrench.tobytes() == plain.wrench.tobytes()
+        assert both.moved_poses.tobytes() == plain.moved_poses.tobytes()
+
+
+@every_effect
+def test_null_is_approached_smoothly(name, touch, play, medium):
+    """A millionth of a medium strength changes at most ten millionths; the null is no special case of the code."""
+    plain = play().wrench
+    for parameter, value in medium(name).items():
+        full = np.abs(play(name, **{parameter: value}).wrench - plain).max()
+        tiny = np.abs(play(name, **{parameter: 1e-6 * value}).wrench - plain).max()
+        assert tiny <= 1e-5 * full + 1e-9, parameter
+
+
+@every_effect
+def test_it_does_something_somewhere(name, play, medium):
+    """At medium strength the reference touch changes by more than rounding."""
+    if name == "clipping":  # the limit lies above the touch's force; noise alone shows
+        assert largest_changes(EFFECTS[name]())["noise"] > 0.1
+    change = np.abs(play(name, **medium(name)).wrench - play().wrench).max()
+    assert change > 1e-4
+
+
+@every_effect
+def test_it_is_pure_and_deterministic(name, touch, play, medium):
+    """The touch, which is read-only, is untouched, the state before too, and twice the same comes out."""
+    state = TouchState.start(touch, BallOnLayer(touch))
+    state = state.read(state.contact.wrench)
+    before = {field.name: np.copy(getattr(state, field.name)) for field in dataclasses.fields(state)[2:]}
+    EFFECTS[name]().apply(state, medium(name))
+    assert all(np.array_equal(getattr(state, key), value) for key, value in before.items())
+    assert play(name, **medium(name)).wrench.tobytes() == play(name, **medium(name)).wrench.tobytes()
+
+
+@every_effect
+def test_frames_that_are_unknown_stay_unknown(name, touch, medium):
+    """A frame that the base could not solve is NaN at the end, and spoils no other."""
+
+    class Holey(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            answer = super().respond(offset, shift, friction)
+            wrench = answer.wrench.copy()
+            wrench[[50, 100]] = np.nan
+            return dataclasses.replace(answer, wrench=wrench)
+
+    wrench = with_effects(Holey, [EffectSetting(name, medium(name))]).play(touch).wrench
+    bad = np.isnan(wrench).any(axis=1)
+    assert np.flatnonzero(bad).tolist() == [50, 100]
+
+
+@every_effect
+def test_missing_covariates_are_said(name, touch, medium):
+    """Without a field that it needs, it says which; fields that it does not name may be missing."""
+    effect = EFFECTS[name]
+    optional = {field.name for field in dataclasses.fields(Touch) if field.default is None}
+    simulator = with_effects(BallOnLayer, [EffectSetting(name, medium(name))])
+    simulator.play(dataclasses.replace(touch, **dict.fromkeys(optional - set(effect.needs))))
+    for field in effect.needs:
+        with pytest.raises(UsageError, match=f"depends on '{field}'"):
+            simulator.play(dataclasses.replace(touch, **{field: None}))
+
+
+@every_effect
+def test_wrong_values_are_refused(name):
+    """Unknown parameters, numbers out of bounds, and what is no number."""
+    parameter = EFFECTS[name].parameters[0]
+    with pytest.raises(UnknownName, match=f"parameter of effect '{name}' 'nonsense'"):
+        EffectSetting(name, {"nonsense": 1.0})
+    for value in (parameter.bounds[1] * 1.01 + 1e-9, parameter.bounds[0] - 1.0, math.nan, math.inf, "0", None, True):
+        with pytest.raises(UsageError, match=f"{parameter.name} of effect '{name}'"):
+            EffectSetting(name, {parameter.name: value})
+
+
+def test_unknown_effects_and_places_are_refused():
+    """A slip of the pen gets the right name proposed."""
+    with pytest.raises(UnknownName, match="Did you mean relaxation"):
+        EffectSetting("relaxatoin", {})
+    with pytest.raises(UnknownName, match="place of an effect"):
+        EffectSetting("thickness", {}, {"camera": "left"})
+
+
+def test_slots_decide_the_order():
+    """Whatever the order given, effects act by slot and then as the table has them."""
+    names = [setting.effect for setting in in_order(EffectSetting(name) for name in reversed(list(EFFECTS)))]
+    assert names == list(EFFECTS)
+    assert [EFFECTS[name].slot for name in names] == sorted((EFFECTS[name].slot for name in names), key=SLOTS.index)

@@ -1,0 +1,109 @@
+"""Effects of the interface while it sticks and slides."""
+
+import numpy as np
+import pytest
+
+from tactiledata.effects.partial_slip import slip_levels
+
+FRICTION_EFFECTS = ("area_friction", "rate_friction", "static_friction", "partial_slip")
+DEPTH = 8e-4
+
+
+def slide(touch, moved, x, speed=1e-3, hold=0.0):
+    """Press to 0.8 mm, hold, then move along x (m,) at a speed; frames of the slide are the last m."""
+    steps = np.abs(np.diff(x)) / speed
+    seconds = np.concatenate([[0.0, 1.0], 1.0 + hold + np.cumsum([1.0, *steps])])
+    depth = np.concatenate([[0.0, DEPTH], np.full(len(x), DEPTH)])
+    return moved(touch, seconds, depth, x=np.concatenate([[x[0], x[0]], x]))
+
+
+@pytest.mark.parametrize("name", FRICTION_EFFECTS)
+def test_friction_leaves_the_normal_force_alone(name, play, medium):
+    """Only shear, and the torques of shear, change."""
+    change = play(name, **medium(name)).wrench - play().wrench
+    assert np.abs(change[:, :2]).max() > 0.05
+    np.testing.assert_allclose(change[:, 2], 0.0, atol=1e-12)
+
+
+def test_area_friction_is_a_sum_of_area_and_load(touch, play, moved):
+    """In the plateau F_t = tau A + alpha N with alpha = mu - tau / p0, at any depth."""
+    tau, p0, mu = 1e5, 3e5, touch.material.friction
+    for depth in (2e-4, 5e-4, 1e-3):
+        path = slide(touch, moved, np.linspace(0.0, 4e-3, 41))
+        path.poses[1:, 2, 3] = -depth
+        state = play("area_friction", on=path, shear_strength=tau, pressure=p0)
+        assert state.contact.sliding[-1]
+        wanted = tau * state.contact.area[-1] + (mu - tau / p0) * state.wrench[-1, 2]
+        assert np.hypot(*state.wrench[-1, :2]) == pytest.approx(wanted)
+
+
+def test_rate_friction_is_a_line_over_the_logarithm_of_speed(touch, play, moved):
+    """Plateaus at four speeds lie on mu (1 + beta log10(v / v0)); a rest keeps what the last move had."""
+    for speed in (1e-4, 3e-4, 1e-3, 1e-2):
+        path = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=speed)
+        wrench = play("rate_friction", on=path, beta=0.15).wrench[-1]
+        wanted = touch.material.friction * (1 + 0.15 * np.log10(speed / 1e-3))
+        assert np.hypot(*wrench[:2]) / wrench[2] == pytest.approx(wanted)
+    resting = np.concatenate([np.linspace(0.0, 4e-3, 41), [4e-3]])
+    seconds = np.arange(len(resting) + 2.0)
+    rest = moved(touch, seconds, np.full(len(seconds), DEPTH), x=np.concatenate([[0.0, 0.0], resting]))
+    factor = play("rate_friction", on=rest, beta=0.15).friction
+    assert factor[-1] == factor[-2]
+    assert factor[0] == 1.0
+
+
+def test_static_friction_peaks_once_and_dies_out(touch, play, moved):
+    """The peak is mu N (1 + excess); it decays over the memory length; sliding on has no second one, a rest has."""
+    limit = play(on=slide(touch, moved, np.linspace(0.0, 4e-3, 401))).wrench[-1]
+    limit = touch.material.friction * limit[2]
+    there = np.linspace(0.0, 4e-3, 401)
+    shear = -play("static_friction", on=slide(touch, moved, there), excess=0.3, length=2e-4).wrench[:, 0] / limit
+    onset = int(np.argmax(shear))
+    assert shear[onset] == pytest.approx(1.3, rel=0.01)
+    slipped = there[onset + 21 - 2] - there[onset - 2]
+    assert shear[onset + 21] == pytest.approx(1 + 0.3 * np.exp(-slipped / 2e-4), rel=0.01)
+    assert shear[-1] == pytest.approx(1.0, abs=1e-3)
+    assert (np.diff(shear[onset:]) <= 1e-12).all()
+    back = np.concatenate([there, there[-2::-1]])
+    returning = play("static_friction", on=slide(touch, moved, back), excess=0.3, length=2e-4).wrench[:, 0] / limit
+    assert returning.max() == pytest.approx(1.3, rel=0.01)
+
+
+def test_static_friction_ages_with_the_logarithm_of_rest(touch, play, moved):
+    """A hundred seconds of rest add about two decades."""
+    there = np.linspace(0.0, 4e-3, 401)
+    peaks = []
+    for hold in (0.0, 100.0, 10000.0):
+        path = slide(touch, moved, there, hold=hold)
+        wrench = play("static_friction", on=path, excess=0.2, ageing=0.04).wrench
+        peaks.append(-wrench[:, 0].min() / wrench[-1, 2] / touch.material.friction)
+    rests = np.array([0.0, 100.0, 10000.0]) + 2.4  # from the first contact until it slips
+    np.testing.assert_allclose(peaks, 1.2 + 0.04 * np.log10(1 + rests), atol=0.01)
+
+
+def test_partial_slip_is_mindlins_curve(touch, play, moved):
+    """F_t = mu N [1 - (1 - u / u*)^(3/2)], within 1 % of mu N; loops after a reversal follow Masing's rule."""
+    limit = touch.material.friction * play(on=slide(touch, moved, np.array([0.0, 1e-6]))).wrench[-1, 2]
+    spring = 8 * touch.material.shear_modulus * play(on=slide(touch, moved, np.array([0.0, 1e-6]))).contact.radius[-1]
+    spring /= 2 - touch.material.poisson_ratio
+    full = 1.5 * limit / spring
+
+    def mindlin(u):
+        return limit * (1 - (1 - np.minimum(u / full, 1)) ** 1.5)
+
+    turn = 0.7 * full
+    there = np.linspace(0.0, turn, 101)
+    path = slide(touch, moved, np.concatenate([there, there[-2::-1]]))
+    shear = -play("partial_slip", on=path, share=1.0).wrench[2:, 0]
+    np.testing.assert_allclose(shear[:101], mindlin(there), atol=0.01 * limit)
+    returned = mindlin(turn) - 2 * mindlin((turn - there[-2::-1]) / 2)
+    np.testing.assert_allclose(shear[101:], returned, atol=0.02 * limit)
+
+
+def test_slip_levels_are_equal_parts_of_mindlins_distribution():
+    """Their mean is 1, and the mean of what they can hold is the curve."""
+    levels = slip_levels(400)
+    assert levels.mean() == pytest.approx(1.0)
+    for stretch in (0.1, 0.5, 1.0, 1.4):
+        wanted = 1 - (1 - 2 * stretch / 3) ** 1.5
+        assert np.minimum(levels, stretch).mean() == pytest.approx(wanted, abs=1e-4)

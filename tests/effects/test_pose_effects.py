@@ -1,0 +1,94 @@
+"""Effects on where the indenter is: balance of springs, beams, offsets."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from tactiledata.effects.ball_on_layer import BallOnLayer
+from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.state import TouchState
+from tactiledata.effects.stem_bending import stem_stiffness
+from tactiledata.indenters.sphere import Sphere
+
+
+def normal_force(touch, moved, depth):
+    """N at one depth, of the base alone."""
+    still = moved(touch, np.arange(2.0), np.full(2, depth))
+    return TouchState.start(still, BallOnLayer(still)).contact.wrench[0, 2]
+
+
+@pytest.mark.parametrize("compliance", [3e-6, 3e-5, 1e-4])
+def test_arm_and_gel_share_the_depth(touch, play, moved, compliance):
+    """The force solves F = F_gel(d - c F), as a root finder does frame by frame; even where the arm is the softer."""
+    depths = np.linspace(-2e-4, 1e-3, 13)
+    press = moved(touch, np.arange(13.0), depths)
+    found = play("arm_compliance", on=press, translation=compliance).wrench[:, 2]
+    for depth, force in zip(depths, found, strict=True):
+        rigid = normal_force(touch, moved, depth)
+        wanted = brentq(lambda f, d=depth: normal_force(touch, moved, d - compliance * f) - f, -1e-9, rigid + 1e-9)
+        assert force == pytest.approx(wanted, abs=1e-6)
+
+
+def test_wrist_and_stem_are_springs_in_series(touch, play, moved):
+    """While it sticks, shear stiffness is that of gel and springs one after the other, and the normal force is rigid."""
+    depth = np.concatenate([np.linspace(0.0, 8e-4, 9), np.full(11, 8e-4)])
+    slide = moved(touch, np.arange(20.0), depth, x=np.concatenate([np.zeros(9), np.linspace(0.0, 1e-4, 11)]))
+    rigid = play(on=slide).wrench
+    stiffness = -rigid[-1, 0] / 1e-4
+    for effect, values, compliance in (
+        ("stem_bending", {"compliance": 2e-4}, 2e-4),
+        ("arm_compliance", {"rotation": 1e-3, "lever": 0.2}, 1e-3 * 0.2**2),
+    ):
+        soft = play(effect, on=slide, **values).wrench
+        assert -soft[-1, 0] / 1e-4 == pytest.approx(1.0 / (1.0 / stiffness + compliance), rel=1e-6)
+        np.testing.assert_allclose(soft[:, 2], rigid[:, 2], rtol=1e-12)
+
+
+def test_stems_bend_as_beams():
+    """3 E I / L^3: 4 mm and 10 mm of printed plastic, 30 mm long."""
+    assert stem_stiffness(0.004, 0.03) == pytest.approx(3 * 2.5e9 * math.pi * 0.002**4 / 4 / 0.03**3)
+    assert stem_stiffness(0.010, 0.03) == pytest.approx(1.4e5, rel=0.05)
+
+
+def test_an_offset_is_another_path(touch, play):
+    """Deeper and further on gives what a recording there gives, and says where the indenter was."""
+    poses = touch.poses.copy()
+    poses[:, :3, 3] += [2e-4, -3e-4, -1e-4]
+    there = dataclasses.replace(touch, poses=poses)
+    state = play("mount_offset", deeper=1e-4, x=2e-4, y=-3e-4)
+    np.testing.assert_allclose(state.wrench, play(on=there).wrench, atol=1e-9)
+    np.testing.assert_allclose(state.moved_poses, poses, atol=1e-15)
+
+
+@pytest.mark.parametrize(("error", "tolerance"), [(0.03, 1e-9), (-0.03, 1e-9), (0.015, 2e-3)])
+def test_a_radius_error_is_another_ball(touch, play, error, tolerance):
+    """At the design points exactly, between them to second order."""
+    other = dataclasses.replace(touch, indenter=Sphere(touch.indenter.radius * (1.0 + error)))
+    change = play(on=other).wrench - play().wrench
+    found = play("mount_offset", radius_error=error).wrench - play().wrench
+    pressed = play().contact.depth > 1e-4
+    np.testing.assert_allclose(found[pressed, 2], change[pressed, 2], rtol=tolerance, atol=1e-9)
+
+
+def test_a_setting_may_hold_for_one_mounting_only(touch, play):
+    """Of two mountings, one is displaced."""
+    here = EffectSetting("mount_offset", {"deeper": 1e-4}, {"mount": "first"})
+    simulator = with_effects(BallOnLayer, [here])
+    elsewhere = dataclasses.replace(touch, mount="second")
+    assert simulator.play(elsewhere).wrench.tobytes() == play().wrench.tobytes()
+    assert simulator.play(touch).wrench.tobytes() == play("mount_offset", deeper=1e-4).wrench.tobytes()
+
+
+def test_springs_and_what_stiffens_the_gel_find_one_balance(touch, moved):
+    """The arm yields to the force of the warm gel, not to that of the cold one."""
+    press = moved(touch, np.arange(5.0), np.linspace(0.0, 8e-4, 5), powered=np.full(5, 1e9))
+    settings = [
+        EffectSetting("heating", {"change": 0.1}),
+        EffectSetting("arm_compliance", {"translation": 3e-5}),
+    ]
+    force = with_effects(BallOnLayer, settings).play(press).wrench[-1, 2]
+    assert force == pytest.approx(1.1 * normal_force(touch, moved, 8e-4 - 3e-5 * force), rel=1e-6)
