@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tactiledata.compute import SCHEDULERS
+from tactiledata.effects import EFFECTS
 from tactiledata.errors import BrokenLog, TactileDataError, UnknownName
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
@@ -19,7 +20,7 @@ from tactiledata.sensors import SENSORS
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "tests" / "examples"
-TABLES = {"formats": FORMATS, "indenters": INDENTERS, "sensors": SENSORS, "compute": SCHEDULERS}
+TABLES = {"formats": FORMATS, "indenters": INDENTERS, "sensors": SENSORS, "compute": SCHEDULERS, "effects": EFFECTS}
 
 
 def example(name):

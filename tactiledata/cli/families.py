@@ -1,4 +1,4 @@
-"""`formats`, `indenters`, `inspect`: what the families hold, and what is in a log."""
+"""`formats`, `indenters`, `effects`, `inspect`: what the families hold, and what is in a log."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ def register(app: typer.Typer) -> None:
     """Add this module's commands."""
     app.command("formats")(formats)
     app.command("indenters")(indenters)
+    app.command("effects")(effects)
     app.command("inspect")(inspect)
 
 
@@ -70,6 +71,27 @@ def indenters(
     table("", ("shape", "sizes by default [m, rad]", "what it is"), rows)
     if picture is not None:
         say(f"drawn: {picture}")
+
+
+def effects(as_json: bool = JSON_OPTION) -> None:
+    """Physics that a simulation may have left out: slot, parameters with plausible ranges, look-alikes. SI units.
+
+    Example: tactiledata effects
+    """
+    from tactiledata.effects import EFFECTS
+    from tactiledata.effects.catalogue import catalogue
+
+    listed = catalogue(EFFECTS[name]() for name in EFFECTS)
+    if as_json:
+        emit(listed)
+        return
+    for entry in listed:
+        say(f"{entry['name']} ({entry['slot']}, {entry['slot_title']}): {entry['title']}")
+        for parameter in entry["parameters"]:
+            low, high = parameter["plausible"]
+            kind = "" if parameter["null"] is not None else ", form only"
+            say(f"    {parameter['name']} [{parameter['unit']}] {low:g} to {high:g}{kind}: {parameter['meaning']}")
+        say(f"    Looks like {', '.join(entry['look_alikes'])}. {entry['told_apart_by']}")
 
 
 def inspect(

@@ -38,7 +38,7 @@ class AreaFriction(Effect):
     told_apart_by = (
         "Slides at one speed under 1, 3 and 10 N, with a ball and a flat punch: mu follows A / N, not speed."
     )
-    detectability = "0.1 MPa: mu differs by 0.2 between 2 and 10 N of a 4 mm ball, 0.4 N of shear at 2 N."
+    detectability = "0.1 MPa: mu differs by 0.2 between 2 and 10 N of a 4 mm ball, 0.3 N of shear at 2 N."
     reference = "Bowden and Tabor, The Friction and Lubrication of Solids"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:

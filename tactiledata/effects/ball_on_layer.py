@@ -55,7 +55,7 @@ class BallOnLayer:
         a = np.sqrt(pressed / curvature)
         modulus = material.youngs_modulus / (1.0 - material.poisson_ratio**2)
         normal = 4.0 / 3.0 * modulus * a * pressed * np.polyval(DIMITRIADIS, a / thickness)
-        # a contact's strain is about a fifth of a / R (Johnson, Contact Mechanics, ch. 6), I1 - 3 three times its square
+        # strain is about a fifth of a / R (Johnson, Contact Mechanics, ch. 6), I1 - 3 three times its square
         strain = 3.0 * (0.2 * a * curvature + pressed / thickness / 3.0) ** 2
         normal = normal * (1.0 + 2.0 * gel.c20 * strain + 3.0 * gel.c30 * strain**2)
         if gel.skin:

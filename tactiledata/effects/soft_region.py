@@ -38,10 +38,10 @@ class SoftRegion(Effect):
             "shear_loss", "1", "share of the shear stiffness that the spot has lost",
             bounds=(0.0, 0.9), plausible=(0.0, 0.5), deviation=0.2, source=_SPOT + "; size: estimate",
         ),
-        shape("x", "m", "of the spot", default=0.0, bounds=(-0.02, 0.02), grid=(-4e-3, 0.0, 4e-3), source="the gel"),
-        shape("y", "m", "of the spot", default=0.0, bounds=(-0.02, 0.02), grid=(-5e-3, 0.0, 5e-3), source="the gel"),
+        shape("x", "m", "where it lies", default=0.0, bounds=(-0.02, 0.02), grid=(-4e-3, 0.0, 4e-3), source="the gel"),
+        shape("y", "m", "where it lies", default=0.0, bounds=(-0.02, 0.02), grid=(-5e-3, 0.0, 5e-3), source="the gel"),
         shape(
-            "radius", "m", "of the spot",
+            "radius", "m", "standard deviation of the spot",
             default=2e-3, bounds=(2e-4, 0.01), grid=(1e-3, 3e-3), source="bubbles of 1 to 3 mm; estimate",
         ),
         shape(
@@ -51,7 +51,7 @@ class SoftRegion(Effect):
     )  # fmt: skip
     look_alikes = ("dome", "pad_edge", "wear", "mullins")
     told_apart_by = "The same press on a grid of places, on two sensors: the loss stays with one place of one sensor."
-    detectability = "A loss of 30 % under the contact is 1 to 2 N of 5; 5 mm beside it nothing."
+    detectability = "30 % in a 2 mm spot under the contact are 0.5 N of 5; 8 mm beside it nothing is left."
     reference = "first-order perturbation of the elastic energy"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:

@@ -22,7 +22,7 @@ class StaticFriction(Effect):
     """mu times 1 + (excess + ageing log10(1 + hold / time)) exp(-slip / length), until it rests again.
 
     ``hold`` is how long the contact stuck, ``slip`` how far it slid since. Which frames slide is asked of the gel with
-    the static friction of a fresh contact.
+    the static friction that rest has built up.
 
     Source: Baumberger and Caroli, Adv. Phys. 55, 2006: ageing at rest, renewal over a memory length.
     """

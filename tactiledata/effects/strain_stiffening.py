@@ -37,7 +37,7 @@ class StrainStiffening(Effect):
     told_apart_by = (
         "Deep presses with balls of 2 and 10 mm: the change follows a / R and d / h, not force and not depth."
     )
-    detectability = "c20 = 0.1 changes a 1 mm press by 2 to 5 %, 0.1 to 0.3 N; E and nu hide 86 % of its variance."
+    detectability = "c20 = 0.1 changes a 0.8 mm press by some 2 %, 0.1 N at 4 N; E and nu hide 86 % of its variance."
     reference = "Yeoh, Rubber Chem. Technol. 66, 1993"
     designs: ClassVar = {
         "c20": ((-0.05, GelVariant(c20=-0.05)), (0.2, GelVariant(c20=0.2))),

@@ -24,7 +24,7 @@ MISSING_PATH = {
     "calibrate": [NOWHERE],
     "scene": [NOWHERE, "--trajectory", "t00000"],
 }
-WITHOUT_PATHS = {"formats", "indenters"}
+WITHOUT_PATHS = {"formats", "indenters", "effects"}
 WRONG_CALLS = {
     "no store in the folder": ["info"],
     "an option that is not there": ["info", "--nope"],

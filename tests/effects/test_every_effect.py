@@ -49,7 +49,7 @@ def test_it_describes_itself(name):
 
 @every_effect
 def test_parameters_are_sound(name):
-    """Units are known; the null lies in the plausible range, that in the bounds, grids too; a design point is no null."""
+    """Units are known; the null is plausible, what is plausible in the bounds, grids too; no design point is null."""
     effect = EFFECTS[name]
     names = [parameter.name for parameter in effect.parameters]
     assert len(set(names)) == len(names)

@@ -90,7 +90,9 @@ def test_a_soft_spot_is_a_mean_over_the_energy(touch, play, moved):
     centre, step = np.array([1e-3, -5e-4]), 1e-6
     force = state.wrench[2, 2]
     assert force == pytest.approx(plain.wrench[2, 2] * kept(centre), rel=1e-4)
-    slope = [(np.log(kept(centre + step * axis)) - np.log(kept(centre - step * axis))) / (2 * step) for axis in np.eye(2)]
+    slope = [
+        (np.log(kept(centre + step * axis)) - np.log(kept(centre - step * axis))) / (2 * step) for axis in np.eye(2)
+    ]
     pressure_centre = np.array([-state.wrench[2, 4], state.wrench[2, 3]]) / force
     np.testing.assert_allclose(pressure_centre, centre + spread * np.array(slope), rtol=1e-3)
 
@@ -130,7 +132,7 @@ def test_the_housing_pushes_where_the_body_reaches_it(touch, play, moved):
 
 
 def test_a_warm_gel_stands_higher(touch, play, moved):
-    """Expansion of 10 K on 4 mm is 12 um; the force it adds is that strain times the stiffness, on its time constant."""
+    """Expansion of 10 K on 4 mm is 12 um; the force it adds is that times the stiffness, on its time constant."""
     rise = swelling(10.0, 0.004)
     assert rise == pytest.approx(12e-6)
     powered = np.array([0.0, 900.0, 9e5])

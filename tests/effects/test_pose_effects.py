@@ -34,7 +34,7 @@ def test_arm_and_gel_share_the_depth(touch, play, moved, compliance):
 
 
 def test_wrist_and_stem_are_springs_in_series(touch, play, moved):
-    """While it sticks, shear stiffness is that of gel and springs one after the other, and the normal force is rigid."""
+    """While it sticks, shear stiffness is that of gel and springs one after the other; the normal force is rigid."""
     depth = np.concatenate([np.linspace(0.0, 8e-4, 9), np.full(11, 8e-4)])
     slide = moved(touch, np.arange(20.0), depth, x=np.concatenate([np.zeros(9), np.linspace(0.0, 1e-4, 11)]))
     rigid = play(on=slide).wrench

@@ -1,0 +1,30 @@
+"""The family as a list of plain values, for commands and pages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import Any
+
+from tactiledata.effects.base import SLOT_TITLES, Effect
+
+
+def catalogue(effects: Iterable[Effect]) -> list[dict[str, Any]]:
+    """All that is known of each effect, ready for JSON."""
+    return [
+        {
+            "name": effect.name,
+            "number": effect.number,
+            "title": effect.title,
+            "slot": effect.slot,
+            "slot_title": SLOT_TITLES[effect.slot],
+            "parameters": [asdict(parameter) for parameter in effect.parameters],
+            "look_alikes": list(effect.look_alikes),
+            "told_apart_by": effect.told_apart_by,
+            "detectability": effect.detectability,
+            "needs": list(effect.needs),
+            "played_by_gel_engine": sorted(effect.designs),
+            "reference": effect.reference,
+        }
+        for effect in effects
+    ]

@@ -1,0 +1,153 @@
+"""Effects of the force sensor, in closed form."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tactiledata.effects.cable_drag import with_play
+from tactiledata.effects.clipping import selection_bias
+
+
+def in_free_air(touch, moved, n=90, **fields):
+    """A touch that never touches."""
+    return moved(touch, np.arange(float(n)), np.full(n, -1e-3), **fields)
+
+
+def test_weight_is_a_sinusoid_of_the_wrist(touch, play, moved):
+    """Turned once about x, 20 g shows as a sinusoid of 0.196 N, its centre as a torque, both without contact."""
+    angle = np.linspace(0.0, 2 * np.pi, 90)
+    gravity = Rotation.from_rotvec(np.outer(angle, [1.0, 0.0, 0.0])).apply([0.0, 0.0, -9.81])
+    path = in_free_air(touch, moved, gravity=gravity)
+    wrench = play("tool_weight", on=path, mass=0.02, moment_z=1e-3).wrench
+    np.testing.assert_allclose(wrench[:, 1], 0.02 * 9.81 * np.sin(angle), atol=1e-12)
+    np.testing.assert_allclose(wrench[:, 2], -0.02 * 9.81 * np.cos(angle), atol=1e-12)
+    np.testing.assert_allclose(wrench[:, 3], -1e-3 * 9.81 * np.sin(angle), atol=1e-12)
+    assert (wrench[:, [0, 5]] == 0).all()
+
+
+def test_a_zero_hides_what_does_not_change(touch, play):
+    """Where the zero was taken from this touch, a weight at one orientation is gone; of a drift its slope is left."""
+    zeroed = dataclasses.replace(touch, tare=np.arange(len(touch)) < 8)
+    np.testing.assert_allclose(
+        play("tool_weight", on=zeroed, mass=0.06).wrench, play(on=zeroed).wrench, rtol=0, atol=1e-12
+    )
+    left = play("sensor_drift", on=zeroed, fx=3.0, time=1200.0).wrench - play(on=zeroed).wrench
+    powered = touch.powered
+    wanted = -3.0 * np.exp(-powered / 1200.0)
+    np.testing.assert_allclose(left[:, 0], wanted - np.median(wanted[:8]), atol=1e-12)
+    assert np.abs(left[:, 0]).max() < 0.03
+
+
+def test_drift_is_there_without_contact(touch, play, moved):
+    """A bias of b (1 - exp(-t / T)) on each component, in free air."""
+    path = in_free_air(touch, moved, powered=np.arange(90.0) * 60)
+    wrench = play("sensor_drift", on=path, fz=2.0, ty=0.05, time=1200.0).wrench
+    warm = 1 - np.exp(-np.arange(90.0) * 60 / 1200.0)
+    np.testing.assert_allclose(wrench, np.outer(warm, [0, 0, 2.0, 0, 0.05, 0]), atol=1e-12)
+
+
+def test_a_turned_frame_keeps_the_norm(play):
+    """|F|, |M| and F . M stay; each turn is the one about its axis."""
+    plain = play().wrench
+    wrench = play("frame_rotation", tilt_x=0.01, tilt_y=-0.015, yaw=0.05).wrench
+    for part in (slice(0, 3), slice(3, 6)):
+        np.testing.assert_allclose(
+            np.linalg.norm(wrench[:, part], axis=1), np.linalg.norm(plain[:, part], axis=1), rtol=1e-12
+        )
+    np.testing.assert_allclose(
+        (wrench[:, :3] * wrench[:, 3:]).sum(axis=1), (plain[:, :3] * plain[:, 3:]).sum(axis=1), atol=1e-12
+    )
+    assert np.abs(wrench - plain).max() > 0.05
+    cos, sin = np.cos(0.05), np.sin(0.05)
+    yawed = play("frame_rotation", yaw=0.05).wrench
+    np.testing.assert_allclose(yawed[:, 0], cos * plain[:, 0] - sin * plain[:, 1], atol=1e-12)
+    np.testing.assert_allclose(yawed[:, 1], sin * plain[:, 0] + cos * plain[:, 1], atol=1e-12)
+    tilted = play("frame_rotation", tilt_x=0.05).wrench
+    np.testing.assert_allclose(tilted[:, 1], cos * plain[:, 1] - sin * plain[:, 2], atol=1e-12)
+
+
+def test_cross_talk_names_row_and_column(play):
+    """What is called xz is what of z shows in x; frame by frame, against loops."""
+    plain, values = play().wrench, {"xx": 0.02, "xz": -0.03, "zy": 0.01, "quadratic": 1e-3}
+    found = play("gain_crosstalk", **values).wrench
+    for frame in (60, 120, 180):
+        for row, name in enumerate("xyz"):
+            force = plain[frame, row]
+            wanted = force + 1e-3 * force * abs(force)
+            wanted += sum(values.get(name + other, 0.0) * plain[frame, place] for place, other in enumerate("xyz"))
+            assert found[frame, row] == pytest.approx(wanted)
+    np.testing.assert_array_equal(found[:, 3:], plain[:, 3:])
+
+
+def test_play_is_a_stop_in_a_band():
+    """The follower stays within half the play, moves only at the band's ends, and loops have the play's width."""
+    angle = np.concatenate([np.linspace(0, 1, 101), np.linspace(1, -1, 201)])
+    follows = with_play(angle, 0.2)
+    assert np.abs(follows - angle).max() <= 0.1 + 1e-12
+    assert follows[100] == pytest.approx(0.9)
+    assert follows[121] == pytest.approx(0.9, abs=0.011)
+    assert follows[-1] == pytest.approx(-0.9)
+    np.testing.assert_array_equal(with_play(angle, 0.0), angle)
+
+
+def test_a_cable_pulls_by_joint_and_not_by_gravity(touch, play, moved):
+    """Force follows the last joint, to and fro on two lines."""
+    angle = np.concatenate([np.linspace(0, 1, 45), np.linspace(1, 0, 45)])
+    joints = np.zeros((90, 6))
+    joints[:, 5] = angle
+    path = in_free_air(touch, moved, joints=joints)
+    wrench = play("cable_drag", on=path, fx=0.2, play=0.1).wrench
+    np.testing.assert_allclose(wrench[44, 0], 0.2 * 0.95)
+    assert wrench[60, 0] - wrench[29, 0] == pytest.approx(0.2 * 0.1)
+    assert (wrench[:, 1:] == 0).all()
+
+
+def test_inertia_is_mass_times_acceleration(touch, play, moved):
+    """Constant acceleration on uneven frames gives -m a, constant speed nothing."""
+    seconds = np.arange(0.0, 1.0, 0.02)
+    path = moved(touch, seconds, np.full(50, -5e-3), x=0.5 * 0.2 * seconds**2, y=0.1 * seconds)
+    wrench = play("inertia", on=path, mass=0.5).wrench
+    np.testing.assert_allclose(wrench[2:-2, 0], -0.5 * 0.2, rtol=1e-9)
+    np.testing.assert_allclose(wrench[2:-2, 1], 0.0, atol=1e-9)
+
+
+def test_readings_are_multiples_of_a_step(play):
+    """All are, none is off by more than half a step; below the dead-band there is a plateau of zeros."""
+    plain = play().wrench
+    wrench = play("quantisation", step=0.1, torque_step=0.01).wrench
+    np.testing.assert_allclose(wrench[:, :3] / 0.1, np.round(wrench[:, :3] / 0.1), atol=1e-9)
+    assert np.abs(wrench[:, :3] - plain[:, :3]).max() <= 0.05 + 1e-12
+    assert np.abs(wrench[:, 3:] - plain[:, 3:]).max() <= 0.005 + 1e-12
+    dead = play("quantisation", dead_band=0.5).wrench[:, :3]
+    small = np.abs(plain[:, :3]) < 0.5
+    assert (dead[small] == 0).all()
+    np.testing.assert_array_equal(dead[~small], plain[:, :3][~small])
+
+
+def test_readings_end_at_the_limit(play):
+    """No component is beyond it, those within are left."""
+    plain, wrench = play().wrench, play("clipping", inverse_limit=0.5).wrench
+    assert np.abs(wrench[:, :3]).max() == 2.0
+    within = np.abs(plain[:, :3]) <= 2.0
+    np.testing.assert_array_equal(wrench[:, :3][within], plain[:, :3][within])
+
+
+@pytest.mark.parametrize("force", [0.9, 1.0, 1.1, 5.0, 12.95])
+def test_selection_bias_is_that_of_truncated_noise(force):
+    """Against a million draws of which those in the range are kept."""
+    noise = np.random.default_rng(5).normal(scale=0.1, size=1_000_000)
+    kept = noise[(force + noise >= 1.0) & (force + noise <= 13.0)]
+    bias = selection_bias(np.array([force]), 0.1, 1.0, 13.0)[0]
+    assert bias == pytest.approx(kept.mean(), abs=5e-4)
+
+
+def test_selection_concerns_only_what_can_have_been_chosen(play):
+    """Free air and the middle of the range are left, and directions are kept."""
+    plain, wrench = play().wrench, play("clipping", noise=0.1).wrench
+    size = np.linalg.norm(plain[:, :3], axis=1)
+    np.testing.assert_allclose(wrench[(size < 0.7) | (size > 2)], plain[(size < 0.7) | (size > 2)], rtol=1e-9)
+    near = (size > 0.9) & (size < 1.2)
+    assert (np.linalg.norm(wrench[near, :3], axis=1) > size[near]).all()
+    np.testing.assert_allclose(np.cross(wrench[near, :3], plain[near, :3]), 0.0, atol=1e-12)

@@ -1,0 +1,124 @@
+"""Effects of time, against exact integrals."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from tactiledata.effects.ball_on_layer import BallOnLayer
+from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.time_operators import delayed, fading_memory
+
+
+def convolution(seconds, force, at, time):
+    """The exact integral of exp(-(t - s) / time) dF(s) up to t = at, F straight between frames."""
+    slopes = np.diff(force) / np.diff(seconds)
+
+    def slope(s):
+        return slopes[min(np.searchsorted(seconds, s, side="right") - 1, len(slopes) - 1)]
+
+    return quad(lambda s: np.exp(-(at - s) / time) * slope(s), seconds[0], at, points=seconds[1:-1], limit=500)[0]
+
+
+@pytest.mark.parametrize("time", [0.05, 1.0, 40.0])
+def test_memory_is_the_convolution_integral(time):
+    """On frames of uneven spacing, against quadrature."""
+    rng = np.random.default_rng(0)
+    seconds = np.cumsum(rng.uniform(0.02, 0.5, 20))
+    wrench = np.cumsum(rng.normal(size=(20, 6)), axis=0)
+    memory = fading_memory(seconds, wrench, time)
+    for frame in (1, 7, 19):
+        assert memory[frame, 2] == pytest.approx(convolution(seconds, wrench[:, 2], seconds[frame], time), rel=1e-7)
+
+
+def test_memory_does_not_depend_on_the_frame_interval():
+    """Frames between frames change nothing: the recursion is exact on straight pieces."""
+    coarse = np.array([0.0, 1.0, 4.0, 10.0])
+    wrench = np.outer([0.0, 5.0, 5.0, 1.0], np.ones(6))
+    fine = np.linspace(0.0, 10.0, 101)
+    between = np.stack([np.interp(fine, coarse, column) for column in wrench.T], axis=1)
+    there = fading_memory(fine, between, 2.0)[np.isin(np.round(fine, 9), coarse)]
+    np.testing.assert_allclose(there, fading_memory(coarse, wrench, 2.0), rtol=1e-12)
+
+
+def test_relaxation_after_a_ramp_is_a_prony_term(touch, play, moved):
+    """Ramp in T, then hold: F(t) = F_e + g F_e (tau / T) (1 - exp(-T / tau)) exp(-(t - T) / tau), also in shear."""
+    seconds = np.concatenate([np.linspace(0.0, 0.01, 2), 0.01 + np.geomspace(0.01, 30.0, 20)])
+    path = moved(touch, seconds, np.concatenate([[0.0], np.full(21, 8e-4)]))
+    plain = play(on=path).wrench[:, 2]
+    found = play("relaxation", on=path, share=0.1, time=3.0).wrench[:, 2]
+    rise = 3.0 / 0.01 * -np.expm1(-0.01 / 3.0)
+    wanted = plain[1:] * (1 + 0.1 * rise * np.exp(-(seconds[1:] - 0.01) / 3.0))
+    np.testing.assert_allclose(found[1:], wanted, rtol=1e-12)
+
+
+def test_a_slow_loop_closes(touch, play, moved):
+    """Loading and unloading part ways at a usual rate, and meet again when it is ten thousand times slower."""
+    depth = 8e-4 * np.concatenate([np.linspace(0, 1, 21), np.linspace(0.95, 0, 20)])
+    loops = []
+    for pace in (1.0, 1e4):
+        path = moved(touch, pace * np.arange(41.0) / 10, depth)
+        force = play("relaxation", on=path, share=0.1, time=3.0).wrench[:, 2]
+        loops.append(np.abs(force[:21] - force[20:][::-1])[5:16].max())
+    assert loops[0] > 0.1
+    assert loops[1] < 0.005 * loops[0]
+
+
+def test_a_gel_that_relaxed_parts_without_pulling(touch, play, moved):
+    """Left fast after a long dwell, the contact ends early: never tension, and free air is exactly free."""
+    seconds = np.concatenate([[0.0, 0.1, 60.0], 60.0 + np.linspace(0.01, 0.1, 10)])
+    depth = 8e-4 * np.concatenate([[0.0, 1.0, 1.0], np.linspace(0.9, -0.2, 10)])
+    path = moved(touch, seconds, depth)
+    plain, state = play(on=path), play("relaxation", on=path, share=0.3, time=3.0)
+    assert (state.wrench[:, 2] >= 0).all()
+    assert (state.wrench[~plain.contact.touching] == 0).all()
+    early = (plain.wrench[:, 2] > 0) & (state.wrench[:, 2] == 0)
+    assert early.any()
+
+
+def test_a_spectrum_is_the_same_effect_several_times(touch, play):
+    """Two weak terms add, up to their product."""
+    settings = [EffectSetting("relaxation", {"share": 0.02, "time": time}) for time in (0.3, 10.0)]
+    both = with_effects(BallOnLayer, settings).play(touch).wrench
+    plain = play().wrench
+    added = sum(play("relaxation", share=0.02, time=time).wrench - plain for time in (0.3, 10.0))
+    pressed = play().contact.depth > 1e-4
+    np.testing.assert_allclose((both - plain)[pressed], added[pressed], atol=2 * 0.02**2 * np.abs(plain).max())
+
+
+def test_a_lag_shifts_ramps_and_is_over_in_a_dwell(touch, play, moved):
+    """A delay moves a ramp by delay times slope; a filter ends there too; a second later all is as simulated."""
+    seconds = np.arange(0.0, 6.0, 0.05)
+    # a force that is a straight ramp: depths that the base turns into one
+    depth = np.interp(seconds, [0.0, 3.0], [0.0, 8e-4])
+    path = moved(touch, seconds, depth)
+    plain = play(on=path).wrench[:, 2]
+    for values in ({"delay": 0.05}, {"filter": 0.05}):
+        found = play("lag", on=path, **values).wrench[:, 2]
+        slope = np.gradient(plain, seconds)
+        np.testing.assert_allclose(found[40:55], (plain - 0.05 * slope)[40:55], atol=0.006)
+        np.testing.assert_allclose(found[-20:], plain[-20:], rtol=1e-6)
+    early = play("lag", on=path, delay=-0.05).wrench[:, 2]
+    np.testing.assert_allclose(early[:-1], plain[1:], rtol=1e-9, atol=1e-12)
+
+
+def test_a_delay_interpolates_between_frames():
+    """Half a frame late is the mean of two; before the first frame its value is held."""
+    wrench = np.outer([0.0, 1.0, 4.0], np.ones(6))
+    late = delayed(np.array([0.0, 1.0, 2.0]), wrench, 0.5)
+    np.testing.assert_allclose(late[:, 0], [0.0, 0.5, 2.5])
+
+
+def test_skew_grows_with_the_recording_and_a_jump_stays(touch, play):
+    """A rate delays by rate times the time since the recording began; a jump only what comes after it."""
+    early = dataclasses.replace(touch, seconds=touch.seconds - 300.0)
+    late = dataclasses.replace(touch, seconds=touch.seconds + 300.0)
+    changes = [np.abs(play("clock_skew", on=on, rate=1e-4).wrench - play().wrench).max() for on in (early, touch, late)]
+    assert changes[0] < 0.05 * changes[1]
+    assert changes[2] / changes[1] == pytest.approx(2.0, rel=0.15)
+    middle = float(touch.seconds[130])
+    state = play("clock_skew", jump=0.05, jump_at=middle)
+    np.testing.assert_array_equal(state.wrench[:130], play().wrench[:130])
+    np.testing.assert_allclose(state.wrench[130:], play().wrench[129:-1], atol=1e-9)
