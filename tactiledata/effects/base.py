@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar, Literal
 
-from tactiledata.effects.design import Designs, designed_difference
+from tactiledata.effects.design import null_exact_weights
 from tactiledata.effects.parameter import Parameter
+from tactiledata.effects.response import GelVariant
 from tactiledata.effects.state import TouchState
 from tactiledata.errors import UnknownName
 
@@ -50,8 +51,9 @@ class Effect:
         Fields of the touch, optional ones, without which it cannot be played.
     feeds_back : bool
         Whether it depends on the wrench that it changes; the simulator then looks for the balance.
-    designs : dict, parameter -> design points
-        Of effects that are played by the gel engine: what it must play beforehand.
+    designs : dict, parameter -> values
+        Of effects that are played by the gel engine: design points, other than the null, at which it must have played
+        `variant` beforehand; one parameter at a time.
     """
 
     name: ClassVar[str]
@@ -65,7 +67,7 @@ class Effect:
     reference: ClassVar[str]
     needs: ClassVar[tuple[str, ...]] = ()
     feeds_back: ClassVar[bool] = False
-    designs: ClassVar[Designs] = {}
+    designs: ClassVar[Mapping[str, tuple[float, ...]]] = {}
 
     def complete(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters by name: those given, checked, and the defaults of the others.
@@ -102,10 +104,21 @@ class Effect:
         if self.is_null(values):
             return state
         complete = self.complete(values)
-        changed = self.change(state, complete)
-        difference = designed_difference(self.designs, complete, state.base)
-        return changed if difference is None else changed.with_elastic(difference)
+        state = self.change(state, complete)
+        for name, places in self.designs.items():
+            if complete[name] != 0.0:
+                weights = null_exact_weights(places, complete[name])
+                for weight, place in zip(weights, places, strict=True):
+                    state = state.with_elastic(weight * state.base.difference(self.variant({name: place})))
+        return state
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         """The state with the effect, values complete and not all null; without what ``designs`` add."""
         return state
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        """The gel, or the indenter, that values stand for; those not given are null.
+
+        What deformed meshes are to be played with. At design points it is played beforehand, for wrenches.
+        """
+        return GelVariant()

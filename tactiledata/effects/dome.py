@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from tactiledata.effects.base import Effect
@@ -32,4 +33,7 @@ class Dome(Effect):
     told_apart_by = "The same press at five places: the change grows with the square of the distance from the middle."
     detectability = "At 5 mm from the middle, 1000 1/m^2 is 0.1 mm of height: 0.6 to 1.5 N; in the middle nothing."
     reference = "geometry"
-    designs: ClassVar = {"curvature": ((-2e3, GelVariant(dome=-2e3)), (2e3, GelVariant(dome=2e3)))}
+    designs: ClassVar = {"curvature": (-2e3, 2e3)}
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        return GelVariant(dome=values.get("curvature", 0.0))

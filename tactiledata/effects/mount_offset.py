@@ -50,9 +50,10 @@ class MountOffset(Effect):
     told_apart_by = "The same press with two mountings of one indenter: the onset of contact moves with the mounting."
     detectability = "0.1 mm is 0.6 to 1.5 N; a depth offset fitted for each trajectory hides it completely."
     reference = "rigid-body kinematics"
-    designs: ClassVar = {
-        "radius_error": ((-0.03, GelVariant(indenter_scale=0.97)), (0.03, GelVariant(indenter_scale=1.03))),
-    }
+    designs: ClassVar = {"radius_error": (-0.03, 0.03)}
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         return state.moved(values["deeper"], np.array([values["x"], values["y"]]))
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        return GelVariant(indenter_scale=1.0 + values.get("radius_error", 0.0))

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
-from tactiledata.effects.state import TouchState
+from tactiledata.effects.state import TouchState, wrench_at
 from tactiledata.effects.time_operators import fading_memory
+
+Array = NDArray[np.float64]
 
 
 class Relaxation(Effect):
@@ -17,6 +20,7 @@ class Relaxation(Effect):
 
     F_e is the answer of the fully relaxed gel, whose modulus is the simulation's; ``share`` is E_i over it. Set it
     several times for a spectrum. Where the sum would pull, a gel without adhesion has parted: the wrench is 0.
+    Coulomb's law holds at each moment: while it slides, shear is in proportion to the normal force of that moment.
 
     Source: Lakes, Viscoelastic Materials, ch. 2; contact at one depth history, Lee and Radok, J. Appl. Mech. 27, 1960.
     """
@@ -45,10 +49,23 @@ class Relaxation(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         wrench = state.wrench
         slow = wrench + values["share"] * fading_memory(state.touch.seconds, wrench, values["time"])
+        slow = slow + _friction_kept(wrench, slow, state)
         parted = ~state.contact.touching | ((slow[:, 2] <= 0) & (state.contact.wrench[:, 2] > 0))
         return state.read(np.where(parted[:, None] & np.isfinite(slow), _at_rest(wrench, state), slow))
 
 
-def _at_rest(wrench: np.ndarray, state: TouchState) -> np.ndarray:
+def _friction_kept(wrench: Array, slow: Array, state: TouchState) -> Array:
+    """What is to be added (n, 6) so that sliding shear follows the normal force, and sticking shear stays within it."""
+    before, shear = (np.linalg.norm(rows[:, :2], axis=1) for rows in (wrench, slow))
+    grown = np.divide(slow[:, 2], wrench[:, 2], out=np.ones_like(before), where=wrench[:, 2] > 0)
+    follows = before * np.maximum(grown, 0.0)
+    limit = np.maximum(state.touch.material.friction * state.friction * slow[:, 2], follows)
+    wanted = np.where(state.contact.sliding, follows, np.minimum(shear, limit))
+    factor = np.divide(wanted, shear, out=np.ones_like(shear), where=shear > 0)
+    more = np.column_stack([slow[:, :2] * (factor - 1.0)[:, None], np.zeros(len(slow))])
+    return wrench_at(more, np.nan_to_num(state.contact.centre))
+
+
+def _at_rest(wrench: Array, state: TouchState) -> Array:
     """What is read of a gel that has parted: what the touch has in free air, which is 0 but for an adhesive pull."""
     return np.where(state.contact.touching[:, None], 0.0, wrench)

@@ -48,6 +48,16 @@ class ContactResponse:
 
 
 @dataclass(frozen=True)
+class SoftSpot:
+    """A place (x, y) m where the gel's modulus is multiplied by 1 - loss exp(-r^2 / (2 radius^2)), r m away from it."""
+
+    x: float
+    y: float
+    radius: float
+    loss: float
+
+
+@dataclass(frozen=True)
 class GelVariant:
     """A gel, or an indenter, that differs from the nominal one; what is left at its default is nominal.
 
@@ -65,6 +75,8 @@ class GelVariant:
         beyond the gel in its place: (E_skin / E - 1) t. The uppermost cells, of height h, are stiffer by 1 + skin / h.
     indenter_scale : factor
         On all lengths of the indenter; its tip stays.
+    spots : tuple of SoftSpot
+        Through the whole thickness, their factors multiplied.
     """
 
     c20: float = 0.0
@@ -73,6 +85,19 @@ class GelVariant:
     dome: float = 0.0
     skin: float = 0.0
     indenter_scale: float = 1.0
+    spots: tuple[SoftSpot, ...] = ()
+
+    def together_with(self, other: GelVariant) -> GelVariant:
+        """The gel that has the deviations of both: factors multiplied, all else added."""
+        return GelVariant(
+            self.c20 + other.c20,
+            self.c30 + other.c30,
+            self.thickness * other.thickness,
+            self.dome + other.dome,
+            self.skin + other.skin,
+            self.indenter_scale * other.indenter_scale,
+            self.spots + other.spots,
+        )
 
 
 class BaseResponse(Protocol):

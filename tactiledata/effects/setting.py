@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from tactiledata.effects.base import SLOTS, Effect
 from tactiledata.effects.state import TouchState
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import UnknownName
+from tactiledata.gel.material import GelMaterial
 
 FORMAT = "tactiledata-effects/1"
 PLACES = ("sensor", "indenter_name", "mount")
@@ -83,9 +84,10 @@ def in_order(settings: Iterable[EffectSetting]) -> tuple[EffectSetting, ...]:
     return tuple(sorted(settings, key=lambda setting: (SLOTS.index(setting.member.slot), place[setting.effect])))
 
 
-def effects_document(settings: Iterable[EffectSetting]) -> dict[str, Any]:
-    """Settings as a document that fits ``schemas/effect.json``."""
-    return {"format": FORMAT, "effects": [setting.document for setting in in_order(settings)]}
+def effects_document(settings: Iterable[EffectSetting], material: GelMaterial | None = None) -> dict[str, Any]:
+    """Settings, and the gel that was fitted together with them, as a document that fits ``schemas/effect.json``."""
+    gel = {} if material is None else {"material": asdict(material)}
+    return {"format": FORMAT, "effects": [setting.document for setting in in_order(settings)], **gel}
 
 
 def settings_of(document: Any, where: str) -> tuple[EffectSetting, ...]:
@@ -104,11 +106,17 @@ def settings_of(document: Any, where: str) -> tuple[EffectSetting, ...]:
     )
 
 
-def write_settings(settings: Iterable[EffectSetting], path: Path) -> None:
+def write_settings(settings: Iterable[EffectSetting], path: Path, material: GelMaterial | None = None) -> None:
     """Write them to a JSON file, whole or not at all."""
-    write_json_atomic(path, effects_document(settings))
+    write_json_atomic(path, effects_document(settings, material))
 
 
 def read_settings(path: Path) -> tuple[EffectSetting, ...]:
     """The settings in a file; errors as those of `settings_of`."""
     return settings_of(read_document(path), str(path))
+
+
+def read_material(path: Path) -> GelMaterial | None:
+    """The gel that was fitted together with the effects of a file, where it says so."""
+    document = read_document(path, "effect")
+    return GelMaterial(**document["material"]) if "material" in document else None

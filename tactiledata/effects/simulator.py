@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.effects.base import CONTACT_SLOTS
-from tactiledata.effects.response import BaseResponse
+from tactiledata.effects.response import BaseResponse, GelVariant
 from tactiledata.effects.setting import EffectSetting, in_order
 from tactiledata.effects.state import TouchState
 from tactiledata.effects.touch import Touch
@@ -39,6 +39,14 @@ class Simulator:
     def with_effects(self, settings: Iterable[EffectSetting]) -> Simulator:
         """A simulator with further effects."""
         return Simulator(self.base, in_order([*self.effects, *settings]))
+
+    def variant(self, touch: Touch) -> GelVariant:
+        """The gel and the indenter that the effects stand for: play it with ``moved_poses`` for deformed meshes."""
+        variant = GelVariant()
+        for setting in self.effects:
+            if setting.acts_on(touch) and not setting.is_null:
+                variant = variant.together_with(setting.member.variant(setting.values))
+        return variant
 
     def play(self, touch: Touch) -> TouchState:
         """A touch to its end: ``wrench`` is what the sensor would read, ``moved_poses`` where the indenter was.

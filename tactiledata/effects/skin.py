@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from tactiledata.effects.base import Effect
@@ -35,4 +36,7 @@ class Skin(Effect):
     )
     detectability = "0.2 mm (50 um, 5 E) stiffens a contact of 1 mm radius by some 10 %: 0.1 N at 1 N, 0.3 N at 5 N."
     reference = "Gao, Chiu and Lee, Int. J. Solids Struct. 29, 1992"
-    designs: ClassVar = {"excess": ((2e-4, GelVariant(skin=2e-4)), (6e-4, GelVariant(skin=6e-4)))}
+    designs: ClassVar = {"excess": (2e-4, 6e-4)}
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        return GelVariant(skin=values.get("excess", 0.0))

@@ -8,6 +8,7 @@ import numpy as np
 
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.response import GelVariant, SoftSpot
 from tactiledata.effects.state import TouchState, wrench_at
 
 _SPOT = "digit-design issue 40 (bubbles, defects of the adhesive layer), digit-interface issue 15"
@@ -21,6 +22,7 @@ class SoftRegion(Effect):
     centre c, the spot as exp(-|x - x0|^2 / (2 R^2)). Then w = R^2 / (R^2 + s^2) exp(-|c - x0|^2 / (2 (R^2 + s^2))), the
     force is multiplied by 1 - loss w, and the centre of pressure moves away from the spot by s^2 grad ln(1 - loss w).
     Shear is softened while it sticks only, and beyond a traction ``onset``, where the backing begins to slip.
+    The gel engine is not asked for wrenches: places and sizes of spots are too many to play.
 
     Source: perturbation of the elastic energy (Hellmann-Feynman), convolution of Gaussians.
     """
@@ -71,6 +73,10 @@ class SoftRegion(Effect):
         aside = wrench_at(pressing, moved)
         aside[:, :3] = -0.0
         return softened.with_interface(aside)
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        complete = self.complete(values)
+        return GelVariant(spots=(SoftSpot(complete["x"], complete["y"], complete["radius"], complete["normal_loss"]),))
 
     @staticmethod
     def _beyond_onset(state: TouchState, onset: float) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from tactiledata.effects.base import Effect
@@ -39,7 +40,7 @@ class StrainStiffening(Effect):
     )
     detectability = "c20 = 0.1 changes a 0.8 mm press by some 2 %, 0.1 N at 4 N; E and nu hide 86 % of its variance."
     reference = "Yeoh, Rubber Chem. Technol. 66, 1993"
-    designs: ClassVar = {
-        "c20": ((-0.05, GelVariant(c20=-0.05)), (0.2, GelVariant(c20=0.2))),
-        "c30": ((0.05, GelVariant(c30=0.05)),),
-    }
+    designs: ClassVar = {"c20": (-0.05, 0.2), "c30": (0.05,)}
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        return GelVariant(c20=values.get("c20", 0.0), c30=values.get("c30", 0.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from tactiledata.effects.base import Effect
@@ -33,4 +34,7 @@ class Thickness(Effect):
     told_apart_by = "Balls of 2 and 10 mm at one depth: the change follows sqrt(R d) / h, with one h for all indenters."
     detectability = "10 % at a 4 mm ball, 1 mm deep, is some 0.3 N; E and nu hide 98 % of its variance."
     reference = "Dimitriadis et al., Biophys. J. 82, 2002"
-    designs: ClassVar = {"error": ((-0.15, GelVariant(thickness=0.85)), (0.15, GelVariant(thickness=1.15)))}
+    designs: ClassVar = {"error": (-0.15, 0.15)}
+
+    def variant(self, values: Mapping[str, float]) -> GelVariant:
+        return GelVariant(thickness=1.0 + values.get("error", 0.0))

@@ -11,6 +11,7 @@ from tactiledata.effects.ball_on_layer import BallOnLayer
 from tactiledata.effects.base import SLOTS
 from tactiledata.effects.parameter import DIMENSIONS
 from tactiledata.effects.reference_touch import largest_changes
+from tactiledata.effects.response import GelVariant
 from tactiledata.effects.setting import EffectSetting, in_order
 from tactiledata.effects.simulator import with_effects
 from tactiledata.effects.state import TouchState
@@ -70,7 +71,10 @@ def test_parameters_are_sound(name):
             assert parameter.log_prior(parameter.null) == 0.0
         assert parameter.log_prior(high + 1.0) == -math.inf
     assert set(effect.designs) <= {parameter.name for parameter in effect.parameters if parameter.null == 0.0}
-    assert all(place != 0.0 for points in effect.designs.values() for place, _ in points)
+    assert all(0.0 not in places for places in effect.designs.values())
+    assert EFFECTS[name]().variant({}).together_with(GelVariant()) == EFFECTS[name]().variant({})
+    for parameter, places in effect.designs.items():
+        assert all(EFFECTS[name]().variant({parameter: place}) != GelVariant() for place in places)
 
 
 @every_effect

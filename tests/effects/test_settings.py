@@ -7,9 +7,18 @@ import pytest
 
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.setting import EffectSetting, effects_document, read_settings, settings_of, write_settings
+from tactiledata.effects.response import GelVariant, SoftSpot
+from tactiledata.effects.setting import (
+    EffectSetting,
+    effects_document,
+    read_material,
+    read_settings,
+    settings_of,
+    write_settings,
+)
 from tactiledata.effects.simulator import Simulator, with_effects
 from tactiledata.errors import MissingFile, SchemaError, UnknownName, UsageError
+from tactiledata.gel.material import GelMaterial
 
 
 def test_every_setting_survives_its_file(tmp_path, touch, medium):
@@ -22,6 +31,33 @@ def test_every_setting_survives_its_file(tmp_path, touch, medium):
     here, there = (with_effects(BallOnLayer, some).play(touch).wrench for some in (settings, back))
     assert here.tobytes() == there.tobytes()
     assert np.isfinite(here).all()
+
+
+def test_the_gel_that_was_fitted_goes_along(tmp_path):
+    """E, nu and mu are kept beside the effects; a file may have none."""
+    material = GelMaterial(9.05e5, 0.485, 0.8)
+    write_settings([EffectSetting("thickness", {"error": 0.1})], tmp_path / "fit.json", material)
+    write_settings([], tmp_path / "none.json")
+    assert read_material(tmp_path / "fit.json") == material
+    assert read_material(tmp_path / "none.json") is None
+    assert read_settings(tmp_path / "fit.json")[0].values == {"error": 0.1}
+
+
+def test_the_gel_of_several_effects_is_one(touch):
+    """Factors multiply, the rest adds; what is null, or restricted to another sensor, is not in it."""
+    simulator = with_effects(
+        BallOnLayer,
+        [
+            EffectSetting("thickness", {"error": 0.1}),
+            EffectSetting("strain_stiffening", {"c20": 0.1}),
+            EffectSetting("soft_region", {"normal_loss": 0.2, "x": 1e-3}),
+            EffectSetting("dome", {"curvature": 0.0}),
+            EffectSetting("skin", {"excess": 1e-4}, {"sensor": "another"}),
+            EffectSetting("relaxation", {"share": 0.1}),
+        ],
+    )
+    spot = SoftSpot(1e-3, 0.0, 2e-3, 0.2)
+    assert simulator.variant(touch) == GelVariant(thickness=1.1, c20=0.1, spots=(spot,))
 
 
 def test_missing_values_have_their_defaults():

@@ -78,6 +78,16 @@ def test_a_gel_that_relaxed_parts_without_pulling(touch, play, moved):
     assert early.any()
 
 
+def test_friction_holds_while_it_relaxes(touch, play):
+    """Sliding shear is mu N of the relaxing normal force; sticking shear never exceeds it."""
+    state = play("relaxation", share=0.3, time=1.0)
+    shear, normal = np.hypot(*state.wrench[:, :2].T), state.wrench[:, 2]
+    sliding, mu = state.contact.sliding, touch.material.friction
+    assert np.abs(normal - play().wrench[:, 2])[sliding].max() > 0.01
+    np.testing.assert_allclose(shear[sliding], mu * normal[sliding], rtol=1e-9)
+    assert (shear <= mu * normal + 1e-9)[normal > 0.01].all()
+
+
 def test_a_spectrum_is_the_same_effect_several_times(touch, play):
     """Two weak terms add, up to their product."""
     settings = [EffectSetting("relaxation", {"share": 0.02, "time": time}) for time in (0.3, 10.0)]
