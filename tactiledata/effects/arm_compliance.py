@@ -31,11 +31,11 @@ class ArmCompliance(Effect):
         ),
         strength(
             "rotation", "rad/(N m)", "how far the wrist turns per newton metre",
-            bounds=(0.0, 5e-3), plausible=(0.0, 1e-3), deviation=4e-4, source="0.1 to 1 mrad/(N m); estimate",
+            bounds=(0.0, 2e-3), plausible=(0.0, 1e-3), deviation=4e-4, source="0.1 to 1 mrad/(N m); estimate",
         ),
         shape(
             "lever", "m", "from wrist to tip",
-            default=0.15, bounds=(0.05, 0.4), grid=(0.15,), source="flange, force sensor and holder of a UR5e",
+            default=0.15, bounds=(0.05, 0.3), grid=(0.15,), source="flange, force sensor and holder of a UR5e",
         ),
     )  # fmt: skip
     look_alikes = ("thickness", "gain_crosstalk", "strain_stiffening", "stem_bending", "mount_offset")

@@ -13,12 +13,13 @@ from tactiledata.effects.response import BaseResponse, GelVariant
 from tactiledata.effects.setting import EffectSetting, in_order
 from tactiledata.effects.state import TouchState
 from tactiledata.effects.touch import Touch
+from tactiledata.errors import UsageError
 
 Array = NDArray[np.float64]
 
 MOST_ROUNDS = 30
-CLOSE = 1e-9
-"""Of the largest force: what bends arm and stem and what the gel answers are in balance."""
+CLOSE, CLOSE_ENOUGH = 1e-9, 1e-4
+"""Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more."""
 LEAST_STEP, LARGEST_STEP = 0.02, 2.0
 
 
@@ -54,7 +55,7 @@ class Simulator:
         Raises
         ------
         UsageError
-            An effect depends on what the touch does not tell.
+            An effect depends on what the touch does not tell, or gel and springs find no balance.
         """
         active = [setting for setting in self.effects if setting.acts_on(touch) and not setting.is_null]
         in_contact = [setting for setting in active if setting.member.slot in CONTACT_SLOTS]
@@ -99,6 +100,12 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
             step = np.divide(step * last, fell, out=np.ones_like(fell), where=np.abs(fell) > 1e-3 * np.abs(miss))
             step = np.clip(step, LEAST_STEP, LARGEST_STEP)
         felt = _bridged(felt + step * miss, known)
+    if np.abs(miss).max(initial=0.0) > CLOSE_ENOUGH / CLOSE * close:
+        raise UsageError(
+            f"gel and springs find no balance: {np.abs(miss).max():.2g} N are left after {MOST_ROUNDS} rounds",
+            "springs that are not many times softer than the gel",
+            "Lessen the compliances.",
+        )
     return state
 
 

@@ -21,7 +21,8 @@ class SoftRegion(Effect):
     contact of radius a on a gel of thickness h is taken as a Gaussian of variance s^2 = a^2 + (h / 2)^2 about its
     centre c, the spot as exp(-|x - x0|^2 / (2 R^2)). Then w = R^2 / (R^2 + s^2) exp(-|c - x0|^2 / (2 (R^2 + s^2))), the
     force is multiplied by 1 - loss w, and the centre of pressure moves away from the spot by s^2 grad ln(1 - loss w).
-    Shear is softened while it sticks only, and beyond a traction ``onset``, where the backing begins to slip.
+    Shear is softened while it sticks, and beyond a traction ``onset``, where the backing begins to slip; sliding shear
+    stays mu N.
     The gel engine is not asked for wrenches: places and sizes of spots are too many to play.
 
     Source: perturbation of the elastic energy (Hellmann-Feynman), convolution of Gaussians.
@@ -64,15 +65,16 @@ class SoftRegion(Effect):
         weight = values["radius"] ** 2 / width * np.exp(-(away**2).sum(axis=1) / (2.0 * width))
         normal = 1.0 - values["normal_loss"] * weight
         shear = 1.0 - values["shear_loss"] * weight * self._beyond_onset(state, values["onset"])
-        factors = np.ones((len(weight), 6))
-        factors[:, [2, 3, 4]] = normal[:, None]
-        factors[:, [0, 1, 5]] = shear[:, None]
-        softened = state.stiffened(factors)
+        # softer while it sticks, but sliding at mu N all the same
+        rubbed = state.rubbed(normal / shear)
+        answer = rubbed.contact
+        force = answer.wrench[:, :3] * np.column_stack([shear, shear, normal])
+        place = np.column_stack([answer.centre, -np.maximum(answer.depth, 0.0)])
+        lost = wrench_at(force - answer.wrench[:, :3], place)
+        # the centre of pressure moves away from the spot
         moved = away * (energy * values["normal_loss"] * weight / (width * normal))[:, None]
-        pressing = softened.contact.wrench[:, :3] * [0.0, 0.0, 1.0]
-        aside = wrench_at(pressing, moved)
-        aside[:, :3] = -0.0
-        return softened.with_interface(aside)
+        lost[:, 3:] += wrench_at(force * [0.0, 0.0, 1.0], moved)[:, 3:]
+        return rubbed.with_elastic(lost / state.stiffness[:, None])
 
     def variant(self, values: Mapping[str, float]) -> GelVariant:
         complete = self.complete(values)
@@ -80,8 +82,8 @@ class SoftRegion(Effect):
 
     @staticmethod
     def _beyond_onset(state: TouchState, onset: float) -> np.ndarray:
-        """Share (n,) of the shear traction that lies beyond the onset; 0 while the contact slides."""
+        """Share (n,) of the shear traction that lies beyond the onset."""
         contact = state.contact
         shear = np.linalg.norm(contact.wrench[:, :2], axis=1)
         kept = np.divide(onset * contact.area, shear, out=np.ones_like(shear), where=shear > 0)
-        return np.where(contact.sliding, 0.0, np.maximum(1.0 - kept, 0.0))
+        return np.maximum(1.0 - kept, 0.0)

@@ -30,8 +30,8 @@ class TouchState:
         How much deeper and further along x and y the indenter is than recorded.
     friction : (n,)
         Factor on Coulomb's coefficient.
-    stiffness : (n, 6)
-        Factor on each component of the elastic wrench.
+    stiffness : (n,)
+        Factor on the elastic wrench.
     elastic, interface : (n, 6) N, N m
         Added to the base's wrench before the stiffness multiplies it, and after.
     reading : (n, 6) N, N m, optional
@@ -55,15 +55,13 @@ class TouchState:
         n = len(touch)
         # x + (-0.0) is x, for every x: sums that nobody added to leave no trace
         nothing = np.full((n, 6), -0.0)
-        return TouchState(
-            touch, base, nothing, np.zeros(n), np.zeros((n, 2)), np.ones(n), np.ones((n, 6)), nothing, nothing
-        )
+        return TouchState(touch, base, nothing, np.zeros(n), np.zeros((n, 2)), np.ones(n), np.ones(n), nothing, nothing)
 
     @cached_property
     def contact(self) -> ContactResponse:
         """The gel's answer to all that is asked so far."""
         answer = self.base.respond(self.offset, self.shift, self.friction)
-        return replace(answer, wrench=(answer.wrench + self.elastic) * self.stiffness + self.interface)
+        return replace(answer, wrench=(answer.wrench + self.elastic) * self.stiffness[:, None] + self.interface)
 
     @property
     def wrench(self) -> Array:
@@ -87,9 +85,8 @@ class TouchState:
         return replace(self, friction=self.friction * np.maximum(factor, 0.0))
 
     def stiffened(self, factor: Array) -> TouchState:
-        """The elastic wrench multiplied by factors (n,), or (n, 6) by component."""
-        rows = factor if factor.ndim == 2 else factor[:, None]
-        return replace(self, stiffness=self.stiffness * rows)
+        """The elastic wrench multiplied by factors (n,)."""
+        return replace(self, stiffness=self.stiffness * factor)
 
     def with_elastic(self, wrench: Array) -> TouchState:
         """A wrench (n, 6) added that is the gel's own, so that its stiffness multiplies it."""

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from tactiledata.effects import EFFECTS
 from tactiledata.effects.ball_on_layer import BallOnLayer
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.effects.simulator import with_effects
 from tactiledata.effects.state import TouchState
 from tactiledata.effects.stem_bending import stem_stiffness
+from tactiledata.errors import UsageError
 from tactiledata.indenters.sphere import Sphere
 
 
@@ -92,3 +94,35 @@ def test_springs_and_what_stiffens_the_gel_find_one_balance(touch, moved):
     ]
     force = with_effects(BallOnLayer, settings).play(press).wrench[-1, 2]
     assert force == pytest.approx(1.1 * normal_force(touch, moved, 8e-4 - 3e-5 * force), rel=1e-6)
+
+
+SOFTEST = [
+    EffectSetting(name, {p.name: p.bounds[1] for p in EFFECTS[name].parameters})
+    for name in ("arm_compliance", "stem_bending")
+]
+
+
+def test_the_softest_springs_find_their_balance(touch):
+    """With all compliances at their bounds, playing the state again with what it felt changes nothing."""
+    state = with_effects(BallOnLayer, SOFTEST).play(touch)
+    again = dataclasses.replace(TouchState.start(touch, BallOnLayer(touch)), felt=state.wrench)
+    for setting in SOFTEST:
+        again = setting.apply(again)
+    np.testing.assert_allclose(again.contact.wrench, state.wrench, atol=1e-7)
+
+
+def test_no_balance_is_said(touch, monkeypatch):
+    """Where the rounds do not suffice there is an error, not a number."""
+    monkeypatch.setattr("tactiledata.effects.simulator.MOST_ROUNDS", 3)
+    with pytest.raises(UsageError, match="no balance"):
+        with_effects(BallOnLayer, SOFTEST).play(touch)
+
+
+@pytest.mark.parametrize("name", [name for name in EFFECTS if EFFECTS[name].slot in "KCI"])
+def test_springs_find_a_balance_with_every_effect(touch, medium, name):
+    """No effect in contact jumps with the force in a way that leaves springs without a balance."""
+    full = {key: 2 * value for key, value in medium(name).items()}
+    springs = [EffectSetting("arm_compliance", medium("arm_compliance"))]
+    springs.append(EffectSetting("stem_bending", medium("stem_bending")))
+    state = with_effects(BallOnLayer, [*springs, EffectSetting(name, full)]).play(touch)
+    assert np.isfinite(state.wrench).all()
