@@ -17,7 +17,8 @@ class AreaFriction(Effect):
     The factor on mu is 1 + tau / mu (A / N - 1 / p0): friction of light, wide contacts is larger, of a ball about as
     N^(-1/3).
 
-    Source: Bowden and Tabor's shear strength; non-linear in load for silicone rubber, Persson and co-workers, 2016.
+    Source: Bowden and Tabor's shear strength; Trejo, Fretigny and Chateauminois, arXiv 1701.08013: under a smooth lens the
+    local shear stress on rubber does not depend on pressure.
     """
 
     name = "area_friction"
@@ -39,7 +40,7 @@ class AreaFriction(Effect):
         "Slides at one speed under 1, 3 and 10 N, with a ball and a flat punch: mu follows A / N, not speed."
     )
     detectability = "0.1 MPa: mu differs by 0.2 between 2 and 10 N of a 4 mm ball, 0.3 N of shear at 2 N."
-    reference = "Bowden and Tabor, The Friction and Lubrication of Solids"
+    reference = "Trejo, Fretigny and Chateauminois, arXiv 1701.08013"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         contact, mu = state.contact, state.touch.material.friction

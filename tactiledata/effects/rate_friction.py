@@ -17,8 +17,8 @@ SLOWEST = 1e-3
 class RateFriction(Effect):
     """mu(v) = mu (1 + beta log10(v / v0)), v the speed of the tip along the gel; at rest that of the last move.
 
-    Source: Vorvolakos and Chaudhury, Langmuir 19, 2003: friction of silicone rises with the logarithm of the speed
-    below about 1 mm/s, and falls beyond (Stribeck), which is a negative beta here.
+    Source: Vorvolakos and Chaudhury, Langmuir 19, 2003: the shear stress of silicone rises with speed up to a maximum;
+    beyond, it levels out or falls, which is a negative beta here. The logarithm is the usual form between.
     """
 
     name = "rate_friction"
