@@ -17,8 +17,8 @@ class AreaFriction(Effect):
     The factor on mu is 1 + tau / mu (A / N - 1 / p0): friction of light, wide contacts is larger, of a ball about as
     N^(-1/3).
 
-    Source: Bowden and Tabor's shear strength; Trejo, Fretigny and Chateauminois, arXiv 1701.08013: under a smooth lens the
-    local shear stress on rubber does not depend on pressure.
+    Source: Bowden and Tabor's shear strength; Trejo, Fretigny and Chateauminois, arXiv 1701.08013: under a smooth lens
+    the local shear stress on rubber does not depend on pressure.
     """
 
     name = "area_friction"
