@@ -9,7 +9,7 @@ import sys
 import typer
 
 from tactiledata import __version__
-from tactiledata.cli import calibrate, demo, families, ingest, record, replay, scene, sensors, split, store
+from tactiledata.cli import calibrate, demo, diagnose, families, ingest, record, replay, scene, sensors, split, store
 from tactiledata.cli.failure import DEBUG_VARIABLE, INTERRUPTED, report_failure, report_interruption
 from tactiledata.errors import TactileDataError
 
@@ -22,7 +22,7 @@ app = typer.Typer(
     context_settings={"max_content_width": 120},
     pretty_exceptions_enable=False,
 )
-for module in (demo, record, families, ingest, store, sensors, split, calibrate, replay, scene):
+for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene):
     module.register(app)
 
 

@@ -27,6 +27,8 @@ MAX_VALUES = 2**25
 
 PAGES = {
     "calibration": "docs/calibration.md",
+    "columns": "docs/diagnose-table.md",
+    "diagnosis": "docs/diagnose-table.md",
     "effect": "docs/effects.md",
     "log": "docs/formats-folder.md",
     "mapping": "docs/formats-mcap.md",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.diagnose.features import features
 from tactiledata.diagnose.folds import folds
+from tactiledata.diagnose.learning_library import need_learning_library
 from tactiledata.diagnose.projection import Projection
 
 Array = NDArray[np.float64]
@@ -42,6 +43,7 @@ class BlackBox:
 
 def black_box(projection: Projection, seed: int = 0) -> BlackBox:
     """Boosted trees on the refitted residual, trajectories held out by fives."""
+    need_learning_library()
     from sklearn.ensemble import HistGradientBoostingRegressor
 
     residuals = projection.residuals

@@ -110,6 +110,10 @@ class Candidates:
         """Term of a candidate."""
         return self.names[number % len(self.names)]
 
+    def full_name(self, number: int) -> str:
+        """Carrier and term of a candidate."""
+        return f"{self.carrier_of(number).name}: {self.name_of(number)}"
+
     def complexity_of(self, number: int) -> int:
         """Of a candidate."""
         return self.complexities[number % len(self.names)]
@@ -117,6 +121,10 @@ class Candidates:
     def field(self, number: int) -> Array:
         """Whitened field (n, k) of a candidate with coefficient 1."""
         return self.carrier_of(number).field * self.terms[:, number % len(self.names), None]
+
+    def fields(self, numbers: Sequence[int]) -> dict[str, Array]:
+        """Whitened fields of several candidates by their full names."""
+        return {self.full_name(number): self.field(number) for number in numbers}
 
     def scores(self, projection: Projection) -> tuple[Array, Array]:
         """Contributions (u, m) of the units of exchange to each candidate's score, and its information (m,)."""

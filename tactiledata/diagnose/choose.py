@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.candidates import Candidates
 from tactiledata.diagnose.projection import Projection, project
-from tactiledata.diagnose.residuals import Parameter, Residuals
+from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.sign_flips import p_value, signs
 from tactiledata.diagnose.stability import THRESHOLD, false_terms_bound, stable_choices
 
@@ -51,23 +50,12 @@ def choose(residuals: Residuals, candidates: Candidates, seed: int = 0) -> tuple
     choices, bound = _stable(residuals, candidates, seed)
     accepted: list[Accepted] = []
     for number, inclusion, alike in choices[:MOST_TERMS]:
-        projection = project(with_fields(residuals, [candidates.field(one.number) for one in accepted]))
+        projection = project(residuals.with_fields(candidates.fields([one.number for one in accepted])))
         p = _against_all(projection, candidates, number, seed)
         if p > LEVEL:
             break
         accepted.append(Accepted(number, inclusion, p, alike))
     return accepted, bound
-
-
-def with_fields(residuals: Residuals, fields: Sequence[Array]) -> Residuals:
-    """Residuals that have fields (n, k) as further shared parameters, at the end."""
-    if not fields:
-        return residuals
-    return replace(
-        residuals,
-        parameters=(*residuals.parameters, *(Parameter(f"term {place}") for place in range(len(fields)))),
-        sensitivities=np.concatenate([residuals.slopes, np.stack(list(fields), axis=2)], axis=2),
-    )
 
 
 def _stable(
@@ -96,7 +84,7 @@ def _stable(
             continue
         good = [place for place in family.members if gains[place] >= AS_GOOD * gains[family.members].max()]
         best = min(good, key=lambda place: (candidates.complexity_of(int(screened[place])), -gains[place]))
-        likes = [_full_name(candidates, int(screened[place])) for place in family.members if place != best]
+        likes = [candidates.full_name(int(screened[place])) for place in family.members if place != best]
         found.append((float(gains[best]), (int(screened[best]), family.inclusion, tuple(likes[:3]))))
     found.sort(key=lambda one: -one[0])
     return [one for _, one in found], false_terms_bound(by_unit)
@@ -108,7 +96,7 @@ def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Arra
     bests: list[int] = []
     first = np.zeros((0, 0))
     for _ in range(ROUNDS):
-        projection = project(with_fields(residuals, [candidates.field(number) for number in bests]))
+        projection = project(residuals.with_fields(candidates.fields(bests)))
         by_unit, information = candidates.scores(projection)
         first = by_unit if not bests else first
         is_visible = information > VISIBLE * candidates.sizes
@@ -131,7 +119,3 @@ def _against_all(projection: Projection, candidates: Candidates, number: int, se
     scaled = (by_unit / np.where(is_visible, spread, 1.0))[:, is_visible]
     observed = abs(float(by_unit[:, number].sum() / spread[number]))
     return p_value(observed, np.abs(signs(len(by_unit), DRAWS, seed) @ scaled).max(axis=1))
-
-
-def _full_name(candidates: Candidates, number: int) -> str:
-    return f"{candidates.carrier_of(number).name}: {candidates.name_of(number)}"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.folds import folds
+from tactiledata.diagnose.learning_library import need_learning_library
 from tactiledata.diagnose.projection import Projection
 
 Array = NDArray[np.float64]
@@ -54,6 +55,7 @@ class Empirical:
 
 def empirical(projection: Projection, covariates: tuple[str, str], seed: int = 0) -> Empirical | None:
     """The surface over two covariates, or ``None`` where one of them hardly varies."""
+    need_learning_library()
     residuals = projection.residuals
     places = np.column_stack([residuals.covariates[name].values for name in covariates])
     low, high = places.min(axis=0), places.max(axis=0)

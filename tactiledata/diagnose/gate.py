@@ -30,15 +30,16 @@ class NoiseModel:
 
     Parameters
     ----------
-    correlation : float
-        Of neighbouring frames of one trajectory, as in an AR(1) process.
+    correlation : float, optional
+        Of neighbouring frames of one trajectory, as in an AR(1) process; ``None``: not known, and slow variation
+        proves nothing.
     doubt : float
         Relative standard deviation of the noise's size: how well it is known.
     discrepancy : (n, k, m), optional
         Whitened differences between a refined simulation and the one used: each comes with a normal factor of its own.
     """
 
-    correlation: float = 0.0
+    correlation: float | None = 0.0
     doubt: float = 0.05
     discrepancy: Array | None = None
 
@@ -85,11 +86,11 @@ def gate(projection: Projection, noise: NoiseModel, seed: int = 0, draws: int = 
         axis=1,
     )
     each = (1 + (drawn >= observed[:, None]).sum(axis=1)) / (1 + draws)
-    p = float(min(1.0, 2.0 * each.min()))
+    p = float(each[0] if noise.correlation is None else min(1.0, 2.0 * each.min()))
     usual = np.quantile(drawn, 0.95, axis=1)
     if p > 0.05:
         words = f"Nothing needs an explanation: the residual is what noise leaves ({p_words(p)})."
-    elif each[0] <= each[1]:
+    elif noise.correlation is None or each[0] <= each[1]:
         words = (
             f"The residual is {rounded(float(np.sqrt(observed[0])))} times the noise, where up to "
             f"{rounded(float(np.sqrt(usual[0])))} is usual ({p_words(p)})."
@@ -105,7 +106,7 @@ def gate(projection: Projection, noise: NoiseModel, seed: int = 0, draws: int = 
 def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, draws: int) -> Array:
     """Residuals (n, k, d) where nothing is missing."""
     values = rng.normal(size=(*residuals.values.shape, draws))
-    if noise.correlation > 0:
+    if noise.correlation:
         fresh = np.sqrt(1.0 - noise.correlation**2)
         for later in range(1, int(residuals.counts.max())):
             rows = residuals.starts[residuals.counts > later] + later

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.candidates import Candidates
-from tactiledata.diagnose.choose import choose, with_fields
+from tactiledata.diagnose.choose import choose
 from tactiledata.diagnose.folds import folds
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
@@ -46,12 +46,13 @@ def held_out(residuals: Residuals, candidates: Candidates, seed: int = 0) -> Hel
         train, test = fold != number, fold == number
         learning = residuals.part(train)
         accepted, _ = choose(learning, candidates.part(train), seed)
-        fields = [candidates.field(one.number) for one in accepted]
+        fields = candidates.fields([one.number for one in accepted])
+        known = {name: field[train] for name, field in fields.items()}
         plain = project(learning).refit
-        full = project(with_fields(learning, [field[train] for field in fields])).refit
+        full = project(learning.with_fields(known)).refit
         slopes = residuals.slopes[test][:, :, shared]
         before[test] -= slopes @ plain
-        after[test] -= np.concatenate([slopes, *(field[test, :, None] for field in fields)], axis=2) @ full
+        after[test] -= np.concatenate([slopes, *(field[test, :, None] for field in fields.values())], axis=2) @ full
     projection = project(residuals)
     squares = [residuals.by_unit((one * projection.weigh(one)).sum(axis=1)) for one in (before, after)]
     counts = residuals.by_unit(np.full(len(before), float(before.shape[1])))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.diagnose.learning_library import need_learning_library
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
@@ -53,6 +54,7 @@ def honest_tree(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tu
     names = list(residuals.covariates)
     if units < 2 * FEWEST_IN_HALF or not names:
         return ()
+    need_learning_library()
     from sklearn.tree import DecisionTreeRegressor
 
     rng = np.random.default_rng(seed)

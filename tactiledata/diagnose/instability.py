@@ -68,8 +68,15 @@ class _Pair:
     is_label: bool
 
 
-def instability(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tuple[Drift, ...]:
+def instability(
+    projection: Projection, seed: int = 0, draws: int = DRAWS, tested: int | None = None
+) -> tuple[Drift, ...]:
     """Every pair of shared parameter and covariate or label, the strongest first.
+
+    Parameters
+    ----------
+    tested : int, optional
+        Only the first so many of the shared parameters.
 
     Raises
     ------
@@ -78,21 +85,25 @@ def instability(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tu
     """
     residuals = projection.residuals
     residuals.need_units("tests of drifting parameters")
-    pairs = _pairs(projection)
+    pairs = _pairs(projection, tested)
     if not pairs:
         return ()
     thrown = signs(residuals.unit_count, draws, seed)
     observed = np.array([np.abs(pair.found.statistic).max() for pair in pairs])
     drawn = np.stack([np.abs(pair.found.flipped(thrown)).max(axis=1) for pair in pairs], axis=1)
     p_values = family_wise(observed, drawn)
-    order = np.lexsort((-observed, p_values))
     alike = look_alikes(residuals)
-    return tuple(_drift(projection, pairs[k], float(observed[k]), float(p_values[k]), alike) for k in order)
+    drifts = [
+        _drift(projection, pair, float(statistic), float(p), alike)
+        for pair, statistic, p in zip(pairs, observed, p_values, strict=True)
+    ]
+    # the studentised score saturates where all trajectories agree; how sharply the change is known does not
+    return tuple(sorted(drifts, key=lambda drift: (drift.p, -drift.change.sharpness)))
 
 
-def _pairs(projection: Projection) -> list[_Pair]:
+def _pairs(projection: Projection, tested: int | None) -> list[_Pair]:
     residuals, pairs = projection.residuals, []
-    for place in range(projection.directions.shape[2]):
+    for place in range(projection.directions.shape[2])[:tested]:
         weights = projection.information(place)
         for name, covariate in residuals.covariates.items():
             places = cuts(covariate.values, weights)

@@ -14,6 +14,7 @@ from tactiledata.diagnose.free_air import FreeAir, free_air
 from tactiledata.diagnose.gate import Gate, NoiseModel, gate
 from tactiledata.diagnose.honest_tree import Leaf, honest_tree
 from tactiledata.diagnose.instability import Drift, instability
+from tactiledata.diagnose.leading import leading_drifts
 from tactiledata.diagnose.overall import Offset, offsets
 from tactiledata.diagnose.projection import Projection, project
 from tactiledata.diagnose.region import RegionMap, region_maps
@@ -55,6 +56,8 @@ class Located:
     free_air : FreeAir
     overall, drifts, events, steps, maps, leaves
         See the modules of these names.
+    leading : tuple of Drift
+        The certain drifts without their echoes.
     energy : EnergyShares
     p : dict, locator -> p-value
         Holm's, over all locators that had something to test.
@@ -65,6 +68,7 @@ class Located:
     free_air: FreeAir
     overall: tuple[Offset, ...]
     drifts: tuple[Drift, ...]
+    leading: tuple[Drift, ...]
     events: tuple[EventLocked, ...]
     steps: tuple[Step, ...]
     maps: tuple[RegionMap, ...]
@@ -81,12 +85,6 @@ class Located:
         """Whether one of them is."""
         return self.p.get(locator, 1.0) <= LEVEL
 
-    def _sentence(self, words: str) -> str:
-        """With a capital, unless it begins with the name of a component or parameter."""
-        residuals = self.projection.residuals
-        names = (*residuals.components, *(one.name for one in residuals.parameters))
-        return f"{words if words.startswith(names) else words[0].upper() + words[1:]}."
-
     def sentences(self) -> list[str]:
         """What is certain, the plainest first; where nothing is, that."""
         if not self.is_structured:
@@ -97,19 +95,19 @@ class Located:
         if self.gate is not None and self.is_certain("size of the residual"):
             said.append(self.gate.words)
         if self.is_certain("a common offset"):
-            said += [self._sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
+            said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
         if self.is_certain("drifting parameters"):
-            said += [self._sentence(one.words) for one in self.drifts if one.p <= LEVEL][:MOST_SAID]
+            said += [_sentence(one.words) for one in self.leading]
         if self.is_certain("events"):
-            said += [self._sentence(one.words) for one in self.events if one.p <= LEVEL][:MOST_SAID]
+            said += [_sentence(one.words) for one in self.events if one.p <= LEVEL][:MOST_SAID]
         if self.is_certain("steps"):
-            said += [self._sentence(one.words) for one in self.steps][:MOST_SAID]
+            said += [_sentence(one.words) for one in self.steps][:MOST_SAID]
         if self.is_certain("the map"):
-            said += [self._sentence(one.words) for one in self.maps if one.p <= LEVEL][:1]
+            said += [_sentence(one.words) for one in self.maps if one.p <= LEVEL][:1]
         if self.is_certain("the tree"):
-            said += [self._sentence(one.words) for one in self.leaves if one.p <= LEVEL][:1]
+            said += [_sentence(one.words) for one in self.leaves if one.p <= LEVEL][:1]
         if self.energy.sharpest is not None and self.energy.sharpest.factors:
-            said.append(self._sentence(self.energy.words))
+            said.append(_sentence(self.energy.words))
         return said
 
 
@@ -130,6 +128,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     air = free_air(residuals, seed)
     common = offsets(residuals, seed + 1)
     drifts = instability(projection, seed + 2)
+    leading = leading_drifts(projection, drifts, seed + 8)
     events = event_locked(refitted, find_events(residuals), seed=seed + 3)
     steps = change_points(projection, chosen.order_by, seed + 4)
     maps = region_maps(projection, *chosen.plane, seed=seed + 5)
@@ -149,4 +148,10 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     asked = {name: value for name, value in tests.items() if value is not None}
     corrected = holm(np.array(list(asked.values())))
     together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
-    return Located(projection, opened, air, common, drifts, events, steps, maps, leaves, shares, together)
+    return Located(projection, opened, air, common, drifts, leading, events, steps, maps, leaves, shares, together)
+
+
+def _sentence(words: str) -> str:
+    """With a capital, unless it begins with a symbol as fz or mu."""
+    first = words.split()[0]
+    return f"{words if len(first) <= 2 else words[0].upper() + words[1:]}."

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactiledata.diagnose.atoms import atoms
 from tactiledata.diagnose.candidates import Candidates, Carrier, carriers
-from tactiledata.diagnose.choose import Accepted, choose, with_fields
+from tactiledata.diagnose.choose import Accepted, choose
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.signatures import Likeness, likenesses
@@ -56,7 +56,7 @@ class OpenForm:
     Parameters
     ----------
     terms : in the order in which they were accepted; none where nothing is certain
-    fields : (n, k, t)
+    fields : dict, term -> (n, k)
         Whitened fields of the terms with coefficient 1.
     fitted : (n, k)
         Their sum, with their coefficients.
@@ -69,7 +69,7 @@ class OpenForm:
     """
 
     terms: tuple[Term, ...]
-    fields: Array
+    fields: dict[str, Array]
     fitted: Array
     candidates: int
     false_terms: float
@@ -124,13 +124,11 @@ def _summed(
     bound: float,
     signatures: Mapping[str, Array],
 ) -> OpenForm:
-    fields = np.zeros((*residuals.values.shape, len(accepted)))
-    for place, chosen in enumerate(accepted):
-        fields[:, :, place] = candidates.field(chosen.number)
+    fields = candidates.fields([one.number for one in accepted])
     if not accepted:
         words = "No formula: no term is chosen often enough by halves of the trajectories."
-        return OpenForm((), fields, np.zeros_like(residuals.values), len(candidates), bound, (), words)
-    changes = refitted(project(with_fields(residuals, list(np.moveaxis(fields, 2, 0)))))[-len(accepted) :]
+        return OpenForm((), {}, np.zeros_like(residuals.values), len(candidates), bound, (), words)
+    changes = refitted(project(residuals.with_fields(fields)))[-len(accepted) :]
     terms = []
     for chosen, one in zip(accepted, changes, strict=True):
         name, carrier = candidates.name_of(chosen.number), candidates.carrier_of(chosen.number)
@@ -139,7 +137,7 @@ def _summed(
         terms.append(
             Term(carrier.name, name, one.value, one.half_width, chosen.inclusion, chosen.p, chosen.alike, words)
         )
-    fitted = fields @ np.array([one.value for one in changes])
+    fitted = np.stack(list(fields.values()), axis=2) @ np.array([one.value for one in changes])
     resembled = likenesses(project(residuals), fitted, signatures)
     like = next((f"; it behaves like {one.name} (cosine {one.cosine:.2f})" for one in resembled if one.is_near), "")
     words = f"{'; '.join(term.words for term in terms)}{like}"

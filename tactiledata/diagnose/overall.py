@@ -63,4 +63,4 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
                 f"{moved.words} throughout ({p_words(float(p_values[k]))})",
             )
         )
-    return tuple(sorted(listed, key=lambda one: one.p))
+    return tuple(sorted(listed, key=lambda one: (one.p, -one.change.sharpness)))

@@ -181,6 +181,16 @@ class Residuals:
         """The same frames with other residuals (n, k)."""
         return replace(self, values=values)
 
+    def with_fields(self, fields: Mapping[str, Array]) -> Residuals:
+        """The same with whitened fields (n, k) as further shared parameters, at the end."""
+        if not fields:
+            return self
+        return replace(
+            self,
+            parameters=(*self.parameters, *(Parameter(name) for name in fields)),
+            sensitivities=np.concatenate([self.slopes, np.stack(list(fields.values()), axis=2)], axis=2),
+        )
+
     def need_units(self, what: str) -> None:
         """Nothing, where there are units enough.
 

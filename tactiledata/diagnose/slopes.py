@@ -36,6 +36,11 @@ class Change:
         return bool(np.isfinite(self.parameter.value) and self.parameter.value != 0)
 
     @property
+    def sharpness(self) -> float:
+        """The change over the half width of its interval."""
+        return abs(self.value) / self.half_width if self.half_width > 0 else 0.0
+
+    @property
     def words(self) -> str:
         """``"E falls by 11 ± 2 %"``."""
         if self.is_relative:

@@ -8,12 +8,12 @@ VERBS = {True: "rises", False: "falls"}
 
 
 def rounded(value: float, digits: int = 2) -> str:
-    """A number with so many significant digits, without exponent where it can be read without."""
+    """A number with so many significant digits, whole ones whole, without exponent where it can be read without."""
     if value == 0 or not math.isfinite(value):
         return f"{value:g}"
     places = digits - 1 - math.floor(math.log10(abs(value)))
-    if -3 < places <= 6:
-        return f"{round(value, places):.{max(places, 0)}f}"
+    if -5 < places <= 4:
+        return f"{value:.{max(places, 0)}f}"
     return f"{value:.{digits - 1}e}"
 
 

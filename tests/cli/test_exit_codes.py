@@ -22,6 +22,7 @@ MISSING_PATH = {
     "audit": [NOWHERE],
     "replay": [NOWHERE, "--youngs-modulus", "8e5", "--poisson-ratio", "0.48", "--friction", "0.8"],
     "calibrate": [NOWHERE],
+    "diagnose": ["nowhere.csv"],
     "scene": [NOWHERE, "--trajectory", "t00000"],
 }
 WITHOUT_PATHS = {"formats", "indenters", "effects"}

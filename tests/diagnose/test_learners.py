@@ -1,4 +1,4 @@
-"""Black box and surface: they explain what is there on trajectories that they have not seen, and nothing where nothing is."""
+"""Black box and surface: they explain what is there on trajectories that they have not seen, and no noise."""
 
 import numpy as np
 from planted import planted

@@ -34,7 +34,7 @@ def nulls():
 
 
 def decay_in_dwell(world):
-    """fz falls from the start of the dwell on."""
+    """The normal force falls from the start of the dwell on."""
     values = np.zeros_like(world.values)
     for rows in np.split(np.arange(len(values)), world.starts[1:]):
         since = np.cumsum(np.cumsum(world.labels["phase"][rows] == "dwell") > 0)
@@ -191,7 +191,7 @@ def test_no_map_of_a_line():
 
 
 def test_a_leaf_is_found_and_confirmed():
-    """fx is off where the press is deep and fast; half of the data find it, the other half agree."""
+    """A shear force is off where the press is deep and fast; half of the data find it, the other half agree."""
 
     def plant(world):
         where = (world.covariates["depth"].values > 0.5) & (world.covariates["speed"].values > 1.0)

@@ -1,0 +1,215 @@
+"""What the columns of a table mean: by their names, or by a document that says so (schemas/columns.json)."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
+
+from tactiledata.diagnose.dimensions import find_unit
+from tactiledata.errors import UnknownName, UsageError
+
+GROUP_NAMES = ("group", "trajectory", "trial")
+OBSERVED, PREDICTED, NOISE = "observed", "predicted", "noise"
+PAGE = "docs/diagnose-table.md shows both ways of naming columns."
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something that was observed and predicted.
+
+    Parameters
+    ----------
+    name, unit : str
+    observed, predicted : names of columns
+    noise : float or str, optional
+        Standard deviation of the observation: a number or a column; ``None`` where it is not known.
+    """
+
+    name: str
+    unit: str
+    observed: str
+    predicted: str
+    noise: float | str | None = None
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The meaning of a table's columns.
+
+    Parameters
+    ----------
+    group : str
+    quantities : tuple of Quantity
+    covariates : dict, name -> (column, unit)
+    labels : columns of texts
+    time : str, optional
+        The covariate that is the time inside a group.
+    order : str
+        The covariate along which steps are sought.
+    plane : two covariates
+    scales : dict, covariate -> float, by which it is measured
+    noise_correlation : float, optional
+    """
+
+    group: str
+    quantities: tuple[Quantity, ...]
+    covariates: dict[str, tuple[str, str]]
+    labels: tuple[str, ...]
+    time: str | None = None
+    order: str = "index"
+    plane: tuple[str, str] = ("x", "y")
+    scales: dict[str, float] = field(default_factory=dict)
+    noise_correlation: float | None = None
+
+
+def columns_of(frame: pd.DataFrame, document: Mapping[str, Any] | None = None, group: str | None = None) -> Columns:
+    """The columns of a table.
+
+    Parameters
+    ----------
+    document : mapping, optional
+        As in schemas/columns.json, checked; without one the names decide.
+    group : str, optional
+        The column of groups, where it is named apart.
+
+    Raises
+    ------
+    UsageError
+        A column that is not there (near names are listed), or none that is observed and predicted.
+    """
+    names = [str(name) for name in frame.columns]
+    if document is not None:
+        return _from_document(names, frame, document, group)
+    grouped = _group(names, group)
+    quantities = _quantities(names)
+    used = {grouped} | {column for one in quantities for column in (one.observed, one.predicted, one.noise)}
+    left = [name for name in names if name not in used]
+    labels = tuple(name for name in left if is_text(frame[name]))
+    covariates = {}
+    for column in left:
+        if column not in labels:
+            name, unit = split_unit(column)
+            covariates[column if name in covariates else name] = (column, unit)
+    time = next((name for name in covariates if name in ("time", "t", "seconds")), None)
+    return Columns(grouped, quantities, covariates, labels, time)
+
+
+def split_unit(column: str) -> tuple[str, str]:
+    """Name and unit of a column: ``"depth_mm"`` is depth in mm, ``"speed_mm_s"`` and ``"speed_mm_per_s"`` are in mm/s.
+
+    Of two units side by side the second divides, but in ``N_m`` and ``N_mm``. An ending that is no unit belongs to the
+    name, and the unit is ``"?"``.
+    """
+    parts = column.split("_")
+    for position in range(1, len(parts)):
+        words = [word for word in parts[position:] if word != "per"]
+        joiner = " " if words[:1] in (["N"], ["mN"]) and words[1:] in (["m"], ["mm"]) and "per" not in parts else "/"
+        unit = joiner.join(words)
+        if not unit[:1].isdigit() and find_unit(unit) is not None:
+            return "_".join(parts[:position]), unit
+    return column, "?"
+
+
+def is_text(column: pd.Series) -> bool:
+    """Whether a column holds names rather than numbers."""
+    return not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_bool_dtype(column)
+
+
+def known_column(name: str, names: Sequence[str]) -> str:
+    """The name, where such a column is there.
+
+    Raises
+    ------
+    UnknownName
+        It is not; near ones are listed.
+    """
+    if name not in names:
+        raise UnknownName("column", name, names, PAGE)
+    return name
+
+
+def _group(names: Sequence[str], group: str | None) -> str:
+    if group is not None:
+        return known_column(group, names)
+    found = next((name for name in GROUP_NAMES if name in names), None)
+    if found is None:
+        near = [near for name in GROUP_NAMES for near in difflib.get_close_matches(name, names, n=1)]
+        hint = f"Is it {' or '.join(dict.fromkeys(near))}? " if near else ""
+        raise UsageError(
+            f"no column says which rows belong together; the columns are {', '.join(names)}",
+            f"one named {', '.join(GROUP_NAMES)}",
+            f"{hint}Name it: --group COLUMN. Rows that were recorded in one go are one group.",
+        )
+    return found
+
+
+def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
+    found: dict[str, dict[str, tuple[str, str]]] = {}
+    for column in names:
+        bare, unit = split_unit(column)
+        for role in (OBSERVED, PREDICTED, NOISE):
+            if bare.endswith(f"_{role}"):
+                found.setdefault(bare.removesuffix(f"_{role}"), {})[role] = (column, unit)
+    quantities = []
+    for name, roles in found.items():
+        for role, other in ((OBSERVED, PREDICTED), (PREDICTED, OBSERVED)):
+            if role in roles and other not in roles:
+                wanted = roles[role][0].replace(f"_{role}", f"_{other}")
+                raise UnknownName("column", wanted, names, f"{roles[role][0]} has no partner. {PAGE}")
+        if OBSERVED not in roles:
+            continue
+        units = {unit for _, unit in roles.values()}
+        if len(units) > 1:
+            raise UsageError(
+                f"{' and '.join(column for column, _ in roles.values())} are in different units", "one unit for both",
+                "Convert one of them.",
+            )  # fmt: skip
+        noise = roles[NOISE][0] if NOISE in roles else None
+        quantities.append(Quantity(name, roles[OBSERVED][1], roles[OBSERVED][0], roles[PREDICTED][0], noise))
+    if not quantities:
+        raise UsageError(
+            f"no column is both observed and predicted; the columns are {', '.join(names)}",
+            "pairs as fz_observed_N and fz_predicted_N",
+            f"Rename them, or say what they are with --columns. {PAGE}",
+        )
+    return tuple(quantities)
+
+
+def _from_document(
+    names: Sequence[str], frame: pd.DataFrame, document: Mapping[str, Any], group: str | None
+) -> Columns:
+    quantities = tuple(
+        Quantity(
+            name,
+            one.get("unit", "?"),
+            known_column(one["observed"], names),
+            known_column(one["predicted"], names),
+            known_column(one["noise"], names) if isinstance(one.get("noise"), str) else one.get("noise"),
+        )
+        for name, one in document["quantities"].items()
+    )
+    covariates = {
+        name: (known_column(one["column"], names), one.get("unit", "?"))
+        for name, one in document.get("covariates", {}).items()
+    }
+    labels = tuple(known_column(name, names) for name in document.get("labels", ()))
+    plane = tuple(document.get("plane", ("x", "y")))
+    time, order = document.get("time"), document.get("order", "index")
+    for name in (*([time] if time else []), *document.get("plane", ()), *([order] if "order" in document else [])):
+        if name not in covariates:
+            raise UnknownName("covariate", name, covariates, PAGE)
+    return Columns(
+        known_column(group or document["group"], names),
+        quantities,
+        covariates,
+        labels,
+        time,
+        order,
+        (plane[0], plane[1]),
+        {name: one["scale"] for name, one in document.get("covariates", {}).items() if "scale" in one},
+        document.get("noise_correlation"),
+    )

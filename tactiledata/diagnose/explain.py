@@ -1,0 +1,168 @@
+"""Locate, explain by a formula, show: what any residuals can be asked without a gel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.black_box import BlackBox, black_box
+from tactiledata.diagnose.empirical import Empirical, empirical
+from tactiledata.diagnose.gap import Gap, gap_closed, scatter
+from tactiledata.diagnose.held_out import HeldOut, held_out
+from tactiledata.diagnose.learning_library import need_learning_library
+from tactiledata.diagnose.locate import Located, LocateOptions, locate
+from tactiledata.diagnose.open_form import OpenForm, find_candidates, open_form
+from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.wording import percent
+
+Array = NDArray[np.float64]
+Tell = Callable[..., None]
+Answer = Literal["nothing found", "explained", "partly explained", "not explained"]
+
+STEPS = ("locating", "looking for a formula", "what it does for held-out groups", "the ceiling", "what is left")
+WORTH = 0.02
+"""Share of the squares of held-out groups from which on a formula is worth a sentence."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A diagnosis of residuals.
+
+    Parameters
+    ----------
+    located : Located
+    form : OpenForm, optional
+        ``None`` where nothing was found to be explained.
+    held : HeldOut, optional
+        With and without the formula, on groups that had no part in it.
+    gap : Gap, optional
+    floor_is : what the gap's floor is, in words
+    ceiling : BlackBox
+    left_over : Located, optional
+        Of what the formula leaves.
+    surface : Empirical, optional
+        For structure without a formula.
+    """
+
+    located: Located
+    form: OpenForm | None
+    held: HeldOut | None
+    gap: Gap | None
+    floor_is: str
+    ceiling: BlackBox
+    left_over: Located | None
+    surface: Empirical | None
+
+    @property
+    def answer(self) -> Answer:
+        """In two words."""
+        if not self.located.is_structured:
+            return "nothing found"
+        if self.left_over is None:
+            return "not explained"
+        return "partly explained" if self.left_over.is_structured else "explained"
+
+    def sentences(self) -> list[str]:
+        """For people, the answer first."""
+        if self.form is None:
+            return [*self.located.sentences(), _ceiling(self.ceiling)]
+        said = list(self.located.sentences())
+        first = {
+            "explained": f"Something is missing, and a formula explains it: {self.form.words}.",
+            "partly explained": f"Something is missing; a formula explains a part of it: {self.form.words}.",
+            "not explained": "Something is missing, and no short formula explains it.",
+        }[self.answer]
+        said.insert(0, first)
+        if self.gap is not None and self.form.terms:
+            said.append(_gap(self.gap, self.floor_is))
+        said.append(_ceiling(self.ceiling))
+        if self.left_over is not None:
+            left = "structure is left" if self.left_over.is_structured else "no structure is left"
+            said.append(f"After the formula {left}.")
+        return [*said, *([self.surface.words] if self.surface is not None else [])]
+
+
+def explain(
+    residuals: Residuals,
+    options: LocateOptions,
+    time: str | None = None,
+    scales: Mapping[str, float] | None = None,
+    signatures: Mapping[str, Array] | None = None,
+    tell: Tell = lambda done, total, what="": None,
+) -> Explanation:
+    """A diagnosis of residuals.
+
+    Parameters
+    ----------
+    time, scales, signatures
+        See `tactiledata.diagnose.open_form.open_form`.
+    tell : callable
+        Told how many of the steps are done.
+
+    Raises
+    ------
+    TactileDataError
+        Too few units of exchange, or scikit-learn is not installed.
+    """
+    need_learning_library()
+
+    def begin(step: int) -> None:
+        tell(step, len(STEPS), STEPS[step])
+
+    begin(0)
+    located = locate(residuals, options)
+    form, held, gap, left_over = None, None, None, None
+    floor_is = "the noise" if options.noise is not None else "the scatter from row to row"
+    if located.is_structured:
+        begin(1)
+        form = open_form(residuals, signatures, scales, time, options.seed)
+        if form.terms:
+            begin(2)
+            held = held_out(residuals, find_candidates(residuals, scales, time), options.seed)
+            floor = 1.0 if options.noise is not None else scatter(held.after, residuals.starts)
+            gap = gap_closed(held.squares_before, held.squares_after, held.counts, floor, options.seed)
+    begin(3)
+    ceiling = black_box(located.projection, options.seed)
+    begin(4)
+    if form is not None and form.terms:
+        explained = residuals.with_fields(form.fields)
+        left_over = locate(explained.with_values(project(explained).left), options)
+    surface = _surface(left_over or located, options.seed) if located.is_structured else None
+    tell(len(STEPS), len(STEPS), "done")
+    return Explanation(located, form, held, gap, floor_is, ceiling, left_over, surface)
+
+
+def _surface(located: Located, seed: int) -> Empirical | None:
+    """Over the two covariates along which parameters drift most; ``None`` where it takes nothing worth a sentence."""
+    if not located.is_structured:
+        return None
+    covariates = located.projection.residuals.covariates
+    strongest = list(dict.fromkeys(drift.covariate for drift in located.drifts if drift.covariate in covariates))
+    if len(strongest) < 2:
+        return None
+    found = empirical(located.projection, (strongest[0], strongest[1]), seed)
+    return found if found is not None and found.explained >= WORTH else None
+
+
+def _gap(gap: Gap, floor_is: str) -> str:
+    if not np.isfinite(gap.closed):
+        return f"On groups that had no part in it the error is already at its floor, {floor_is}."
+    closed, low, high = (percent(min(end, 1.0)) for end in (gap.closed, *gap.interval))
+    return (
+        f"On groups that had no part in it the formula closes {closed} ({low} to {high}) of the gap "
+        f"between the error and {floor_is}."
+    )
+
+
+def _ceiling(ceiling: BlackBox) -> str:
+    if ceiling.explained < WORTH:
+        return "A black box, boosted trees on all covariates, explains nothing of groups that it has not seen."
+    return (
+        f"A black box, boosted trees on all covariates, explains {percent(ceiling.explained)} of the squares of groups "
+        "that it has not seen."
+    )

@@ -1,0 +1,224 @@
+"""A table of predictions and observations as residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactiledata.contract.wording import counted
+from tactiledata.diagnose.columns import Columns, columns_of, is_text
+from tactiledata.diagnose.ladder import MOST_LEVELS
+from tactiledata.diagnose.residuals import FEWEST_UNITS, Covariate, Parameter, Residuals
+from tactiledata.errors import MissingFile, TactileDataError, UsageError
+
+Array = NDArray[np.float64]
+
+SUFFIXES = (".csv", ".tsv", ".parquet")
+MOST_MISSING = 0.2
+"""Share of rows without it from which on a covariate is left out rather than the rows."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """What was read.
+
+    Parameters
+    ----------
+    columns : Columns
+    residuals : Residuals
+        Over the noise, or over their own scatter where the noise is not known.
+    is_noise_known : bool
+    notes : what was left out, in words
+    """
+
+    columns: Columns
+    residuals: Residuals
+    is_noise_known: bool
+    notes: tuple[str, ...]
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """The rows of a CSV, TSV or Parquet file.
+
+    Raises
+    ------
+    MissingFile, UsageError
+        Not there, or no table by its name.
+    TactileDataError
+        It cannot be read as such, or holds no rows.
+    """
+    if not path.exists():
+        raise MissingFile(f"{path} does not exist", f"a table: {', '.join(SUFFIXES)}", path=str(path))
+    if path.suffix not in SUFFIXES or not path.is_file():
+        raise UsageError(f"{path} is no table by its name", f"a file that ends in {', '.join(SUFFIXES)}")
+    try:
+        if path.suffix == ".parquet":
+            frame = pd.read_parquet(path)
+        else:
+            frame = pd.read_csv(path, sep="\t" if path.suffix == ".tsv" else ",")
+    except (ValueError, OSError) as error:
+        raise TactileDataError(
+            f"{path} cannot be read: {' '.join(str(error).split())}", f"a table in {path.suffix[1:]}"
+        ) from error
+    if frame.empty:
+        raise TactileDataError(f"{path} holds no rows", "one row for each frame")
+    return frame
+
+
+def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, group: str | None = None) -> Table:
+    """Residuals of a table; see docs/diagnose-table.md for what its columns are called.
+
+    Each quantity has two parameters, its offset and its scale, so that a prediction that is only off by a constant or a
+    factor is said to be that.
+
+    Raises
+    ------
+    UsageError
+        Columns that are not there.
+    TactileDataError
+        Too few groups, or nothing that could be diagnosed.
+    """
+    columns = columns_of(frame, document, group)
+    notes: list[str] = []
+    rows = _whole_rows(frame, columns, notes)
+    groups = _group_numbers(rows[columns.group])
+    time = columns.covariates[columns.time][0] if columns.time else None
+    order = np.lexsort((rows[time].to_numpy(dtype=float), groups)) if time else np.argsort(groups, kind="stable")
+    rows, groups = rows.iloc[order], groups[order]
+    _enough_groups(rows[columns.group], columns.group)
+    covariates = _covariates(rows, columns, notes)
+    covariates.setdefault("index", Covariate(groups.astype(np.float64), "1"))
+    observed, predicted, noise = _quantities(rows, columns)
+    is_known = all(one.noise is not None for one in columns.quantities)
+    if not is_known:
+        noise = np.broadcast_to(_own_scatter(observed, predicted, columns), observed.shape)
+    parameters, slopes = _offset_and_scale(columns, predicted, noise)
+    residuals = Residuals(
+        (observed - predicted) / noise,
+        tuple(one.name for one in columns.quantities),
+        groups,
+        covariates,
+        _labels(rows, columns, notes),
+        parameters,
+        slopes,
+        units=tuple(one.unit for one in columns.quantities),
+        deviations=np.median(noise, axis=0),
+    )
+    return Table(columns, residuals, is_known, tuple(notes))
+
+
+def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
+    """Rows in which everything that counts is known."""
+    needed = [column for one in columns.quantities for column in (one.observed, one.predicted)]
+    needed += [one.noise for one in columns.quantities if isinstance(one.noise, str)]
+    wanted = [column for column, _ in columns.covariates.values()]
+    for column in (*needed, *wanted):
+        if is_text(frame[column]):
+            texts = frame[column][pd.to_numeric(frame[column], errors="coerce").isna()].dropna()
+            example = f", as {str(texts.iloc[0])!r}" if len(texts) else ""
+            raise TactileDataError(f"column {column} holds what is no number{example}", "numbers", "Mend or drop it.")
+    numbers = frame[[*needed, *wanted]].replace([np.inf, -np.inf], np.nan)
+    missing = numbers[wanted].isna().mean()
+    sparse = [column for column in wanted if missing[column] > MOST_MISSING and column != columns.time]
+    kept = numbers.drop(columns=sparse).notna().all(axis=1) & frame[columns.group].notna()
+    for column in sparse:
+        notes.append(f"column {column} is left out: {100 * missing[column]:.0f} % of its rows are empty")
+    if not kept.all():
+        gaps = [column for column in [*needed, *wanted] if column not in sparse and numbers[column].isna().any()]
+        notes.append(f"{counted(int((~kept).sum()), 'row')} of {len(kept)} left out: empty in {', '.join(gaps)}")
+    if not kept.any():
+        raise TactileDataError("no row has all of its numbers", "observed, predicted and covariates in one row")
+    return frame.loc[kept]
+
+
+def _group_numbers(column: pd.Series) -> NDArray[np.int64]:
+    """Groups by number, in the order in which they appear."""
+    return pd.factorize(column)[0].astype(np.int64)
+
+
+def _enough_groups(column: pd.Series, name: str) -> None:
+    count = column.nunique()
+    if count < FEWEST_UNITS:
+        found = f"one group only ({column.iloc[0]!r})" if count == 1 else f"{count} groups only"
+        raise TactileDataError(
+            f"{found} in column {name}",
+            f"at least {FEWEST_UNITS}: whole groups are exchanged to tell structure from chance, never single rows",
+            "Take the column that says which rows were recorded in one go (--group), or record more of them.",
+            groups=count,
+        )
+
+
+def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, Covariate]:
+    covariates, constant = {}, []
+    for name, (column, unit) in columns.covariates.items():
+        values = rows[column].to_numpy(dtype=np.float64)
+        if not np.isfinite(values).all():
+            continue
+        if np.ptp(values) > 0:
+            covariates[name] = Covariate(values, unit)
+        else:
+            constant.append(column)
+    if constant:
+        notes.append(f"left out, as they never change: {', '.join(constant)}")
+    return covariates
+
+
+def _labels(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, NDArray[np.str_]]:
+    labels = {}
+    for name in columns.labels:
+        texts = rows[name].astype(object).where(rows[name].notna(), "unknown").astype(str).to_numpy(dtype=str)
+        if len(np.unique(texts)) <= MOST_LEVELS:
+            labels[name] = texts
+        else:
+            notes.append(f"column {name} is left out: more than {MOST_LEVELS} different texts")
+    return labels
+
+
+def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Array]:
+    """Observed, predicted and noise (n, k); the noise is 1 where it is not known."""
+    observed, predicted, noise = (np.ones((len(rows), len(columns.quantities))) for _ in range(3))
+    for place, one in enumerate(columns.quantities):
+        observed[:, place], predicted[:, place] = rows[one.observed], rows[one.predicted]
+        if np.ptp(observed[:, place]) == 0:
+            raise TactileDataError(
+                f"column {one.observed} is {observed[0, place]:g} in every row", "an observation that varies",
+                "Is the instrument connected? Leave the column out, or take other rows.",
+            )  # fmt: skip
+        if one.noise is not None:
+            noise[:, place] = rows[one.noise] if isinstance(one.noise, str) else one.noise
+        if not (noise[:, place] > 0).all():
+            raise TactileDataError(f"the noise of {one.name} is not above 0 everywhere", "standard deviations")
+    return observed, predicted, noise
+
+
+def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
+    """Standard deviation (k,) of what an offset and a scale leave."""
+    scatter = np.empty(observed.shape[1])
+    for place, one in enumerate(columns.quantities):
+        line = np.column_stack([np.ones(len(predicted)), predicted[:, place]])
+        left = observed[:, place] - line @ np.linalg.lstsq(line, observed[:, place], rcond=None)[0]
+        scatter[place] = np.sqrt(np.mean(left**2))
+        if scatter[place] <= 1e-9 * np.std(observed[:, place]):
+            raise TactileDataError(
+                f"{one.predicted} gives {one.observed} exactly, up to an offset and a factor", "residuals that vary",
+                "There is nothing to diagnose; is one column a copy of the other?",
+            )  # fmt: skip
+    return scatter
+
+
+def _offset_and_scale(columns: Columns, predicted: Array, noise: Array) -> tuple[tuple[Parameter, ...], Array]:
+    parameters, slopes = [], []
+    for place, one in enumerate(columns.quantities):
+        for name, field, value in (("offset", np.ones(len(predicted)), np.nan), ("scale", predicted[:, place], 1.0)):
+            if name == "scale" and np.ptp(field) == 0:
+                continue
+            slope = np.zeros_like(predicted)
+            slope[:, place] = field / noise[:, place]
+            slopes.append(slope)
+            parameters.append(Parameter(f"the {name} of {one.name}", one.unit if name == "offset" else "1", value))
+    return tuple(parameters), np.stack(slopes, axis=2)

@@ -1,0 +1,183 @@
+"""Pictures of a diagnosis: dependences once sloped and now flat, means about events, shares of the excess, a map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+BEFORE, AFTER = "#c0392b", "#2c5aa0"
+ACROSS = 3
+COLOURS = ("#c0392b", "#27ae60", "#2c5aa0", "#8e44ad", "#d35400", "#16a085")
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """Departures of a parameter in bins of a covariate.
+
+    Parameters
+    ----------
+    parameter, covariate : str
+        The axes' names with units.
+    is_logarithmic : bool
+    places : (b,)
+    before, before_error : (b,)
+    after, after_error : (b,), optional
+        With the explanation.
+    """
+
+    parameter: str
+    covariate: str
+    is_logarithmic: bool
+    places: Array
+    before: Array
+    before_error: Array
+    after: Array | None = None
+    after_error: Array | None = None
+
+
+@dataclass(frozen=True)
+class EventPicture:
+    """Means about an event.
+
+    Parameters
+    ----------
+    title : str
+    frames : (w,)
+    mean, error : (w, k)
+    names : k components
+    """
+
+    title: str
+    frames: NDArray[np.int64]
+    mean: Array
+    error: Array
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class MapPicture:
+    """A map.
+
+    Parameters
+    ----------
+    title, across, up, unit : str
+    x, y : (a,), (b,)
+    values : (b, a), NaN where nothing is known
+    stands_out : (b, a)
+    """
+
+    title: str
+    across: str
+    up: str
+    unit: str
+    x: Array
+    y: Array
+    values: Array
+    stands_out: NDArray[np.bool_]
+
+
+def draw_dependences(panels: Sequence[Dependence]) -> Figure:
+    """One panel for each pair of parameter and covariate."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    figure, axes = _grid(len(panels))
+    for axis, panel in zip(axes, panels, strict=False):
+        axis.errorbar(
+            panel.places, panel.before, panel.before_error, color=BEFORE, marker="o", markersize=3, linewidth=1,
+            label="as predicted",
+        )  # fmt: skip
+        if panel.after is not None:
+            axis.errorbar(
+                panel.places, panel.after, panel.after_error, color=AFTER, marker="s", markersize=3, linewidth=1,
+                label="with the formula",
+            )  # fmt: skip
+        axis.axhline(0.0, color="black", linewidth=0.6)
+        if panel.is_logarithmic:
+            axis.set_xscale("log")
+            axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.xaxis.set_major_formatter("{x:g}")
+            axis.xaxis.set_minor_formatter(NullFormatter())
+        axis.set_xlabel(panel.covariate, fontsize=8)
+        axis.set_ylabel(panel.parameter, fontsize=8)
+        axis.legend(fontsize=7, frameon=False)
+        axis.tick_params(labelsize=7)
+    return figure
+
+
+def draw_events(pictures: Sequence[EventPicture]) -> Figure:
+    """Means over trajectories with bands of two standard errors."""
+    figure, axes = _grid(len(pictures))
+    for axis, picture in zip(axes, pictures, strict=False):
+        for column, name in enumerate(picture.names):
+            mean, error = picture.mean[:, column], 2 * picture.error[:, column]
+            colour = COLOURS[column % len(COLOURS)]
+            axis.fill_between(picture.frames, mean - error, mean + error, color=colour, alpha=0.15, linewidth=0)
+            axis.plot(picture.frames, mean, color=colour, marker=".", linewidth=1, label=name)
+        axis.axvline(-0.5, color="black", linewidth=0.6, linestyle=":")
+        axis.axhline(0.0, color="black", linewidth=0.6)
+        axis.set_title(picture.title, fontsize=9)
+        axis.set_xlabel("frames after it", fontsize=8)
+        axis.set_ylabel("times the noise", fontsize=8)
+        axis.legend(fontsize=7, frameon=False, ncols=2)
+        axis.tick_params(labelsize=7)
+    return figure
+
+
+def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[float]) -> Figure:
+    """Bars of shares, and ticks where an even spread would be."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 0.28 * len(names) + 0.9), layout="constrained")
+    axis = figure.subplots()
+    places = np.arange(len(names))
+    axis.barh(places, shares, color=AFTER, height=0.6, label="of the excess")
+    axis.plot(even, places, "|", color="black", markersize=9, label="of the values")
+    axis.set_yticks(places, names, fontsize=8)
+    axis.invert_yaxis()
+    axis.set_xlabel("share", fontsize=8)
+    axis.tick_params(axis="x", labelsize=7)
+    axis.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def draw_map(picture: MapPicture) -> Figure:
+    """Departures over the plane; places outside the band of chance are marked."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5, 4), layout="constrained")
+    axis = figure.subplots()
+    limit = float(np.nanmax(np.abs(picture.values), initial=1e-300))
+    drawn = axis.pcolormesh(
+        picture.x, picture.y, picture.values, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="nearest"
+    )
+    row, column = np.nonzero(picture.stands_out)
+    axis.plot(picture.x[column], picture.y[row], ".", color="black", markersize=4)
+    bar = figure.colorbar(drawn, ax=axis)
+    bar.set_label(picture.unit, fontsize=8)
+    axis.set_title(picture.title, fontsize=9)
+    axis.set_xlabel(picture.across, fontsize=8)
+    axis.set_ylabel(picture.up, fontsize=8)
+    axis.tick_params(labelsize=7)
+    axis.set_aspect("equal")
+    return figure
+
+
+def _grid(count: int) -> tuple[Figure, list[Axes]]:
+    from matplotlib.figure import Figure
+
+    rows = max(1, -(-count // ACROSS))
+    figure = Figure(figsize=(12, 3.0 * rows), layout="constrained")
+    axes = list(figure.subplots(rows, ACROSS, squeeze=False).flat)
+    for axis in axes[count:]:
+        axis.set_axis_off()
+    return figure, axes

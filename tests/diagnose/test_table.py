@@ -1,0 +1,238 @@
+"""Tables: what columns mean, what is said of bad ones, and what a diagnosis of good ones finds."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tables import presses
+
+from tactiledata.contract.schema import check_document
+from tactiledata.diagnose.columns import columns_of, split_unit
+from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
+from tactiledata.diagnose.table import read_table, residuals_of
+from tactiledata.errors import MissingFile, TactileDataError, UnknownName, UsageError
+
+
+def saved(folder, table, name="table.csv"):
+    path = folder / name
+    if name.endswith("parquet"):
+        table.to_parquet(path)
+    else:
+        table.to_csv(path, index=False, sep="\t" if name.endswith("tsv") else ",")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("column", "name", "unit"),
+    [
+        ("depth_mm", "depth", "mm"),
+        ("speed_mm_per_s", "speed", "mm/s"),
+        ("speed_mm_s", "speed", "mm/s"),
+        ("torque_N_m", "torque", "N m"),
+        ("stiffness_N_per_mm", "stiffness", "N/mm"),
+        ("index", "index", "?"),
+        ("sensor_1", "sensor_1", "?"),
+        ("step_time", "step_time", "?"),
+        ("fz_observed_N", "fz_observed", "N"),
+    ],
+)
+def test_units_are_read_off_names(column, name, unit):
+    """An ending that is a unit is one; any other belongs to the name."""
+    assert split_unit(column) == (name, unit)
+
+
+def test_names_say_what_columns_are():
+    """Group, quantity with noise, covariates with units, labels, time."""
+    columns = columns_of(presses())
+    assert columns.group == "trial"
+    quantity = columns.quantities[0]
+    assert (quantity.name, quantity.unit, quantity.noise) == ("fz", "N", "fz_noise_N")
+    assert columns.covariates["speed"] == ("speed_mm_per_s", "mm/s")
+    assert (columns.labels, columns.time) == (("indenter",), "time")
+
+
+def test_a_document_says_the_same():
+    """The same residuals by names and by a document."""
+    table = presses()
+    document = {
+        "format": "tactiledata-columns/1",
+        "group": "trial",
+        "quantities": {"fz": {"observed": "fz_observed_N", "predicted": "fz_predicted_N", "noise": 0.1, "unit": "N"}},
+        "covariates": {
+            "time": {"column": "time_s", "unit": "s"},
+            "depth": {"column": "depth_mm", "unit": "mm"},
+            "speed": {"column": "speed_mm_per_s", "unit": "mm/s", "scale": 2.0},
+        },
+        "labels": ["indenter"],
+        "time": "time",
+    }
+    check_document(document, "columns", "test")
+    one, other = residuals_of(table), residuals_of(table, document)
+    np.testing.assert_allclose(one.residuals.values, other.residuals.values)
+    assert one.residuals.covariates.keys() == other.residuals.covariates.keys()
+    assert other.columns.scales == {"speed": 2.0}
+    with pytest.raises(UnknownName, match="depth"):
+        columns_of(table, {**document, "order": "dept"})
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=15)
+def test_the_order_of_rows_does_not_matter(seed):
+    """Rows come back in order of groups and time, whatever order the file has, up to the order of the groups."""
+    table = presses(1, 10, 6)
+    shuffled = table.sample(frac=1.0, random_state=seed)
+    one, other = residuals_of(table).residuals, residuals_of(shuffled).residuals
+    first = one.values[np.lexsort((one.covariates["time"].values, one.covariates["speed"].values))]
+    second = other.values[np.lexsort((other.covariates["time"].values, other.covariates["speed"].values))]
+    np.testing.assert_allclose(first, second)
+    assert len(other.starts) == 10
+
+
+def test_the_residual_is_over_the_noise_or_over_its_scatter():
+    """0.1 N of noise makes a variance of about 1; without it the scatter does so exactly."""
+    known = residuals_of(presses(0))
+    assert known.is_noise_known
+    np.testing.assert_allclose(
+        known.residuals.values[:, 0], 10 * (presses(0).fz_observed_N - presses(0).fz_predicted_N)
+    )
+    unknown = residuals_of(presses(0, noise=False))
+    assert not unknown.is_noise_known
+    assert np.std(unknown.residuals.values) == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["table.csv", "table.tsv", "table.parquet"])
+def test_tables_are_read(name, tmp_path):
+    """Numbers come back as they were."""
+    table = presses(0, 9)
+    pd.testing.assert_frame_equal(read_table(saved(tmp_path, table, name)), table)
+
+
+BAD = {
+    "a group that is not there": (lambda t: t.drop(columns="trial"), UsageError, "--group"),
+    "a prediction that is not there": (
+        lambda t: t.rename(columns={"fz_predicted_N": "fz_predictd_N"}), UnknownName, "fz_predictd_N",
+    ),
+    "no pair at all": (
+        lambda t: t.drop(columns=["fz_observed_N", "fz_predicted_N", "fz_noise_N"]), UsageError, "observed and predict",
+    ),
+    "one group": (lambda t: t.assign(trial="a"), TactileDataError, "one group only"),
+    "too few groups": (lambda t: t[t.trial < 5], TactileDataError, "5 groups only"),
+    "a constant observation": (lambda t: t.assign(fz_observed_N=1.5), TactileDataError, "1.5 in every row"),
+    "a perfect prediction": (
+        lambda t: t.assign(fz_observed_N=2 * t.fz_predicted_N).drop(columns="fz_noise_N"), TactileDataError, "exactly",
+    ),
+    "words among numbers": (
+        lambda t: t.assign(fz_observed_N=t.fz_observed_N.astype(object).where(t.index != 3, "broken")),
+        TactileDataError, "'broken'",
+    ),
+    "nothing but gaps": (lambda t: t.assign(fz_observed_N=np.nan), TactileDataError, "no row"),
+    "noise of 0": (lambda t: t.assign(fz_noise_N=0.0), TactileDataError, "not above 0"),
+    "different units": (lambda t: t.rename(columns={"fz_observed_N": "fz_observed_kN"}), UsageError, "units"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_tables_are_answered_in_words(what):
+    """Each with its own error, which names what was found."""
+    spoil, kind, words = BAD[what]
+    with pytest.raises(kind, match=words):
+        residuals_of(spoil(presses()))
+
+
+def test_files_that_are_no_tables(tmp_path):
+    """Missing, of another kind, empty, torn."""
+    with pytest.raises(MissingFile):
+        read_table(tmp_path / "nowhere.csv")
+    (tmp_path / "notes.txt").write_text("hello")
+    with pytest.raises(UsageError, match="no table"):
+        read_table(tmp_path / "notes.txt")
+    (tmp_path / "empty.csv").write_text("a,b\n")
+    with pytest.raises(TactileDataError, match="no rows"):
+        read_table(tmp_path / "empty.csv")
+    for name in ("void.csv", "torn.parquet"):
+        (tmp_path / name).write_bytes(b"")
+        with pytest.raises(TactileDataError, match="cannot be read"):
+            read_table(tmp_path / name)
+
+
+def test_gaps_are_left_out_and_said():
+    """A few rows without a number go; a covariate that is mostly empty goes instead of its rows."""
+    table = presses()
+    table.loc[:4, "fz_observed_N"] = np.nan
+    table.loc[7, "depth_mm"] = np.inf
+    table["humidity"] = np.where(table.index < 100, 0.5 + 0.001 * table.index, np.nan)
+    table["mass_kg"] = 0.3
+    read = residuals_of(table)
+    assert len(read.residuals.values) == len(table) - 6
+    assert "humidity" not in read.residuals.covariates
+    notes = " ".join(read.notes)
+    for words in ("6 rows", "humidity is left out", "mass_kg"):
+        assert words in notes
+
+
+def test_a_planted_rate_is_explained(tmp_path):
+    """The answer names the scale, the speed and the coefficient; held-out groups fit; nothing is left."""
+    table, explanation, document = diagnose_table(saved(tmp_path, presses(1, 50, rate=0.08)))
+    assert document["answer"] == "explained"
+    first = document["open_form"]["terms"][0]
+    assert first["term"] == "log10(speed/(1.0 mm/s))"
+    assert abs(first["coefficient"] - 0.08) < max(first["half_width"], 0.008)
+    assert explanation.located.leading[0].covariate == "speed"
+    assert document["gap"]["closed"] > 0.7
+    assert document["gap"]["interval"][0] > 0.5
+    assert document["errors"][0]["after"] < document["errors"][0]["before"]
+    assert not document["left_over"]["is_structured"]
+    page, kept = write_diagnosis(tmp_path / "out" / "deep", "table.csv", table, explanation, document)
+    assert json.loads(kept.read_text()) == document
+    text = page.read_text()
+    for words in ("explains it", "Dependences", "How much better", "image/png"):
+        assert words in text
+
+
+def test_without_the_noise_it_is_found_too(tmp_path):
+    """The scatter from row to row is the floor then, and the size of the residual proves nothing."""
+    _, explanation, document = diagnose_table(saved(tmp_path, presses(1, 50, rate=0.08, noise=False)))
+    assert document["answer"] == "explained"
+    assert "size of the residual" not in document["located"]["p"]
+    assert "row to row" in document["gap"]["floor_is"]
+    assert explanation.located.gate is None
+
+
+def test_nothing_is_a_first_class_answer(tmp_path):
+    """Noise, correlated and with scales of its own in each trial: nothing found, in plain words."""
+    _, _, document = diagnose_table(saved(tmp_path, presses(5, 40)))
+    assert document["answer"] == "nothing found"
+    assert document["sentences"][0].startswith("Nothing found")
+    assert document["open_form"] is None
+    assert document["gap"] is None
+
+
+def test_a_common_factor_is_a_calibration(tmp_path):
+    """A scale 5 % off throughout is said as such, with its size."""
+    table = presses(3, 40)
+    table["fz_observed_N"] *= 1.05
+    _, explanation, document = diagnose_table(saved(tmp_path, table))
+    assert explanation.located.overall[0].parameter == "the scale of fz"
+    assert any("throughout" in sentence for sentence in document["sentences"])
+
+
+def test_the_same_table_gives_the_same_document(tmp_path):
+    """Byte for byte."""
+    path = saved(tmp_path, presses(4, 20, rate=0.1))
+    one, other = (json.dumps(diagnose_table(path, seed=5)[2]) for _ in range(2))
+    assert one == other
+
+
+@pytest.mark.slow
+def test_empty_tables_are_rarely_called_structured(tmp_path):
+    """At most one in twenty, of 100, without known noise."""
+    from tactiledata.diagnose.locate import LocateOptions, locate
+
+    alarms = [
+        locate(residuals_of(presses(seed, 24, 10, noise=False)).residuals, LocateOptions(seed=seed)).is_structured
+        for seed in range(100)
+    ]
+    assert sum(alarms) <= 5 + 7
