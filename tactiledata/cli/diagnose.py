@@ -26,7 +26,7 @@ def diagnose(
     seed: int = typer.Option(0, "--seed", help="Another seed throws other chances."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Find where predictions and observations differ, on what it depends, and in which form. Chance is ruled out.
+    """Where predictions and observations differ. On what it depends, and in which formula; chance is ruled out.
 
     Example: tactiledata diagnose table.csv --out diagnosis
     """

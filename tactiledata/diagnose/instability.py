@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,8 @@ Array = NDArray[np.float64]
 
 ALIKE = 0.9
 """Rank correlation from which on two covariates tell the same story."""
+TRAJECTORIES_A_LEVEL = 3
+"""At least, for a label to be one: names of single trajectories decide everything."""
 
 
 @dataclass(frozen=True)
@@ -125,12 +128,13 @@ def _drift(
     at = pair.at[int(np.abs(pair.found.statistic).argmax())]
     if pair.is_label:
         moved = change(projection, pair.place, (residuals.labels[pair.covariate] == at).astype(np.float64))
-        words = f"{moved.words} at {pair.covariate} {at}, against all others ({p_words(p)})"
-        return Drift(parameter, pair.covariate, statistic, p, at, moved, words, ())
-    covariate = residuals.covariates[pair.covariate]
-    instrument, low, high = slope(covariate.values, projection.information(pair.place))
-    moved = change(projection, pair.place, instrument[:, 0])
-    words = f"{moved.words} {over(pair.covariate, low, high, covariate.unit)} ({p_words(p)})"
+        where = f"at {pair.covariate} {at}, against all others"
+    else:
+        covariate = residuals.covariates[pair.covariate]
+        instrument, low, high = slope(covariate.values, projection.information(pair.place))
+        moved = change(projection, pair.place, instrument[:, 0])
+        where = over(pair.covariate, low, high, covariate.unit)
+    words = f"{moved.words} {where} ({p_words(p)})"
     same = alike[pair.covariate]
     if same:
         words += f"; in these data {pair.covariate} cannot be told from {joined_names(same)}"
@@ -138,13 +142,30 @@ def _drift(
 
 
 def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
-    """For each covariate those whose ranks go with its own, or against them."""
-    names = list(residuals.covariates)
-    ranks = [rankdata(residuals.covariates[name].values) for name in names]
-    centred = [one - one.mean() for one in ranks]
-    unit = np.array([one / max(float(np.linalg.norm(one)), 1e-300) for one in centred])
-    together = np.abs(unit @ unit.T) if names else np.zeros((0, 0))
-    return {
-        name: tuple(other for place, other in enumerate(names) if place != k and together[k, place] > ALIKE)
-        for k, name in enumerate(names)
-    }
+    """For each covariate and label those that tell the same story.
+
+    Covariates whose ranks go together, or against one another; and a label that alone decides a covariate, as where
+    indenters were mounted one after the other.
+    """
+    ranks = {name: _unit(rankdata(one.values)) for name, one in residuals.covariates.items()}
+    alike: dict[str, list[str]] = {name: [] for name in (*residuals.covariates, *residuals.labels)}
+    for first, second in combinations(ranks, 2):
+        if abs(float(ranks[first] @ ranks[second])) > ALIKE:
+            alike[first].append(second)
+            alike[second].append(first)
+    for label, texts in residuals.labels.items():
+        names, level = np.unique(texts, return_inverse=True)
+        if not 2 <= len(names) <= len(residuals.starts) // TRAJECTORIES_A_LEVEL:
+            continue
+        counts = np.bincount(level)
+        for name, one in ranks.items():
+            decided = float((np.bincount(level, weights=one) ** 2 / counts).sum())
+            if decided > ALIKE**2:
+                alike[label].append(name)
+                alike[name].append(label)
+    return {name: tuple(others) for name, others in alike.items()}
+
+
+def _unit(values: Array) -> Array:
+    centred = values - values.mean()
+    return centred / max(float(np.linalg.norm(centred)), 1e-300)

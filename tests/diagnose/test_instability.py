@@ -154,6 +154,18 @@ def test_covariates_that_cannot_be_told_apart_are_named():
     assert look_alikes(both)["depth"] == ()
 
 
+def test_indenters_that_were_mounted_one_after_the_other_are_named():
+    """The index then cannot be told from the indenter; mounted in turns it can."""
+    world = planted(0)
+    for number, expected in ((world.trajectory // 10, ("indenter",)), (world.trajectory % 4, ())):
+        mounted = type(world)(
+            world.values, world.components, world.groups, world.covariates, {"indenter": number.astype(str)},
+            world.parameters, world.slopes,
+        )  # fmt: skip
+        assert look_alikes(mounted)["index"] == expected
+        assert ("index" in look_alikes(mounted)["indenter"]) == bool(expected)
+
+
 def test_few_trajectories_are_said():
     """Seven are too few for a test that exchanges trajectories."""
     with pytest.raises(TactileDataError, match="at least 8"):
