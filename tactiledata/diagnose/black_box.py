@@ -31,7 +31,7 @@ class BlackBox:
     predicted : (n, k)
         Of trajectories by trees that were grown on others; 0 where they would do harm to all together.
     squares : (u,)
-        Sums of squares of each unit of exchange that they leave, own parameters marginalised.
+        Sums of squares of each unit of exchange that they leave, own parameters at their most likely values.
     explained : float
         Share of the squares that they explain, not below 0.
     """
@@ -48,7 +48,7 @@ def black_box(projection: Projection, seed: int = 0) -> BlackBox:
 
     residuals = projection.residuals
     columns = features(residuals)
-    predicted = np.zeros_like(projection.left)
+    predicted = np.zeros_like(projection.score)
     fold = folds(residuals, seed)
     if columns.shape[1]:
         for number in np.unique(fold):
@@ -57,16 +57,11 @@ def black_box(projection: Projection, seed: int = 0) -> BlackBox:
                 learner = HistGradientBoostingRegressor(
                     max_iter=TREES, max_leaf_nodes=LEAVES, min_samples_leaf=20, early_stopping=False, random_state=seed
                 )
-                learner.fit(columns[train], projection.left[train, component])
+                learner.fit(columns[train], projection.score[train, component])
                 predicted[test, component] = learner.predict(columns[test])
-    before = float((projection.left * projection.score).sum())
-    squares = _squares(projection, predicted)
+    before = float((projection.score**2).sum())
+    squares = residuals.by_unit(((projection.score - predicted) ** 2).sum(axis=1))
     if squares.sum() >= before:
         predicted = np.zeros_like(predicted)
-        squares = _squares(projection, predicted)
+        squares = residuals.by_unit((projection.score**2).sum(axis=1))
     return BlackBox(predicted, squares, max(0.0, 1.0 - float(squares.sum()) / max(before, 1e-300)))
-
-
-def _squares(projection: Projection, predicted: Array) -> Array:
-    left = projection.left - predicted
-    return projection.residuals.by_unit((left * projection.weigh(left)).sum(axis=1))

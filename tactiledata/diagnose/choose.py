@@ -24,6 +24,7 @@ ROUNDS = 3
 AS_GOOD = 0.95
 """Of the best gain in a family: the simplest term that reaches it is taken."""
 LEVEL = 0.05
+MOST_LOTS = 200
 VISIBLE = 1e-3
 """Share of a candidate's norm that parameters must leave of it."""
 
@@ -68,13 +69,15 @@ def _stable(
     projection = project(residuals)
     fields = projection.orthogonal(np.stack([candidates.field(number) for number in screened], axis=2))
     weighed = projection.weigh(fields)
-    pieces = [
-        fields[start : start + count].reshape(-1, len(screened)).T
-        @ weighed[start : start + count].reshape(-1, len(screened))
-        for start, count in zip(residuals.starts, residuals.counts, strict=True)
-    ]
-    grams = residuals.units_of(np.array(pieces))
-    scores = projection.dot(fields, projection.score[:, :, None])
+    # more than so many lots to draw from make halves no fairer, and memory grows with them
+    lot_of_unit = np.random.default_rng(seed).permutation(residuals.unit_count) % MOST_LOTS
+    lot = lot_of_unit[residuals.unit_of_trajectory]
+    grams = np.zeros((int(lot.max()) + 1, len(screened), len(screened)))
+    for start, count, number in zip(residuals.starts, residuals.counts, lot, strict=True):
+        rows = slice(start, start + count)
+        grams[number] += fields[rows].reshape(-1, len(screened)).T @ weighed[rows].reshape(-1, len(screened))
+    scores = np.zeros((len(grams), len(screened)))
+    np.add.at(scores, lot_of_unit, projection.dot(fields, projection.score[:, :, None]))
     families = stable_choices(scores, grams, np.random.default_rng(seed))
     norms = np.maximum(np.einsum("umm->m", grams), 1e-300)
     gains = scores.sum(axis=0) ** 2 / norms

@@ -63,9 +63,9 @@ def empirical(projection: Projection, covariates: tuple[str, str], seed: int = 0
         return None
     scaled = (places - low) / (high - low)
     fold = folds(residuals, seed)
-    processes, taken, total = [], 0.0, float((projection.left**2).sum())
-    for column in range(projection.left.shape[1]):
-        values = projection.left[:, column]
+    processes, taken, total = [], 0.0, float((projection.score**2).sum())
+    for column in range(projection.score.shape[1]):
+        values = projection.score[:, column]
         rows = _thinned(len(values), seed)
         process = _fitted(scaled[rows], values[rows])
         gain = 0.0

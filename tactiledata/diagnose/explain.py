@@ -125,6 +125,8 @@ def explain(
             begin(2)
             held = held_out(residuals, find_candidates(residuals, scales, time), options.seed)
             floor = 1.0 if options.noise is not None else scatter(held.after, residuals.starts)
+            if not np.isfinite(floor):
+                floor, floor_is = 0.0, "zero, as groups of one or two rows tell no noise"
             gap = gap_closed(held.squares_before, held.squares_after, held.counts, floor, options.seed)
     begin(3)
     ceiling = black_box(located.projection, options.seed)

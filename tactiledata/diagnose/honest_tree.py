@@ -67,14 +67,14 @@ def honest_tree(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tu
     tree = DecisionTreeRegressor(
         max_depth=DEPTH, min_samples_leaf=max(1, int(SMALLEST * in_first.sum())), random_state=seed
     )
-    tree.fit(features[in_first], projection.left[in_first])
+    tree.fit(features[in_first], projection.score[in_first])
     leaf = tree.apply(features)
     kept = [node for node in np.unique(leaf) if node != 0]
     if not kept:
         return ()
     columns = [(node, k) for node in kept for k in range(len(residuals.components))]
     in_leaf = (leaf[:, None] == np.array(kept)) & ~in_first[:, None]
-    sums = residuals.by_unit(np.einsum("nl,nk->nlk", in_leaf.astype(float), projection.left))
+    sums = residuals.by_unit(np.einsum("nl,nk->nlk", in_leaf.astype(float), projection.score))
     sums = sums.reshape(units, -1)[~is_first]
     counts = np.repeat(residuals.by_unit(in_leaf.astype(float))[~is_first], len(residuals.components), axis=1)
     spread = np.sqrt((sums**2).sum(axis=0))

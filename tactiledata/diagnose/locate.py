@@ -123,7 +123,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     seed = chosen.seed
     residuals.need_units("a diagnosis")
     projection = project(residuals)
-    refitted = residuals.with_values(projection.left)
+    refitted = residuals.with_values(projection.score)
     opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
     air = free_air(residuals, seed)
     common = offsets(residuals, seed + 1)

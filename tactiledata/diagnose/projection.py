@@ -41,7 +41,8 @@ class Projection:
     left : (n, k)
         Residual after the refit.
     score : (n, k)
-        The same, times the inverse covariance.
+        The same, times the inverse covariance: what is left when each trajectory's own parameters, too, are at their
+        most likely values.
     """
 
     residuals: Residuals

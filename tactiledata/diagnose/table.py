@@ -18,6 +18,8 @@ from tactiledata.errors import MissingFile, TactileDataError, UsageError
 
 Array = NDArray[np.float64]
 
+MOST_ROWS = 20_000
+"""More rows of the same groups cost time and tell little."""
 SUFFIXES = (".csv", ".tsv", ".parquet")
 MOST_MISSING = 0.2
 """Share of rows without it from which on a covariate is left out rather than the rows."""
@@ -89,7 +91,7 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     groups = _group_numbers(rows[columns.group])
     time = columns.covariates[columns.time][0] if columns.time else None
     order = np.lexsort((rows[time].to_numpy(dtype=float), groups)) if time else np.argsort(groups, kind="stable")
-    rows, groups = rows.iloc[order], groups[order]
+    rows, groups = _thinned(rows.iloc[order], groups[order], notes)
     _enough_groups(rows[columns.group], columns.group)
     covariates = _covariates(rows, columns, notes)
     covariates.setdefault("index", Covariate(groups.astype(np.float64), "1"))
@@ -134,6 +136,18 @@ def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.D
     if not kept.any():
         raise TactileDataError("no row has all of its numbers", "observed, predicted and covariates in one row")
     return frame.loc[kept]
+
+
+def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:
+    """Every so many-th row of each group, where there are more than serve a test of whole groups."""
+    every = -(-len(rows) // MOST_ROWS)
+    if every == 1:
+        return rows, groups
+    starts = np.flatnonzero(np.diff(groups, prepend=-1) != 0)
+    place = np.arange(len(groups)) - np.repeat(starts, np.diff(starts, append=len(groups)))
+    kept = place % every == 0
+    notes.append(f"one row of {every} of each group is used: {int(kept.sum())} of {len(rows)}")
+    return rows.loc[kept], groups[kept]
 
 
 def _group_numbers(column: pd.Series) -> NDArray[np.int64]:

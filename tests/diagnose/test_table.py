@@ -173,6 +173,23 @@ def test_gaps_are_left_out_and_said():
         assert words in notes
 
 
+def test_long_tables_are_thinned_and_it_is_said():
+    """Every other row of each group, its first one always."""
+    table = presses(0, 100, 210)
+    read = residuals_of(table)
+    assert len(read.residuals.values) == 100 * 105
+    np.testing.assert_allclose(read.residuals.covariates["time"].values[:3], [0.0, 0.2, 0.4])
+    assert "one row of 2" in " ".join(read.notes)
+
+
+def test_groups_of_one_row_are_enough(tmp_path):
+    """A table without inner structure: the rate is found; the floor is zero then, and that is said."""
+    table = presses(1, 200, 5, rate=0.2, noise=False).groupby("trial").nth(2)
+    _, explanation, document = diagnose_table(saved(tmp_path, table))
+    assert explanation.located.leading[0].covariate == "speed"
+    assert "zero" in document["gap"]["floor_is"]
+
+
 def test_a_planted_rate_is_explained(tmp_path):
     """The answer names the scale, the speed and the coefficient; held-out groups fit; nothing is left."""
     table, explanation, document = diagnose_table(saved(tmp_path, presses(1, 50, rate=0.08)))
