@@ -77,7 +77,7 @@ def calibrate_measured(
     assert measured.mesh is not None
     bounds = find_bounds(options.bounds)
     plan = ResponsePlan.of(bounds)
-    plays = play_nodes(measured.mesh, options.fidelity, measured.touches, list(plan.nodes()), options.workers, tell)
+    plays = play_nodes(measured.mesh, options.mechanics, measured.touches, list(plan.nodes()), options.workers, tell)
     experiment = assemble(measured.touches, plan, plays)
     if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
         reasons = experiment if isinstance(experiment, dict) else experiment.left_out
@@ -99,7 +99,7 @@ def check_interpolation(
     assert measured.mesh is not None
     modulus, ratio, friction = (float(value) for value in found.parameters)
     offsets = np.round(found.offsets, 9)
-    plays = play_at(measured.mesh, options.fidelity, experiment.touches, ratio, friction, offsets)
+    plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets)
     played = modulus * experiment.rows([play.wrench for play in plays])
     response = experiment.response
     between = modulus * response.at(ratio, friction).at(np.repeat(offsets, response.counts))

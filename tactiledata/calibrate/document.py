@@ -49,7 +49,7 @@ def calibration_document(calibration: Calibration) -> dict[str, Any]:
             "deviations": measured.noise.deviations.tolist(),
             "inflation": measured.noise.inflation,
         },
-        "engine": "fem",
+        "engine": options.engine,
         "fidelity": options.fidelity,
         "mesh": {"name": measured.mesh.name, "sha256": measured.mesh.digest},
         "interpolation_error": {
@@ -79,7 +79,7 @@ def _by_name(values: Any) -> dict[str, float]:
 
 def _intervals(calibration: Calibration) -> dict[str, Any]:
     known, options = calibration.fit.intervals, calibration.options
-    share = FORCE_ERROR[options.fidelity]
+    share = FORCE_ERROR[options.mechanics]
     low, high = (float(end) for end in known.ends[0])
     modulus = float(calibration.fit.parameters[0])
     return {

@@ -37,10 +37,10 @@ class Play:
     status: NDArray[np.int8]
 
 
-def play_path(touch: GelTouch, mesh_digest: str, fidelity: str, ratio: float, friction: float) -> Path:
+def play_path(touch: GelTouch, mesh_digest: str, mechanics: str, ratio: float, friction: float) -> Path:
     """Where a play is kept; another pose, indenter, mesh, material or engine has another place."""
     whole = hashlib.sha256()
-    settings = [mesh_digest, fidelity, repr(ratio), repr(friction), _engine_digest(), touch.indenter.document]
+    settings = [mesh_digest, mechanics, repr(ratio), repr(friction), _engine_digest(), touch.indenter.document]
     whole.update(json.dumps(settings, sort_keys=True).encode())
     solid = touch.indenter.mesh()
     for part in (touch.poses, np.asarray(solid.vertices), np.asarray(solid.faces)):

@@ -11,6 +11,7 @@ from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import DIGIT_SHORE_A, youngs_modulus_of_shore_a
 from tactiledata.calibrate.losses import LossName
 from tactiledata.errors import UsageError
+from tactiledata.gel.engines import EngineName, Mechanics, mechanics_of
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.structured_pad import pad_mesh
 from tactiledata.nuisance.offsets import PRIOR
@@ -27,6 +28,8 @@ class CalibrationOptions:
     Parameters
     ----------
     loss : "vector" or "norm"
+    engine : "fem" or "mujoco-flex"
+        The latter is for comparison: see ``FlexEngine``.
     fidelity : "finite-strain" or "linear"
     bounds : "paper" or "wide"
     trajectories : int
@@ -53,6 +56,7 @@ class CalibrationOptions:
     """
 
     loss: LossName = "vector"
+    engine: EngineName = "fem"
     fidelity: Fidelity = "finite-strain"
     bounds: str = "paper"
     trajectories: int = 25
@@ -68,9 +72,9 @@ class CalibrationOptions:
     def __post_init__(self) -> None:
         find_bounds(self.bounds)
         youngs_modulus_of_shore_a(self.shore_a)
-        for name, known in (("loss", ("vector", "norm")), ("fidelity", ("finite-strain", "linear"))):
-            if getattr(self, name) not in known:
-                raise UsageError(f"{name} {getattr(self, name)!r}", " or ".join(known), "Name one of them.")
+        mechanics_of(self.engine, self.fidelity)
+        if self.loss not in ("vector", "norm"):
+            raise UsageError(f"loss {self.loss!r}", "vector or norm", "Name one of them.")
         checks = (
             ("trajectories", self.trajectories >= FEWEST, f"at least {FEWEST}"),
             ("hold_out", 0.0 <= self.hold_out < 1.0, "a share, 0 to below 1"),
@@ -82,11 +86,16 @@ class CalibrationOptions:
                 raise UsageError(f"{name} {getattr(self, name)}", wanted, "Correct the option.", option=name)
 
     @property
+    def mechanics(self) -> Mechanics:
+        """What plays the touches."""
+        return mechanics_of(self.engine, self.fidelity)
+
+    @property
     def pads(self) -> MakePad:
         """What makes the pads."""
         return self.make_pad or partial(pad_mesh, resolution="low")
 
     def document(self) -> dict[str, Any]:
         """What the result depends on, for provenance."""
-        names = ("loss", "fidelity", "bounds", "trajectories", "hold_out", "seed", "shore_a", "offset_prior", "sensor")
-        return {name: getattr(self, name) for name in names}
+        names = ("loss", "engine", "fidelity", "bounds", "trajectories", "hold_out", "seed", "shore_a", "offset_prior")
+        return {name: getattr(self, name) for name in (*names, "sensor")}

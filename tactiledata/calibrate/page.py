@@ -27,8 +27,10 @@ def calibration_page(calibration: Calibration) -> str:
     fit = calibration.fit
     sentences = [
         f"{counted(len(fit.fitted), 'trajectory')} fitted, {len(fit.held_out)} held out, "
-        f"{counted(len(experiment.measured), 'frame')}; loss {options.loss}, fidelity {options.fidelity}"
+        f"{counted(len(experiment.measured), 'frame')}; loss {options.loss}, "
+        f"engine {options.engine}, fidelity {options.fidelity}"
         + (" (a preview: its forces are 10 to 20 % low at 1 mm)" if options.fidelity == "linear" else "")
+        + (" (for comparison: its forces are too high)" if options.engine == "mujoco-flex" else "")
         + ".",
     ]
     sections = [_result(calibration), _losses(calibration), _remarks(calibration)]

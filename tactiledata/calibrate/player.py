@@ -13,7 +13,7 @@ from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_pa
 from tactiledata.calibrate.plan import Node
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
-from tactiledata.gel.fem import FemEngine, Fidelity
+from tactiledata.gel.engines import Mechanics, make_engine
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.pad import PadMesh
@@ -27,7 +27,7 @@ class Batch:
     """Touches to be played at one nu and one mu."""
 
     mesh: PadMesh
-    fidelity: Fidelity
+    mechanics: Mechanics
     ratio: float
     friction: float
     touches: tuple[GelTouch, ...]
@@ -35,7 +35,7 @@ class Batch:
 
 def play_nodes(
     mesh: PadMesh,
-    fidelity: Fidelity,
+    mechanics: Mechanics,
     touches: Sequence[MeasuredTouch],
     nodes: Sequence[Node],
     workers: int = 1,
@@ -50,7 +50,7 @@ def play_nodes(
     for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
         members.append(list(group))
         shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
-        batches.append(Batch(mesh, fidelity, ratio, friction, shifted))
+        batches.append(Batch(mesh, mechanics, ratio, friction, shifted))
     found: dict[Node, list[Play]] = {}
     tell(0, len(batches))
     for done, outcome in enumerate(LocalScheduler(workers).outcomes(play_batch, batches)):
@@ -65,7 +65,7 @@ def play_nodes(
 
 def play_at(
     mesh: PadMesh,
-    fidelity: Fidelity,
+    mechanics: Mechanics,
     touches: Sequence[MeasuredTouch],
     ratio: float,
     friction: float,
@@ -73,13 +73,13 @@ def play_at(
 ) -> list[Play]:
     """The plays of touches, each at an offset (t,), m, of its own."""
     shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
-    return play_batch(Batch(mesh, fidelity, ratio, friction, shifted))
+    return play_batch(Batch(mesh, mechanics, ratio, friction, shifted))
 
 
 def play_batch(batch: Batch) -> list[Play]:
     """The plays of a batch, in its order."""
     paths = [
-        play_path(touch, batch.mesh.digest, batch.fidelity, batch.ratio, batch.friction) for touch in batch.touches
+        play_path(touch, batch.mesh.digest, batch.mechanics, batch.ratio, batch.friction) for touch in batch.touches
     ]
     plays = {number: play for number, path in enumerate(paths) if (play := load_play(path)) is not None}
     missing = [number for number in range(len(paths)) if number not in plays]
@@ -92,6 +92,6 @@ def play_batch(batch: Batch) -> list[Play]:
 def _played(batch: Batch, touches: Sequence[GelTouch]) -> Iterator[tuple[int, Play]]:
     if not touches:
         return
-    engine = FemEngine(batch.mesh, batch.ratio, batch.fidelity)
+    engine = make_engine(batch.mesh, batch.ratio, batch.mechanics)
     for number, history in engine.play(touches, GelMaterial(1.0, batch.ratio, batch.friction), keep="none"):
         yield number, Play(history.wrench, history.status)

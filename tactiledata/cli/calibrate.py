@@ -20,6 +20,7 @@ def register(app: typer.Typer) -> None:
 def calibrate(
     store: str = STORE_ARGUMENT,
     loss: str = typer.Option("vector", "--loss", help="vector: forces and torques; norm: the SPLIT paper's."),
+    engine: str = typer.Option("fem", "--engine", help="fem, or mujoco-flex: for comparison, its forces are too high."),
     fidelity: str = typer.Option("finite-strain", "--fidelity", help="finite-strain, or linear: a quick preview."),
     out: Path = typer.Option(
         Path("calibration.json"), "--out", help="The result; a page to read lies beside it, with the ending .html."
@@ -53,6 +54,7 @@ def calibrate(
         raise UsageError(f"--out {out}", "a file that ends in .json", "The page beside it ends in .html.")
     options = CalibrationOptions(
         loss=loss,  # type: ignore[arg-type]
+        engine=engine,  # type: ignore[arg-type]
         fidelity=fidelity,  # type: ignore[arg-type]
         bounds=bounds,
         trajectories=trajectories,
@@ -81,6 +83,6 @@ def _print(done: Any) -> None:
     from tactiledata.calibrate.page import loss_rows, result_rows
 
     counts = f"{len(done.fit.fitted)} fitted, {len(done.fit.held_out)} held out"
-    table(f"gel, {counts}", ("", "value", "95 % interval", "start"), result_rows(done))
+    table(f"gel, engine {done.options.engine}, {counts}", ("", "value", "95 % interval", "start"), result_rows(done))
     table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(done))
     findings(("", finding) for finding in done.findings)

@@ -82,8 +82,9 @@ def replay(
     else:
         for line in report.lines():
             say(line)
-        if calibrated.get("fidelity", fidelity) != fidelity:
-            say(f"  the calibration was found with {calibrated['fidelity']}: its stiffness makes up for that")
+        if calibrated and (calibrated["engine"], calibrated["fidelity"]) != ("fem", fidelity):
+            found_with = f"{calibrated['engine']}, {calibrated['fidelity']}"
+            say(f"  the calibration was found with {found_with}: its stiffness makes up for that")
         if page is not None:
             say(f"look: {page}")
             say(f"load: TactileDataset({location!r}, split=…, streams=['digit', 'mesh/{report.mesh}'])")

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FORCE_ERROR = {"finite-strain": 0.03, "linear": 0.12}
+FORCE_ERROR = {"finite-strain": 0.03, "linear": 0.12, "mujoco-flex": 0.3}
 """Standard deviation, as a share: against converged reference solutions finite strain is 2 to 4 % off on the low mesh,
-linear 10 to 20 % at 1 mm depth (docs/calibration.md)."""
+linear 10 to 20 % at 1 mm depth (docs/calibration.md), and MuJoCo's tetrahedra 25 to 40 % too stiff (docs/gel.md)."""
 
 SCATTER = 0.01
 """Standard deviation, as a share of the force: by how much frame by frame the solver's tolerance, patches that come and

@@ -47,6 +47,8 @@ def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypat
     [
         (("--loss", "l2"), "vector or norm"),
         (("--fidelity", "fine"), "finite-strain or linear"),
+        (("--engine", "isaac"), "fem or mujoco-flex"),
+        (("--engine", "mujoco-flex", "--fidelity", "linear"), "linear preview"),
         (("--bounds", "narrow"), "paper, wide"),
         (("--trajectories", "1"), "at least 2"),
         (("--hold-out", "1.5"), "0 to below 1"),

@@ -16,10 +16,12 @@ from tactiledata.calibrate.page import calibration_page
 from tactiledata.calibrate.player import Batch, play_at, play_batch
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import TactileDataError
+from tactiledata.gel.fem import FemEngine
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.structured_pad import GridPlan, structured_pad
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.nuisance.noise import WrenchNoise
+from tactiledata.nuisance.numerical import FORCE_ERROR
 from tactiledata.sensors.digit import DIGIT
 
 PAD = structured_pad("coarse", DIGIT.gel, GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0)))
@@ -84,7 +86,7 @@ def test_a_second_calibration_plays_nothing(calibration, measured, monkeypatch):
     def no_engine(*_arguments):
         raise AssertionError("an engine was made")
 
-    monkeypatch.setattr(player, "FemEngine", no_engine)
+    monkeypatch.setattr(player, "make_engine", no_engine)
     again = calibrate_measured(measured[0], OPTIONS, "0" * 64)
     assert calibration_document(again) == calibration_document(calibration)
 
@@ -107,11 +109,44 @@ def test_what_a_play_depends_on_has_a_place_of_its_own(measured):
         play_path(touch.deeper(1e-6), PAD.digest, "linear", 0.47, 0.7),
         play_path(touch.touch, "0" * 64, "linear", 0.47, 0.7),
         play_path(touch.touch, PAD.digest, "finite-strain", 0.47, 0.7),
+        play_path(touch.touch, PAD.digest, "mujoco-flex", 0.47, 0.7),
         play_path(touch.touch, PAD.digest, "linear", 0.471, 0.7),
         play_path(touch.touch, PAD.digest, "linear", 0.47, 0.71),
         play_path(GelTouch(Sphere(radius=0.003), touch.touch.poses), PAD.digest, "linear", 0.47, 0.7),
     }
-    assert len(paths) == 7
+    assert len(paths) == 8
+
+
+def test_another_engine_is_named_in_every_output(measured, monkeypatch, tmp_path):
+    """What plays the touches is what was asked for, and file, provenance, force error and page say so."""
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
+    asked = set()
+
+    def stand_in(mesh, poisson_ratio, mechanics):
+        asked.add(mechanics)
+        return FemEngine(mesh, poisson_ratio, "linear")
+
+    monkeypatch.setattr(player, "make_engine", stand_in)
+    options = CalibrationOptions(engine="mujoco-flex", hold_out=0.25)
+    found = calibrate_measured(measured[0], options, "0" * 64)
+    document = calibration_document(found)
+    assert asked == {"mujoco-flex"}
+    assert document["engine"] == document["provenance"]["settings"]["engine"] == "mujoco-flex"
+    assert document["intervals"]["force_error"] == FORCE_ERROR["mujoco-flex"]
+    pytest.importorskip("matplotlib")
+    assert "engine mujoco-flex" in calibration_page(found)
+
+
+def test_touches_are_played_by_the_flex():
+    """MuJoCo's flex through the player: forces over Young's modulus, of the order of ``fem``'s, and kept."""
+    pytest.importorskip("mujoco")
+    touch = pressed(0.4e-3, 0.0, (0.0, 0.0), frames=4)
+    flex, again, fem = (
+        play_batch(Batch(PAD, mechanics, 0.46, 0.7, (touch,)))[0]
+        for mechanics in ("mujoco-flex", "mujoco-flex", "finite-strain")
+    )
+    np.testing.assert_array_equal(flex.wrench, again.wrench)
+    assert 1.0 < flex.wrench[-1, 2] / fem.wrench[-1, 2] < 3.0
 
 
 def test_the_file_and_the_page(calibration, tmp_path):
