@@ -7,7 +7,15 @@ import subprocess
 import sys
 from pathlib import Path
 
-BENCHMARKS = ("random_access.py", "ingest_mcap.py", "scale_splits.py", "gel_speed.py", "gel_mesh_error.py")
+BENCHMARKS = (
+    "random_access.py",
+    "ingest_mcap.py",
+    "scale_splits.py",
+    "gel_speed.py",
+    "gel_growth.py",
+    "gel_mesh_error.py",
+    "linear_error.py",
+)
 
 
 def main() -> int:
