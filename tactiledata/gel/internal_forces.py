@@ -1,11 +1,14 @@
-"""Nodal forces of a deformed neo-Hookean pad, many deformations at once."""
+"""Nodal forces of a deformed neo-Hookean pad, each deformation on a thread of its own."""
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Iterable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 from tactiledata.gel.cells import CellQuadrature
@@ -14,8 +17,6 @@ from tactiledata.gel.pad import PadMesh
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-BLOCKS = 32
-"""Parts of the cells that threads share."""
 LEAST_VOLUME_RATIO = 1e-3
 """A quadrature point that is squeezed further is treated as squeezed to this, so that a wild iterate stays finite."""
 
@@ -50,7 +51,9 @@ class ElasticPad:
         return ElasticPad(np.ascontiguousarray(mesh.cells), gradients, quadrature.weights, starts, places)
 
 
-def internal_forces(pad: ElasticPad, displacement: Array, poisson_ratio: float) -> Array:
+def internal_forces(
+    pad: ElasticPad, displacement: Array, poisson_ratio: float, threads: Executor | None = None
+) -> Array:
     """Forces (b, v, 3), m^2, that deformations (b, v, 3) need at the nodes, for a Young's modulus of 1.
 
     The energy of a cell is that of ``GelMaterial`` with the change of volume J replaced by its mean over the cell
@@ -58,109 +61,101 @@ def internal_forces(pad: ElasticPad, displacement: Array, poisson_ratio: float) 
     """
     shear = 1.0 / (2.0 * (1.0 + poisson_ratio))
     lame = poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))
-    count, nodes = displacement.shape[0], pad.cells.shape[1]
-    by_cell = np.empty((count, len(pad.cells) * nodes, 3))
-    _cell_forces(displacement, pad.cells, pad.gradients, pad.weights, shear, lame, BLOCKS, by_cell)
     forces = np.empty_like(displacement)
-    _gather(by_cell, pad.starts, pad.places, forces)
+
+    def one(item: int) -> None:
+        by_cell = np.empty((pad.cells.size, 3))
+        _cell_forces(displacement[item], pad.cells, pad.gradients, pad.weights, shear, lame, by_cell)
+        _gather(by_cell, pad.starts, pad.places, forces[item])
+
+    each: Iterable[None] = (map if threads is None else threads.map)(one, range(len(displacement)))
+    deque(each, maxlen=0)
     return forces
 
 
-@njit(parallel=True, cache=True)
+@njit(nogil=True, cache=True)
 def _gather(by_cell: Array, starts: Indices, places: Indices, forces: Array) -> None:
-    batch, nodes = forces.shape[0], forces.shape[1]
-    for item in prange(batch * nodes):
-        b, node = item // nodes, item % nodes
+    for node in range(len(forces)):
         for axis in range(3):
             total = 0.0
             for place in range(starts[node], starts[node + 1]):
-                total += by_cell[b, places[place], axis]
-            forces[b, node, axis] = total
+                total += by_cell[places[place], axis]
+            forces[node, axis] = total
 
 
-@njit(parallel=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _cell_forces(
-    displacement: Array,
-    cells: Indices,
-    gradients: Array,
-    weights: Array,
-    shear: float,
-    lame: float,
-    blocks: int,
-    out: Array,
+    displacement: Array, cells: Indices, gradients: Array, weights: Array, shear: float, lame: float, out: Array
 ) -> None:
     """Forces of each cell on its nodes; the innermost loops run over a cell's points, so that they are vectorised."""
-    batch, count = displacement.shape[0], cells.shape[0]
     nodes, points = gradients.shape[1], gradients.shape[3]
-    for block in prange(blocks):
-        f, stress = np.empty((9, points)), np.empty((9, points))
-        ratios, squares, roots = np.empty(points), np.empty(points), np.empty(points)
-        for cell in range(block * count // blocks, (block + 1) * count // blocks):
-            gradient, weight = gradients[cell], weights[cell]
-            for b in range(batch):
-                f[:] = 0.0
-                for node in range(nodes):
-                    moved = displacement[b, cells[cell, node]]
-                    for i in range(3):
-                        for a in range(3):
-                            row, slope = f[3 * i + a], gradient[node, a]
-                            for q in range(points):
-                                row[q] += moved[i] * slope[q]
-                volume = mean_ratio = 0.0
-                least = most = 1.0
-                for q in range(points):
-                    f[0, q] += 1.0
-                    f[4, q] += 1.0
-                    f[8, q] += 1.0
-                    # the cofactor of F, which is d(ratio)/dF
-                    stress[0, q] = f[4, q] * f[8, q] - f[5, q] * f[7, q]
-                    stress[1, q] = f[5, q] * f[6, q] - f[3, q] * f[8, q]
-                    stress[2, q] = f[3, q] * f[7, q] - f[4, q] * f[6, q]
-                    stress[3, q] = f[2, q] * f[7, q] - f[1, q] * f[8, q]
-                    stress[4, q] = f[0, q] * f[8, q] - f[2, q] * f[6, q]
-                    stress[5, q] = f[1, q] * f[6, q] - f[0, q] * f[7, q]
-                    stress[6, q] = f[1, q] * f[5, q] - f[2, q] * f[4, q]
-                    stress[7, q] = f[2, q] * f[3, q] - f[0, q] * f[5, q]
-                    stress[8, q] = f[0, q] * f[4, q] - f[1, q] * f[3, q]
-                    ratio = f[0, q] * stress[0, q] + f[1, q] * stress[1, q] + f[2, q] * stress[2, q]
-                    ratios[q] = max(ratio, LEAST_VOLUME_RATIO)
-                    least, most = min(least, ratios[q]), max(most, ratios[q])
-                    volume += weight[q]
-                    mean_ratio += weight[q] * ratio
-                    square = 0.0
-                    for k in range(9):
-                        square += f[k, q] * f[k, q]
-                    squares[q] = square
-                mean_ratio = max(mean_ratio / volume, LEAST_VOLUME_RATIO)
-                if least > 0.6 and most < 1.5:
-                    # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps are exact in this range
+    f, stress = np.empty((9, points)), np.empty((9, points))
+    ratios, squares, roots = np.empty(points), np.empty(points), np.empty(points)
+    for cell in range(len(cells)):
+        gradient, weight = gradients[cell], weights[cell]
+        f[:] = 0.0
+        for node in range(nodes):
+            moved = displacement[cells[cell, node]]
+            for i in range(3):
+                for a in range(3):
+                    row, slope = f[3 * i + a], gradient[node, a]
                     for q in range(points):
-                        off = ratios[q] - 1.0
-                        root = 1.0 - off * (1.0 / 3.0) + off * off * (2.0 / 9.0)
-                        for _ in range(4):
-                            root *= (4.0 - ratios[q] * root * root * root) * (1.0 / 3.0)
-                        roots[q] = root * root
-                else:
+                        row[q] += moved[i] * slope[q]
+        volume = mean_ratio = 0.0
+        least = most = 1.0
+        for q in range(points):
+            f[0, q] += 1.0
+            f[4, q] += 1.0
+            f[8, q] += 1.0
+            # the cofactor of F, which is d(ratio)/dF
+            stress[0, q] = f[4, q] * f[8, q] - f[5, q] * f[7, q]
+            stress[1, q] = f[5, q] * f[6, q] - f[3, q] * f[8, q]
+            stress[2, q] = f[3, q] * f[7, q] - f[4, q] * f[6, q]
+            stress[3, q] = f[2, q] * f[7, q] - f[1, q] * f[8, q]
+            stress[4, q] = f[0, q] * f[8, q] - f[2, q] * f[6, q]
+            stress[5, q] = f[1, q] * f[6, q] - f[0, q] * f[7, q]
+            stress[6, q] = f[1, q] * f[5, q] - f[2, q] * f[4, q]
+            stress[7, q] = f[2, q] * f[3, q] - f[0, q] * f[5, q]
+            stress[8, q] = f[0, q] * f[4, q] - f[1, q] * f[3, q]
+            ratio = f[0, q] * stress[0, q] + f[1, q] * stress[1, q] + f[2, q] * stress[2, q]
+            ratios[q] = max(ratio, LEAST_VOLUME_RATIO)
+            least, most = min(least, ratios[q]), max(most, ratios[q])
+            volume += weight[q]
+            mean_ratio += weight[q] * ratio
+            square = 0.0
+            for k in range(9):
+                square += f[k, q] * f[k, q]
+            squares[q] = square
+        mean_ratio = max(mean_ratio / volume, LEAST_VOLUME_RATIO)
+        if least > 0.6 and most < 1.5:
+            # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps are exact in this range
+            for q in range(points):
+                off = ratios[q] - 1.0
+                root = 1.0 - off * (1.0 / 3.0) + off * off * (2.0 / 9.0)
+                for _ in range(4):
+                    root *= (4.0 - ratios[q] * root * root * root) * (1.0 / 3.0)
+                roots[q] = root * root
+        else:
+            for q in range(points):
+                roots[q] = ratios[q] ** (-2.0 / 3.0)
+        # derivative of the energy with respect to the mean change of volume, per volume
+        pressure = 0.0
+        for q in range(points):
+            pressure += weight[q] * roots[q] * squares[q]
+        root = mean_ratio ** (-1.0 / 3.0)
+        pressure *= shear / (3.0 * volume) * root
+        pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
+        for q in range(points):
+            scale = shear * mean_ratio * root * roots[q]
+            along = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
+            scale *= weight[q]
+            for k in range(9):
+                stress[k, q] = scale * f[k, q] + along * stress[k, q]
+        for node in range(nodes):
+            for i in range(3):
+                force = 0.0
+                for a in range(3):
+                    row, slope = stress[3 * i + a], gradient[node, a]
                     for q in range(points):
-                        roots[q] = ratios[q] ** (-2.0 / 3.0)
-                # derivative of the energy with respect to the mean change of volume, per volume
-                pressure = 0.0
-                for q in range(points):
-                    pressure += weight[q] * roots[q] * squares[q]
-                root = mean_ratio ** (-1.0 / 3.0)
-                pressure *= shear / (3.0 * volume) * root
-                pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
-                for q in range(points):
-                    scale = shear * mean_ratio * root * roots[q]
-                    along = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
-                    scale *= weight[q]
-                    for k in range(9):
-                        stress[k, q] = scale * f[k, q] + along * stress[k, q]
-                for node in range(nodes):
-                    for i in range(3):
-                        force = 0.0
-                        for a in range(3):
-                            row, slope = stress[3 * i + a], gradient[node, a]
-                            for q in range(points):
-                                force += row[q] * slope[q]
-                        out[b, cell * nodes + node, i] = force
+                        force += row[q] * slope[q]
+                out[cell * nodes + node, i] = force

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import os
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numba import get_num_threads
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
@@ -48,7 +48,7 @@ class LinearSolver:
 
     def run(self, journeys: Iterator[Journey]) -> Iterator[tuple[int, GelHistory]]:
         """Solve journeys, one on each thread."""
-        count = get_num_threads()
+        count = len(os.sched_getaffinity(0))
         with ThreadPoolExecutor(count) as threads, ThreadpoolController().limit(limits=1, user_api="blas"):
             under_way = deque(threads.submit(self._play, journey) for journey in itertools.islice(journeys, 2 * count))
             while under_way:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import itertools
+from collections import deque
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU
 
@@ -81,14 +84,17 @@ class BlockFactor:
             (1.0 / factor.U.diagonal()).astype(np.float32),
         )
 
-    def solve(self, right: Array) -> Array:
+    def solve(self, right: Array, threads: Executor | None = None) -> Array:
         """Solutions (b, n) of right-hand sides (b, n)."""
-        count, size = right.shape
-        chunks = -(-count // LANES)
-        work = np.zeros((chunks, size, LANES), dtype=np.float32)
-        shares = [slice(first, min(first + LANES, count)) for first in range(0, count, LANES)]
-        for chunk, share in enumerate(shares):
-            work[chunk, self.order, : share.stop - share.start] = right[share].T
+        solution = np.empty(right.shape)
+        shares = [slice(first, first + LANES) for first in range(0, len(right), LANES)]
+        deque((map if threads is None else threads.map)(partial(self._solve_some, right, solution), shares), maxlen=0)
+        return solution
+
+    def _solve_some(self, right: Array, solution: Array, share: slice) -> None:
+        some = right[share]
+        work = np.zeros((right.shape[1], LANES), dtype=np.float32)
+        work[self.order, : len(some)] = some.T
         _solve(
             self.starts,
             self.rows,
@@ -100,10 +106,7 @@ class BlockFactor:
             self.inverse_diagonal,
             work,
         )
-        solution = np.empty((count, size))
-        for chunk, share in enumerate(shares):
-            solution[share] = work[chunk, self.order, : share.stop - share.start].T
-        return solution
+        solution[share] = work[self.order, : len(some)].T
 
 
 def _block_starts(starts: NDArray[np.int32], rows: NDArray[np.int32]) -> Indices:
@@ -120,7 +123,7 @@ def _ends(parts: Sequence[NDArray[Any]]) -> Indices:
     return np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64)
 
 
-@njit(parallel=True, cache=True)
+@njit(nogil=True, cache=True)
 def _solve(
     starts: Indices,
     rows: Indices,
@@ -130,47 +133,43 @@ def _solve(
     corners: Single,
     corner_starts: Indices,
     inverse_diagonal: Single,
-    work: Single,
+    values: Single,
 ) -> None:
-    """Replace right-hand sides (chunks, n, lanes) by solutions, chunk by chunk on threads."""
+    """Replace right-hand sides (n, lanes) by solutions."""
     blocks = len(starts) - 1
-    lanes = work.shape[2]
+    lanes = values.shape[1]
     tallest = (row_starts[1:] - row_starts[:-1]).max()
     widest = (starts[1:] - starts[:-1]).max()
-    for chunk in prange(work.shape[0]):
-        values = work[chunk]
-        gathered = np.empty((tallest, lanes), np.float32)
-        own_space = np.empty((widest, lanes), np.float32)
-        for block in range(blocks):
-            first, end = starts[block], starts[block + 1]
-            width, height = end - first, row_starts[block + 1] - row_starts[block]
-            own = own_space[:width]
-            np.dot(
-                corners[corner_starts[block] : corner_starts[block + 1]].reshape(width, width), values[first:end], own
-            )
-            values[first:end] = own
-            if height == 0:
-                continue
-            added = gathered[:height]
-            np.dot(below[below_starts[block] : below_starts[block + 1]].reshape(height, width), own, added)
+    gathered = np.empty((tallest, lanes), np.float32)
+    own_space = np.empty((widest, lanes), np.float32)
+    for block in range(blocks):
+        first, end = starts[block], starts[block + 1]
+        width, height = end - first, row_starts[block + 1] - row_starts[block]
+        own = own_space[:width]
+        np.dot(corners[corner_starts[block] : corner_starts[block + 1]].reshape(width, width), values[first:end], own)
+        values[first:end] = own
+        if height == 0:
+            continue
+        added = gathered[:height]
+        np.dot(below[below_starts[block] : below_starts[block + 1]].reshape(height, width), own, added)
+        for row in range(height):
+            target = values[rows[row_starts[block] + row]]
+            for lane in range(lanes):
+                target[lane] -= added[row, lane]
+    for block in range(blocks - 1, -1, -1):
+        first, end = starts[block], starts[block + 1]
+        width, height = end - first, row_starts[block + 1] - row_starts[block]
+        own = own_space[:width]
+        if height > 0:
+            known = gathered[:height]
             for row in range(height):
-                target = values[rows[row_starts[block] + row]]
-                for lane in range(lanes):
-                    target[lane] -= added[row, lane]
-        for block in range(blocks - 1, -1, -1):
-            first, end = starts[block], starts[block + 1]
-            width, height = end - first, row_starts[block + 1] - row_starts[block]
-            own = own_space[:width]
-            if height > 0:
-                known = gathered[:height]
-                for row in range(height):
-                    known[row] = values[rows[row_starts[block] + row]]
-                rectangle = below[below_starts[block] : below_starts[block + 1]].reshape(height, width)
-                np.dot(rectangle.T, known, own)
-            else:
-                own[:] = 0.0
-            for row in range(width):
-                for lane in range(lanes):
-                    own[row, lane] = values[first + row, lane] * inverse_diagonal[first + row] - own[row, lane]
-            triangle = corners[corner_starts[block] : corner_starts[block + 1]].reshape(width, width)
-            np.dot(triangle.T, own, values[first:end])
+                known[row] = values[rows[row_starts[block] + row]]
+            rectangle = below[below_starts[block] : below_starts[block + 1]].reshape(height, width)
+            np.dot(rectangle.T, known, own)
+        else:
+            own[:] = 0.0
+        for row in range(width):
+            for lane in range(lanes):
+                own[row, lane] = values[first + row, lane] * inverse_diagonal[first + row] - own[row, lane]
+        triangle = corners[corner_starts[block] : corner_starts[block + 1]].reshape(width, width)
+        np.dot(triangle.T, own, values[first:end])
