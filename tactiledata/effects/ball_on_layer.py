@@ -59,7 +59,8 @@ class BallOnLayer:
         strain = 3.0 * (0.2 * a * curvature + pressed / thickness / 3.0) ** 2
         normal = normal * (1.0 + 2.0 * gel.c20 * strain + 3.0 * gel.c30 * strain**2)
         if gel.skin:
-            normal = normal * (1.0 + 0.5 * gel.skin / np.maximum(a, 0.25 * gel.skin))
+            # the factor is that of linear pads with stiffer uppermost cells, within a third
+            normal = normal * (1.0 + 0.3 * gel.skin / np.maximum(a, 0.5 * gel.skin))
         spring = 8.0 * material.shear_modulus * a / (2.0 - material.poisson_ratio)
         shear, sliding = _stick_and_slip(centre, spring, material.friction * friction * normal)
         force = np.column_stack([shear, normal])

@@ -34,7 +34,7 @@ class Skin(Effect):
     told_apart_by = (
         "Shallow presses with balls of 2 and 10 mm: a coating stiffens small contacts most, a thin gel large ones."
     )
-    detectability = "0.2 mm (50 um, 5 E) stiffens a contact of 1 mm radius by some 10 %: 0.1 N at 1 N, 0.3 N at 5 N."
+    detectability = "0.2 mm (50 um, 5 E) stiffens a contact of 1 mm radius by some 6 %: 0.06 N at 1 N, 0.2 N at 5 N."
     reference = "Gao, Chiu and Lee, Int. J. Solids Struct. 29, 1992"
     designs: ClassVar = {"excess": (2e-4, 6e-4)}
 
