@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.atoms import Atom
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
-from tactiledata.diagnose.scores import along
+from tactiledata.diagnose.scores import Contributions, along, joined_refits
 from tactiledata.diagnose.wording import with_interval
 
 Array = NDArray[np.float64]
@@ -126,11 +126,13 @@ class Candidates:
         """Whitened fields of several candidates by their full names."""
         return {self.full_name(number): self.field(number) for number in numbers}
 
-    def scores(self, projection: Projection) -> tuple[Array, Array]:
-        """Contributions (u, m) of the units of exchange to each candidate's score, and its information (m,)."""
+    def scores(self, projection: Projection) -> Contributions:
+        """Contributions of the units of exchange to all candidates' scores."""
         found = [along(projection, one.field, self.terms) for one in self.carriers]
-        return np.concatenate([one.by_unit for one in found], axis=1), np.concatenate(
-            [one.information for one in found]
+        return Contributions(
+            np.concatenate([one.by_unit for one in found], axis=1),
+            np.concatenate([one.information_by_unit for one in found], axis=1),
+            joined_refits([one.refit for one in found]),
         )
 
     @cached_property

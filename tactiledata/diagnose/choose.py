@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 DRAWS = 999
+CHUNK = 100
 MOST_TERMS = 4
 SCREENED = 45
 """Candidates that are kept of each round of screening."""
@@ -100,10 +101,10 @@ def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Arra
     first = np.zeros((0, 0))
     for _ in range(ROUNDS):
         projection = project(residuals.with_fields(candidates.fields(bests)))
-        by_unit, information = candidates.scores(projection)
-        first = by_unit if not bests else first
-        is_visible = information > VISIBLE * candidates.sizes
-        gains = np.where(is_visible, by_unit.sum(axis=0) ** 2 / np.where(is_visible, information, 1.0), 0.0)
+        scores = candidates.scores(projection)
+        first = scores.by_unit if not bests else first
+        is_visible = (scores.information > VISIBLE * candidates.sizes) & scores.is_testable
+        gains = np.where(is_visible, scores.size**2 * scores.information, 0.0)
         order = np.argsort(-gains, kind="stable")[:SCREENED]
         kept += [int(number) for number in order if gains[number] > 0 and number not in kept]
         if not len(order) or gains[order[0]] <= 0:
@@ -114,11 +115,11 @@ def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Arra
 
 def _against_all(projection: Projection, candidates: Candidates, number: int, seed: int) -> float:
     """p-value of one candidate against the largest of all when signs of whole trajectories are thrown anew."""
-    by_unit, information = candidates.scores(projection)
-    spread = np.sqrt((by_unit**2).sum(axis=0))
-    is_visible = (information > VISIBLE * candidates.sizes) & (spread > 0)
-    if not is_visible[number]:
+    scores = candidates.scores(projection)
+    is_asked = (scores.information > VISIBLE * candidates.sizes) & scores.is_testable
+    if not is_asked[number]:
         return 1.0
-    scaled = (by_unit / np.where(is_visible, spread, 1.0))[:, is_visible]
-    observed = abs(float(by_unit[:, number].sum() / spread[number]))
-    return p_value(observed, np.abs(signs(len(by_unit), DRAWS, seed) @ scaled).max(axis=1))
+    asked = scores.part(is_asked)
+    thrown = signs(len(scores.by_unit), DRAWS, seed)
+    highest = [np.abs(asked.flipped(thrown[start : start + CHUNK])).max(axis=1) for start in range(0, DRAWS, CHUNK)]
+    return p_value(abs(float(scores.statistic[number])), np.concatenate(highest))

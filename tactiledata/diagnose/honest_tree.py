@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.learning_library import need_learning_library
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.scores import Contributions
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.wording import p_words, quantity, with_interval
 
@@ -77,10 +78,9 @@ def honest_tree(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tu
     sums = residuals.by_unit(np.einsum("nl,nk->nlk", in_leaf.astype(float), projection.score))
     sums = sums.reshape(units, -1)[~is_first]
     counts = np.repeat(residuals.by_unit(in_leaf.astype(float))[~is_first], len(residuals.components), axis=1)
-    spread = np.sqrt((sums**2).sum(axis=0))
-    enough = ((counts > 0).sum(axis=0) >= FEWEST_IN_HALF // 2) & (spread > 0)
-    scaled = np.where(enough, sums / np.where(spread > 0, spread, 1.0), 0.0)
-    p_values = family_wise(np.abs(scaled.sum(axis=0)), np.abs(signs(len(scaled), draws, seed) @ scaled))
+    found = Contributions(sums, counts)
+    enough = found.is_testable
+    p_values = family_wise(np.abs(found.statistic), np.abs(found.flipped(signs(len(sums), draws, seed))))
     paths = _paths(tree.tree_, [*names, *labelled], residuals)
     leaves = [
         _leaf(paths[node], residuals.components[k], sums[:, place], counts[:, place], float(p_values[place]))

@@ -1,9 +1,9 @@
 """Parameters that are no constants: what drifts with depth, rate, load, time, place or indenter.
 
 A calibration that has absorbed an effect leaves parameters that would take other values in other parts of the data. The
-score of a parameter, summed over frames above a value of a covariate, tells so without a refit (Nyblom 1989; Hansen
-1992; Zeileis and Hornik 2007); the largest over all values is its statistic. Whole trajectories are the units:
-their signs are thrown anew (Cameron, Gelbach and Miller 2008), the same throw for all pairs of parameter and
+score of a parameter, summed over frames above a value of a covariate or along it, tells so without a refit (Nyblom
+1989; Hansen 1992; Zeileis and Hornik 2007); the largest over all values is its statistic. Whole trajectories are the
+units: their signs are thrown anew (Cameron, Gelbach and Miller 2008), the same throw for all pairs of parameter and
 covariate, whose maximum controls the error of the whole family (Westfall and Young 1993).
 """
 
@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 ALIKE = 0.9
 """Rank correlation from which on two covariates tell the same story."""
+ALL_ALONG = "all along"
 TRAJECTORIES_A_LEVEL = 3
 """At least, for a label to be one: names of single trajectories decide everything."""
 
@@ -41,11 +42,11 @@ class Drift:
     ----------
     parameter, covariate : str
     statistic : float
-        Largest of the studentised scores over all cuts or levels.
+        Largest of the studentised scores over the slope and all cuts, or over all levels.
     p : float
         For all pairs together.
     at : str
-        Where the score is largest: a value of the covariate, or a level of the label.
+        Where the score is largest: a value of the covariate, "all along" for a slope, or a level of the label.
     change : Change
         Between the 5 % and 95 % quantiles of the covariate, or at the level against all others.
     words : str
@@ -111,13 +112,15 @@ def _pairs(projection: Projection, tested: int | None) -> list[_Pair]:
         for name, covariate in residuals.covariates.items():
             places = cuts(covariate.values, weights)
             if len(places):
-                found = contributions(projection, place, steps(covariate.values, places))
-                pairs.append(_Pair(place, name, found, tuple(f"{at:.6g}" for at in places), False))
+                instruments = np.column_stack([steps(covariate.values, places), slope(covariate.values, weights)[0]])
+                found = contributions(projection, place, instruments)
+                at = (*(f"{cut:.6g}" for cut in places), ALL_ALONG)
+                pairs.append(_Pair(place, name, found, at, False))
         for name, texts in residuals.labels.items():
             names, instruments = levels(texts)
             if names:
                 pairs.append(_Pair(place, name, contributions(projection, place, instruments), tuple(names), True))
-    return [pair for pair in pairs if (pair.found.spread > 0).any()]
+    return [pair for pair in pairs if pair.found.is_testable.any()]
 
 
 def _drift(

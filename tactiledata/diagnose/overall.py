@@ -48,8 +48,8 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
         return ()
     before = projection.score + projection.weighed @ projection.refit
     scores = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, before))
-    gram = np.einsum("nkp,nkp->p", projection.directions, projection.weighed)
-    found = Contributions(scores, gram)
+    gram = residuals.by_unit(np.einsum("nkp,nkp->np", projection.directions, projection.weighed))
+    found = Contributions(scores, np.maximum(gram, 0.0))
     observed = np.abs(found.statistic)
     drawn = np.abs(found.flipped(signs(residuals.unit_count, draws, seed)))
     p_values = family_wise(observed, drawn)

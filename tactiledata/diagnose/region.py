@@ -95,7 +95,7 @@ def region_maps(
                 unit,
                 x,
                 y,
-                np.where(one.spread > 0, one.size, np.nan).reshape(len(y), len(x)),
+                np.where(one.is_testable, one.size, np.nan).reshape(len(y), len(x)),
                 one.statistic.reshape(len(y), len(x)),
                 band,
                 float(p_values[place]),

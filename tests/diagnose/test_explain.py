@@ -15,9 +15,9 @@ from tactiledata.diagnose.wording import quantity, rounded, signed_change, with_
 
 
 def test_all_locators_together_keep_the_level():
-    """Of 60 nulls at most 5 % and three standard errors are called structured."""
-    alarms = [locate(planted(seed + 500, 24, 10), LocateOptions(seed=seed)).is_structured for seed in range(60)]
-    assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
+    """Of 40 nulls at most 5 % and three standard errors are called structured."""
+    alarms = [locate(planted(seed + 500, 24, 10), LocateOptions(seed=seed)).is_structured for seed in range(40)]
+    assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 40)
 
 
 def test_echoes_are_not_said():

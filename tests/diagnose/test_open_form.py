@@ -165,8 +165,8 @@ def test_two_terms_at_once():
 
 
 def test_noise_gives_no_formula():
-    """At most 5 % of 100 nulls."""
-    assert sum(bool(open_form(planted(seed, 24, 10), seed=seed).terms) for seed in range(100)) <= 5
+    """At most 3 of 60 nulls."""
+    assert sum(bool(open_form(planted(seed, 24, 10), seed=seed).terms) for seed in range(60)) <= 3
 
 
 def test_a_known_signature_is_recognised():
