@@ -19,7 +19,7 @@ from tactiledata.diagnose.overall import Offset, offsets
 from tactiledata.diagnose.projection import Projection, project
 from tactiledata.diagnose.region import RegionMap, region_maps
 from tactiledata.diagnose.residuals import Residuals
-from tactiledata.diagnose.sign_flips import holm
+from tactiledata.diagnose.sign_flips import DRAWS, holm
 
 LEVEL = 0.05
 MOST_SAID = 3
@@ -35,13 +35,15 @@ class LocateOptions:
     plane : two covariates that span the gel
     noise : NoiseModel, optional
         ``None`` where the size of the noise is not known: the residual's size then proves nothing.
-    seed : int
+    seed, draws : int
+        Of the signs that are thrown.
     """
 
     order_by: str = "index"
     plane: tuple[str, str] = ("x", "y")
     noise: NoiseModel | None = None
     seed: int = 0
+    draws: int = DRAWS
 
 
 @dataclass(frozen=True)
@@ -120,19 +122,19 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
         Too few units of exchange.
     """
     chosen = options or LocateOptions()
-    seed = chosen.seed
+    seed, draws = chosen.seed, chosen.draws
     residuals.need_units("a diagnosis")
     projection = project(residuals)
     refitted = residuals.with_values(projection.score)
     opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
-    air = free_air(residuals, seed)
-    common = offsets(residuals, seed + 1)
-    drifts = instability(projection, seed + 2)
-    leading = leading_drifts(projection, drifts, seed + 8)
-    events = event_locked(refitted, find_events(residuals), seed=seed + 3)
+    air = free_air(residuals, seed, draws)
+    common = offsets(residuals, seed + 1, draws)
+    drifts = instability(projection, seed + 2, draws)
+    leading = leading_drifts(projection, drifts, seed + 8, draws)
+    events = event_locked(refitted, find_events(residuals), seed=seed + 3, draws=draws)
     steps = change_points(projection, chosen.order_by, seed + 4)
-    maps = region_maps(projection, *chosen.plane, seed=seed + 5)
-    leaves = honest_tree(projection, seed + 6)
+    maps = region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws)
+    leaves = honest_tree(projection, seed + 6, draws)
     variance = 1.0 if chosen.noise is not None else 0.0
     shares = energy_shares(projection, variance, seed + 7)
     tests = {
