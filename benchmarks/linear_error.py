@@ -22,6 +22,7 @@ SHEAR = 3
 """Steps along x at the depth."""
 MOST = 15.0
 """N: deeper presses are left out; the paper's recordings end near 13 N."""
+UNSOLVED = {FrameStatus.NO_CONTACT: "no contact found", FrameStatus.NOT_CONVERGED: "no equilibrium"}
 OFF_GRID = (0.13e-3, 0.07e-3)
 """m: where on the pad, so that no edge lies on a line of the mesh by chance."""
 
@@ -47,13 +48,13 @@ def cell(linear: GelHistory, large: GelHistory, depth: int) -> str:
     """Force at the depth and the error of linear; behind the bar its errors across and along after the shear."""
     press, end = depth - 1, depth + SHEAR - 1
     if large.status[press] != FrameStatus.SOLVED:
-        return "no equilibrium"
+        return UNSOLVED[FrameStatus(large.status[press])]
     force = float(large.wrench[press, 2])
     if force > MOST:
         return "over 15 N"
     text = f"{force:5.2f} N {linear.wrench[press, 2] / force - 1:+6.1%} |"
     if large.status[end] != FrameStatus.SOLVED:
-        return f"{text} no equilibrium"
+        return f"{text} {UNSOLVED[FrameStatus(large.status[end])]}"
     return f"{text} {linear.wrench[end, 2] / large.wrench[end, 2] - 1:+6.1%} {sheared(linear, large, end):+6.1%}"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.errors import UsageError
-from tactiledata.gel.flex_model import FlexModel, load_mujoco, tetrahedra_of
+from tactiledata.gel.flex_model import FlexModel, load_mujoco, require_convex, tetrahedra_of
 from tactiledata.gel.gap import height_above
 from tactiledata.gel.history import FrameStatus, GelHistory, GelTouch
 from tactiledata.gel.material import GelMaterial
@@ -81,6 +81,8 @@ class FlexEngine:
                 f"that of the engine, {self.poisson_ratio}",
                 "Make an engine for it.",
             )
+        for touch in touches:
+            require_convex(touch.indenter)
         for number, touch in enumerate(touches):
             model = FlexModel(self.mesh, self._cells, touch.indenter, self.poisson_ratio, material.friction)
             recorder = FrameRecorder(len(touch.poses), self.mesh, self.surface, material.youngs_modulus, keep)

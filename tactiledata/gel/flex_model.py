@@ -71,6 +71,24 @@ def tetrahedra_of(mesh: PadMesh) -> Indices:
     return mesh.cells[:, SPLIT].reshape(-1, 4)
 
 
+def require_convex(indenter: Indenter) -> None:
+    """Nothing, for an indenter that MuJoCo presses as it is.
+
+    Raises
+    ------
+    UsageError
+        One that is not convex.
+    """
+    solid = indenter.mesh()
+    if abs(solid.convex_hull.volume / solid.volume - 1) > CONVEX:
+        raise UsageError(
+            f"indenter {indenter.shape!r} is not convex",
+            "a convex one: mujoco-flex would press the convex hull",
+            "Take the engine fem.",
+            indenter=indenter.shape,
+        )
+
+
 class FlexModel:
     """The compiled model and its state.
 
@@ -79,12 +97,8 @@ class FlexModel:
     mesh : PadMesh
     cells : (c, 4)
     indenter : Indenter
+        A convex one: MuJoCo presses the hull of any other.
     poisson_ratio, friction : float
-
-    Raises
-    ------
-    UsageError
-        An indenter that is not convex: MuJoCo would press its hull.
     """
 
     def __init__(
@@ -189,16 +203,9 @@ def _add_shape(
         radius = MILLIMETRES * indenter.radius
         ElementTree.SubElement(body, "geom", {**contact, "type": "sphere", "size": str(radius), "pos": f"0 0 {radius}"})
         return
-    solid = indenter.mesh()
-    if abs(solid.convex_hull.volume / solid.volume - 1) > CONVEX:
-        raise UsageError(
-            f"indenter {indenter.shape!r} is not convex",
-            "a convex one: mujoco-flex would press the convex hull",
-            "Take the engine fem, or leave out the touches of this indenter.",
-            indenter=indenter.shape,
-        )
     asset = ElementTree.SubElement(root, "asset")
-    ElementTree.SubElement(asset, "mesh", name="solid", vertex=_numbers(MILLIMETRES * solid.convex_hull.vertices))
+    hull = indenter.mesh().convex_hull
+    ElementTree.SubElement(asset, "mesh", name="solid", vertex=_numbers(MILLIMETRES * hull.vertices))
     ElementTree.SubElement(body, "geom", {**contact, "type": "mesh", "mesh": "solid"})
 
 

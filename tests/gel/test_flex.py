@@ -123,8 +123,9 @@ def test_frames_that_cannot_be_played_say_why(engine, tmp_path, monkeypatch):
 
 
 def test_what_it_cannot_play_is_refused(engine):
+    touches = [GelTouch(indenter, poses((0, 0, -0.2))) for indenter in (Sphere(), Ring())]
     with pytest.raises(UsageError, match="'ring' is not convex"):
-        pressed(engine, Ring(), poses((0, 0, -0.2)))
+        next(engine.play(touches, GelMaterial(1e6, NU, 0.5)))
     with pytest.raises(UsageError, match=r"Poisson's ratio 0\.48"):
         next(engine.play([GelTouch(Sphere(), poses((0, 0, 0)))], GelMaterial(1e6, 0.48, 0.5)))
     points = np.vstack([np.zeros(3), np.eye(3)])
