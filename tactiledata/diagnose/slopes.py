@@ -10,6 +10,7 @@ from scipy.stats import t as student
 
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Parameter
+from tactiledata.diagnose.scores import IMITATED
 from tactiledata.diagnose.wording import quantity, signed_change
 
 Array = NDArray[np.float64]
@@ -54,35 +55,40 @@ def change(projection: Projection, place: int, instrument: Array) -> Change:
 
     Its variance is the sandwich of the units of exchange at the fit that includes the change.
     """
-    field = projection.orthogonal((projection.directions[:, :, place] * instrument[:, None])[:, :, None])
+    alone = (projection.directions[:, :, place] * instrument[:, None])[:, :, None]
+    field = projection.orthogonal(alone)
     weighed = projection.weigh(field)
     scores = projection.dot(weighed, projection.left[:, :, None])[:, 0]
     information = projection.dot(field, weighed)[:, 0]
     total = float(information.sum())
     parameter = projection.residuals.parameters[projection.residuals.shared[place]]
-    if total <= 0:
+    if total <= IMITATED * float((alone**2).sum()):
         return Change(parameter, 0.0, float("inf"))
     value = float(scores.sum()) / total
-    units = len(scores)
-    # a unit that carries much of the information pulls the fit towards itself: its misfit is scaled up for that
-    leverage = np.clip(information / total, 0.0, 0.9)
-    misfit = (scores - value * information) / (1.0 - leverage)
-    effective = total**2 / float((information**2).sum())
-    freedom = max(min(units, effective) - 1.0, 1.0)
-    deviation = float(np.sqrt((misfit**2).sum())) / total
-    return Change(parameter, value, float(student.ppf(0.975, freedom)) * deviation)
+    misfit = (scores - value * information) / total
+    return Change(parameter, value, _half_width(misfit, information / total))
 
 
 def refitted(projection: Projection) -> list[Change]:
     """By how much a linear refit moves each shared parameter, with intervals from what the units disagree on."""
-    of_frames = np.einsum("nkp,nk->np", projection.directions, projection.score)
-    moved = projection.residuals.by_unit(of_frames) @ projection.inverse
-    units = len(moved)
-    widths = float(student.ppf(0.975, max(units - 1, 1))) * np.sqrt((moved**2).sum(axis=0) * units / max(units - 1, 1))
+    residuals, inverse = projection.residuals, projection.inverse
+    moved = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score)) @ inverse
+    grams = residuals.by_unit(np.einsum("nkp,nkq->npq", projection.directions, projection.weighed))
+    shares = np.einsum("pq,uqr,rp->up", inverse, grams, inverse, optimize=True) / np.maximum(np.diag(inverse), 1e-300)
     return [
-        Change(projection.residuals.parameters[place], float(projection.refit[k]), float(widths[k]))
-        for k, place in enumerate(projection.residuals.shared)
+        Change(residuals.parameters[place], float(projection.refit[k]), _half_width(moved[:, k], shares[:, k]))
+        for k, place in enumerate(residuals.shared)
     ]
+
+
+def _half_width(misfit: Array, shares: Array) -> float:
+    """Half of a 95 % interval from what each unit (u,) moves the value by, and its share of the information.
+
+    A unit that carries much of the information pulls the fit towards itself: its misfit is scaled up for that.
+    """
+    widened = misfit / (1.0 - np.clip(shares, 0.0, 0.9))
+    effective = 1.0 / max(float((shares**2).sum()), 1.0 / len(shares))
+    return float(student.ppf(0.975, max(effective - 1.0, 1.0))) * float(np.sqrt((widened**2).sum()))
 
 
 def over(name: str, low: float, high: float, unit: str) -> str:
