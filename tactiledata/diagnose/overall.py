@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
-from tactiledata.diagnose.scores import Contributions
+from tactiledata.diagnose.scores import Contributions, along
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.slopes import Change, refitted
 from tactiledata.diagnose.wording import p_words
@@ -46,21 +46,24 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
     projection = project(residuals)
     if not projection.directions.shape[2]:
         return ()
-    before = projection.score + projection.weighed @ projection.refit
-    scores = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, before))
-    gram = residuals.by_unit(np.einsum("nkp,nkp->np", projection.directions, projection.weighed))
-    found = Contributions(scores, np.maximum(gram, 0.0))
-    observed = np.abs(found.statistic)
-    drawn = np.abs(found.flipped(signs(residuals.unit_count, draws, seed)))
+    found = [_alone(residuals, place) for place in residuals.shared]
+    thrown = signs(residuals.unit_count, draws, seed)
+    observed = np.array([abs(float(one.statistic[0])) for one in found])
+    drawn = np.stack([np.abs(one.flipped(thrown)[:, 0]) for one in found], axis=1)
     p_values = family_wise(observed, drawn)
-    listed = []
-    for k, moved in enumerate(refitted(projection)):
-        listed.append(
-            Offset(
-                moved.parameter.name,
-                float(p_values[k]),
-                moved,
-                f"{moved.words} throughout ({p_words(float(p_values[k]))})",
-            )
-        )
+    listed = [
+        Offset(moved.parameter.name, float(p), moved, f"{moved.words} throughout ({p_words(float(p))})")
+        for moved, p in zip(refitted(projection), p_values, strict=True)
+    ]
     return tuple(sorted(listed, key=lambda one: (one.p, -one.change.sharpness)))
+
+
+def _alone(residuals: Residuals, place: int) -> Contributions:
+    """Score of one shared parameter beside all others."""
+    kept = [number for number in range(len(residuals.parameters)) if number != place]
+    others = replace(
+        residuals,
+        parameters=tuple(residuals.parameters[number] for number in kept),
+        sensitivities=residuals.slopes[:, :, kept],
+    )
+    return along(project(others), residuals.slopes[:, :, place], np.ones((len(residuals.values), 1)))

@@ -18,6 +18,10 @@ from tactiledata.errors import MissingFile, TactileDataError, UsageError
 
 Array = NDArray[np.float64]
 
+FAR = 30.0
+"""Times the median distance from the median: 20 standard deviations of a normal distribution."""
+MOST_STRAYS = 0.02
+"""Share of the rows; more are no strays."""
 MOST_ROWS = 20_000
 """More rows of the same groups cost time and tell little."""
 SUFFIXES = (".csv", ".tsv", ".parquet")
@@ -87,7 +91,7 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     """
     columns = columns_of(frame, document, group)
     notes: list[str] = []
-    rows = _whole_rows(frame, columns, notes)
+    rows = _without_strays(_whole_rows(frame, columns, notes), columns, notes)
     groups = _group_numbers(rows[columns.group])
     time = columns.covariates[columns.time][0] if columns.time else None
     order = np.lexsort((rows[time].to_numpy(dtype=float), groups)) if time else np.argsort(groups, kind="stable")
@@ -136,6 +140,23 @@ def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.D
     if not kept.any():
         raise TactileDataError("no row has all of its numbers", "observed, predicted and covariates in one row")
     return frame.loc[kept]
+
+
+def _without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
+    """Rows without those, where they are few, that lie so far off that no law of the rest could be seen beside them."""
+    stray = pd.Series(False, index=rows.index)
+    for one in columns.quantities:
+        left = rows[one.observed] - rows[one.predicted]
+        apart = (left - left.median()).abs()
+        stray |= (apart > FAR * apart.median()) & (apart.median() > 0)
+    if not 0 < stray.mean() <= MOST_STRAYS:
+        return rows
+    first = ", ".join(str(number) for number in rows.index[stray][:5])
+    notes.append(
+        f"{counted(int(stray.sum()), 'row')} left out: observed minus predicted lies more than {FAR:.0f} times as far "
+        f"from its median as it usually does (first: {first}, counted from 0)"
+    )
+    return rows[~stray]
 
 
 def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:

@@ -190,6 +190,19 @@ def test_groups_of_one_row_are_enough(tmp_path):
     assert "zero" in document["gap"]["floor_is"]
 
 
+def test_strays_are_left_out_and_said():
+    """One reading a billion times too large; readings that are merely large stay."""
+    table = presses(0)
+    table.loc[7, "fz_observed_N"] = 1e9
+    table.loc[9, "fz_observed_N"] += 1.0
+    read = residuals_of(table)
+    assert len(read.residuals.values) == len(table) - 1
+    assert "first: 7" in " ".join(read.notes)
+    table = presses(0)
+    half = table.assign(fz_observed_N=table.fz_observed_N + np.where(table.index % 2, 100.0, 0.0))
+    assert len(residuals_of(half).residuals.values) == len(table)
+
+
 def test_a_planted_rate_is_explained(tmp_path):
     """The answer names the scale, the speed and the coefficient; held-out groups fit; nothing is left."""
     table, explanation, document = diagnose_table(saved(tmp_path, presses(1, 50, rate=0.08)))
