@@ -79,6 +79,13 @@ def _by_locator(located: Located) -> Iterator[tuple[str, list[dict[str, Any]]]]:
         ],
     )
     yield (
+        "departures from events on",
+        [
+            {"p": one.p, "words": one.words, "event": one.event, "component": one.component}
+            for one in located.departures
+        ],
+    )
+    yield (
         "steps",
         [
             {"p": one.p, "words": one.words, "parameter": one.parameter, "change": change_document(one.change)}

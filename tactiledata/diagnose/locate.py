@@ -8,6 +8,7 @@ import numpy as np
 
 from tactiledata.diagnose.change_points import Step, change_points
 from tactiledata.diagnose.energy import EnergyShares, energy_shares
+from tactiledata.diagnose.event_effects import EventEffect, event_effects
 from tactiledata.diagnose.event_locked import EventLocked, event_locked
 from tactiledata.diagnose.events import find_events
 from tactiledata.diagnose.free_air import FreeAir, free_air
@@ -56,7 +57,7 @@ class Located:
         After the refit of the shared parameters.
     gate : Gate, optional
     free_air : FreeAir
-    overall, drifts, events, steps, maps, leaves
+    overall, drifts, events, departures, steps, maps, leaves
         See the modules of these names.
     leading : tuple of Drift
         The certain drifts without their echoes.
@@ -72,6 +73,7 @@ class Located:
     drifts: tuple[Drift, ...]
     leading: tuple[Drift, ...]
     events: tuple[EventLocked, ...]
+    departures: tuple[EventEffect, ...]
     steps: tuple[Step, ...]
     maps: tuple[RegionMap, ...]
     leaves: tuple[Leaf, ...]
@@ -100,7 +102,9 @@ class Located:
             said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
         if self.is_certain("drifting parameters"):
             said += [_sentence(one.words) for one in self.leading]
-        if self.is_certain("events"):
+        if self.is_certain("departures from events on"):
+            said.append(_sentence(self.departures[0].words))
+        elif self.is_certain("events"):
             said += [_sentence(one.words) for one in self.events if one.p <= LEVEL][:MOST_SAID]
         if self.is_certain("steps"):
             said += [_sentence(one.words) for one in self.steps][:MOST_SAID]
@@ -131,7 +135,9 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     common = offsets(residuals, seed + 1, draws)
     drifts = instability(projection, seed + 2, draws)
     leading = leading_drifts(projection, drifts, seed + 8, draws)
-    events = event_locked(refitted, find_events(residuals), seed=seed + 3, draws=draws)
+    found_events = find_events(residuals)
+    events = event_locked(refitted, found_events, seed=seed + 3, draws=draws)
+    departures = event_effects(projection, found_events, seed + 9, draws)
     steps = change_points(projection, chosen.order_by, seed + 4)
     maps = region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws)
     leaves = honest_tree(projection, seed + 6, draws)
@@ -143,6 +149,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
         "a common offset": min([one.p for one in common], default=None),
         "drifting parameters": min([one.p for one in drifts], default=None),
         "events": min([one.p for one in events], default=None),
+        "departures from events on": min([one.p for one in departures], default=None),
         "steps": min([one.p for one in steps], default=1.0) if chosen.order_by in residuals.covariates else None,
         "the map": min([one.p for one in maps], default=None),
         "the tree": min([one.p for one in leaves], default=None),
@@ -150,7 +157,9 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     asked = {name: value for name, value in tests.items() if value is not None}
     corrected = holm(np.array(list(asked.values())))
     together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
-    return Located(projection, opened, air, common, drifts, leading, events, steps, maps, leaves, shares, together)
+    return Located(
+        projection, opened, air, common, drifts, leading, events, departures, steps, maps, leaves, shares, together
+    )
 
 
 def _sentence(words: str) -> str:
