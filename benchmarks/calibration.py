@@ -108,7 +108,7 @@ def main() -> None:
     print(f"95 % intervals that hold the truth: {np.mean(held, axis=0)}")
     done, truth = runs[0]
     began = time.perf_counter()
-    loss = vector_loss(done.experiment, NOISE, done.fit.fitted, 4e-5)
+    loss = vector_loss(done.experiment, NOISE, done.fit.fitted, 4e-5, done.options.shape_share)
     share = coverage(loss, done.bounds, truth, draws).share
     print(f"coverage on {draws} surrogates of E, nu, mu: {share}; {time.perf_counter() - began:.0f} s")
 

@@ -32,7 +32,8 @@ class Coverage:
 
 
 def coverage(loss: VectorLoss, bounds: Bounds, truth: Array, draws: int = 200, seed: int = 0) -> Coverage:
-    """Coverage of the 95 % intervals at a truth (3,): noise, zeros and offsets are drawn anew, the plays are not."""
+    """Coverage of the 95 % intervals at a truth (3,): noise, zeros, offsets and factors are drawn anew, the plays
+    are not."""
     chance = np.random.default_rng([seed, 3])
     covered = np.zeros(3)
     estimates = np.empty((draws, 3))
@@ -51,6 +52,9 @@ def surrogate(loss: VectorLoss, truth: Array, chance: np.random.Generator) -> Ar
     offsets = loss.prior * chance.standard_normal(len(counts))
     series = response.at(float(truth[1]), float(truth[2]))
     clean = truth[0] * series.at(np.repeat(offsets, counts))
+    if loss.shapes is not None and loss.shape_error > 0:
+        factors = 1.0 + loss.shape_error * chance.standard_normal(int(loss.shapes.max()) + 1)
+        clean = clean * np.repeat(factors[loss.shapes], counts)[:, None]
     factor = np.linalg.cholesky(loss.noise.covariance * loss.noise.inflation).T
     zeros = np.sqrt(tare_variance(loss.free_samples))[:, None] * chance.standard_normal((len(counts), 6))
     scatter = chance.standard_normal(clean.shape) / loss.weights[:, None]

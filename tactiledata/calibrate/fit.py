@@ -65,7 +65,7 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
     start = bounds.inside(
         np.array([youngs_modulus_of_shore_a(options.shore_a), *(np.add(bounds.low, bounds.high) / 2)[1:]])
     )
-    vector = vector_loss(experiment, noise, fitted, options.offset_prior)
+    vector = vector_loss(experiment, noise, fitted, options.offset_prior, options.shape_share)
     norm = norm_loss(experiment, fitted)
     if options.loss == "vector":
         found = search(vector, bounds, start)
@@ -75,11 +75,11 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
         found = search(norm, bounds, start)
         intervals = bootstrap_intervals(norm, bounds, found, options.seed)
     everything = np.arange(len(experiment.touches))
-    whole = vector_loss(experiment, noise, everything, options.offset_prior)
+    whole = vector_loss(experiment, noise, everything, options.offset_prior, options.shape_share)
     unseen: dict[LossName, Loss] = {}
     if len(held_out):
         unseen = {
-            "vector": vector_loss(experiment, noise, held_out, options.offset_prior),
+            "vector": vector_loss(experiment, noise, held_out, options.offset_prior, options.shape_share),
             "norm": norm_loss(experiment, held_out),
         }
     seen: dict[LossName, Loss] = {"vector": vector, "norm": norm}
@@ -95,10 +95,21 @@ def deal(count: int, share: float, seed: int) -> tuple[Indices, Indices]:
     return np.sort(order[held:]), np.sort(order[:held])
 
 
-def vector_loss(experiment: Experiment, noise: WrenchNoise, which: Indices, prior: float) -> VectorLoss:
+def vector_loss(
+    experiment: Experiment, noise: WrenchNoise, which: Indices, prior: float, shape_error: float
+) -> VectorLoss:
     """Over some of the touches."""
-    response = experiment.response.part(which)
-    return VectorLoss(response, _measured(experiment, which), noise, experiment.free_samples[which], prior)
+    names = [experiment.touches[k].indenter for k in which]
+    shapes = np.unique(names, return_inverse=True)[1].astype(np.int64)
+    return VectorLoss(
+        experiment.response.part(which),
+        _measured(experiment, which),
+        noise,
+        experiment.free_samples[which],
+        prior,
+        shapes,
+        shape_error,
+    )
 
 
 def norm_loss(experiment: Experiment, which: Indices) -> NormLoss:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from tactiledata.calibrate.response import Response
 from tactiledata.nuisance.noise import WrenchNoise
-from tactiledata.nuisance.numerical import frame_weights
-from tactiledata.nuisance.offsets import PRIOR, OffsetSeries, profile_offsets
+from tactiledata.nuisance.numerical import frame_weights, profile_shapes
+from tactiledata.nuisance.offsets import PRIOR, OffsetSeries
 from tactiledata.nuisance.tare import tare_variance, without_tare
 
 Array = NDArray[np.float64]
@@ -43,6 +43,10 @@ class VectorLoss:
         Samples in free air from which each trajectory's zero was taken.
     prior : m
         Standard deviation of the offsets; 0 leaves them out.
+    shapes : (t,), optional
+        Number of each trajectory's indenter: its forces have a factor in common.
+    shape_error : float
+        Standard deviation of those factors about 1.
     """
 
     response: Response
@@ -50,6 +54,8 @@ class VectorLoss:
     noise: WrenchNoise
     free_samples: Array
     prior: float = PRIOR
+    shapes: Indices | None = None
+    shape_error: float = 0.0
 
     def value(self, parameters: Array) -> float:
         """Root mean square of the whitened residual, offsets profiled; about 1 where the noise is all there is."""
@@ -57,15 +63,22 @@ class VectorLoss:
         return float(np.sqrt((whole @ whole) / self.measured.size))
 
     def residual(self, parameters: Array) -> Array:
-        """Whitened rows of all frames (6 n,), then the offsets over their prior (t,); profiled."""
+        """Whitened rows of all frames (6 n,), offsets over their prior (t,), factors over theirs (s,); profiled."""
         series = self._series(parameters)
-        offsets = self._profiled(series)
-        rows = self._white_measured - series.at(np.repeat(offsets, self.response.counts))
-        return np.concatenate([rows.ravel(), offsets / self.prior if self.prior > 0 else offsets])
+        offsets, factors = self._profiled(series)
+        simulated = series.at(np.repeat(offsets, self.response.counts)) * self._by_row(factors)
+        off = (factors - 1.0) / self.shape_error if self.shape_error > 0 else factors[:0]
+        return np.concatenate(
+            [(self._white_measured - simulated).ravel(), offsets / self.prior if self.prior > 0 else offsets, off]
+        )
 
     def offsets(self, parameters: Array) -> Array:
         """Contact offsets (t,), m."""
-        return self._profiled(self._series(parameters))
+        return self._profiled(self._series(parameters))[0]
+
+    def factors(self, parameters: Array) -> Array:
+        """On the forces of each indenter (s,)."""
+        return self._profiled(self._series(parameters))[1]
 
     def with_measured(self, measured: Array) -> VectorLoss:
         """The same with other measurements (n, 6)."""
@@ -75,14 +88,25 @@ class VectorLoss:
         """The trajectory of each entry of ``residual``."""
         count = len(self.response.starts)
         rows = np.repeat(np.arange(count), self.response.counts * 6)
-        return np.concatenate([rows, np.arange(count)])
+        # a factor belongs to all trajectories of its indenter; it is counted with the first of them
+        firsts = np.unique(self._shapes, return_index=True)[1] if self.shape_error > 0 else np.arange(0)
+        return np.concatenate([rows, np.arange(count), firsts])
 
     @cached_property
     def _white_measured(self) -> Array:
         return self._white(self.measured)
 
-    def _profiled(self, series: OffsetSeries) -> Array:
-        return profile_offsets(self._white_measured, series, self.response.starts, self.prior)
+    def _profiled(self, series: OffsetSeries) -> tuple[Array, Array]:
+        return profile_shapes(
+            self._white_measured, series, self.response.starts, self._shapes, self.prior, self.shape_error
+        )
+
+    @property
+    def _shapes(self) -> Indices:
+        return np.zeros(len(self.response.starts), dtype=np.int64) if self.shapes is None else self.shapes
+
+    def _by_row(self, factors: Array) -> Array:
+        return np.repeat(factors[self._shapes], self.response.counts)[:, None]
 
     def _series(self, parameters: Array) -> OffsetSeries:
         modulus, ratio, friction = parameters

@@ -14,6 +14,7 @@ from tactiledata.errors import UsageError
 from tactiledata.gel.engines import EngineName, Mechanics, mechanics_of
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.nuisance.numerical import SHAPE_ERROR
 from tactiledata.nuisance.offsets import PRIOR
 from tactiledata.replay.plan import MakePad
 
@@ -40,6 +41,9 @@ class CalibrationOptions:
     shore_a : durometer reading, for the start (Gent)
     offset_prior : m
         Standard deviation of each trajectory's contact offset; 0: the recorded poses are taken as they are.
+    shape_error : share, optional
+        Standard deviation of a factor that the forces of each indenter have in common; that of the engine and its
+        fidelity where it is not given, 0: the simulation is taken to be exact.
     sensor : str, optional
         Only trajectories of this sensor.
     workers : int
@@ -64,6 +68,7 @@ class CalibrationOptions:
     seed: int = 0
     shore_a: float = DIGIT_SHORE_A
     offset_prior: float = PRIOR
+    shape_error: float | None = None
     sensor: str | None = None
     workers: int = 1
     make_pad: MakePad | None = None
@@ -79,6 +84,7 @@ class CalibrationOptions:
             ("trajectories", self.trajectories >= FEWEST, f"at least {FEWEST}"),
             ("hold_out", 0.0 <= self.hold_out < 1.0, "a share, 0 to below 1"),
             ("offset_prior", 0.0 <= self.offset_prior < 1e-3, "metres, 0 to below 0.001"),
+            ("shape_error", 0.0 <= self.shape_share < 0.5, "a share, 0 to below 0.5"),
             ("seed", self.seed >= 0, "0 or more"),
         )
         for name, holds, wanted in checks:
@@ -91,6 +97,11 @@ class CalibrationOptions:
         return mechanics_of(self.engine, self.fidelity)
 
     @property
+    def shape_share(self) -> float:
+        """``shape_error``, or that of what plays the touches."""
+        return SHAPE_ERROR[self.mechanics] if self.shape_error is None else self.shape_error
+
+    @property
     def pads(self) -> MakePad:
         """What makes the pads."""
         return self.make_pad or partial(pad_mesh, resolution="low")
@@ -98,4 +109,4 @@ class CalibrationOptions:
     def document(self) -> dict[str, Any]:
         """What the result depends on, for provenance."""
         names = ("loss", "engine", "fidelity", "bounds", "trajectories", "hold_out", "seed", "shore_a", "offset_prior")
-        return {name: getattr(self, name) for name in (*names, "sensor")}
+        return {name: getattr(self, name) for name in (*names, "sensor")} | {"shape_error": self.shape_share}

@@ -104,7 +104,9 @@ def _surfaces(calibration: Calibration) -> Section:
     fit, bounds, options = calibration.fit, calibration.bounds, calibration.options
     loss: Loss
     if options.loss == "vector":
-        loss = vector_loss(calibration.experiment, calibration.measured.noise, fit.fitted, options.offset_prior)
+        loss = vector_loss(
+            calibration.experiment, calibration.measured.noise, fit.fitted, options.offset_prior, options.shape_share
+        )
     else:
         loss = norm_loss(calibration.experiment, fit.fitted)
     surfaces = []

@@ -33,6 +33,9 @@ def calibrate(
     offset_prior: float = typer.Option(
         4e-5, "--offset-prior", help="Standard deviation, in metres, of each trajectory's contact offset; 0: none."
     ),
+    shape_error: float = typer.Option(
+        None, "--shape-error", help="Share by which each indenter's simulated forces may be off together; 0: none."
+    ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     seed: int = typer.Option(0, "--seed", help="Another seed draws other trajectories."),
     workers: int = typer.Option(1, "--workers", min=1, help="Local processes."),
@@ -62,6 +65,7 @@ def calibrate(
         seed=seed,
         shore_a=shore_a,
         offset_prior=offset_prior,
+        shape_error=shape_error,
         sensor=sensor,
         workers=workers,
         indenter_folder=indenters,

@@ -33,6 +33,10 @@ class OffsetSeries:
         z = offsets[:, None]
         return self.level + z * (self.slope + z * self.curvature)
 
+    def times(self, factors: Array) -> OffsetSeries:
+        """Each row times a factor (n,)."""
+        return OffsetSeries(*(part * factors[:, None] for part in (self.level, self.slope, self.curvature)))
+
 
 def profile_offsets(measured: Array, series: OffsetSeries, starts: Indices, prior: float = PRIOR) -> Array:
     """The offset (t,), m, of each trajectory that makes its whitened residual and its prior least.
