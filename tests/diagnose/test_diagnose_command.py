@@ -2,14 +2,20 @@
 
 import json
 import sys
-from pathlib import Path
 
 import pytest
 from tables import presses
 
-sys.path.append(str(Path(__file__).parents[1] / "cli"))
+from tactiledata.cli.main import run
 
-from command import run_command
+
+def run_command(capsys, monkeypatch, *arguments):
+    """Exit code, standard output and standard error of `diagnose`."""
+    monkeypatch.setattr(sys, "argv", ["tactiledata", "diagnose", *arguments])
+    with pytest.raises(SystemExit) as stop:
+        run()
+    printed = capsys.readouterr()
+    return stop.value.code or 0, printed.out, printed.err
 
 
 @pytest.fixture
@@ -21,19 +27,19 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_sentences_and_files(folder, capsys):
+def test_sentences_and_files(folder, capsys, monkeypatch):
     """The answer comes first; the page and the document lie in the folder; without --gate the code is 0."""
-    code, out, err = run_command(capsys, "diagnose", "rate.csv", "--out", "diagnosis")
+    code, out, err = run_command(capsys, monkeypatch, "rate.csv", "--out", "diagnosis")
     assert code == 0, err
     assert out.startswith("Something is missing")
     assert {path.name for path in (folder / "diagnosis").iterdir()} == {"report.html", "diagnosis.json"}
     assert "diagnosing" in err
 
 
-def test_the_gate(folder, capsys):
+def test_the_gate(folder, capsys, monkeypatch):
     """1 where structure is found, 0 where none is."""
-    assert run_command(capsys, "diagnose", "rate.csv", "--gate", "--json")[0] == 1
-    code, out, err = run_command(capsys, "diagnose", "quiet.csv", "--gate", "--json")
+    assert run_command(capsys, monkeypatch, "rate.csv", "--gate", "--json")[0] == 1
+    code, out, err = run_command(capsys, monkeypatch, "quiet.csv", "--gate", "--json")
     assert (code, err) == (0, "")
     assert json.loads(out)["answer"] == "nothing found"
 
@@ -49,10 +55,10 @@ def test_the_gate(folder, capsys):
         (["one.csv"], 1, "one group only"),
     ],
 )
-def test_wrong_calls(folder, capsys, arguments, code, words):
+def test_wrong_calls(folder, capsys, monkeypatch, arguments, code, words):
     """2 for a wrong call, 1 for a table that holds too little, and words for both."""
     (folder / "columns.yaml").write_text("format: tactiledata-columns/1\n")
     presses(1, 1).to_csv("one.csv", index=False)
-    found, _, err = run_command(capsys, "diagnose", *arguments)
+    found, _, err = run_command(capsys, monkeypatch, *arguments)
     assert (found, words in err) == (code, True), err
     assert "Traceback" not in err
