@@ -80,7 +80,7 @@ class _Condition:
 
 
 def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> EnergyShares:
-    """Shares of the excess over ``noise`` (the variance of a value) in the residual after the refit."""
+    """Shares of the excess over ``noise`` (the variance of a value, 0 where it is not known) after the refit."""
     residuals = projection.residuals
     square = projection.left * projection.score - noise
     total = float(square.sum())
@@ -106,8 +106,9 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
         )
 
     sharpest = cell(_sharpest(conditions, square, residuals)) if conditions else None
+    what = "excess" if noise > 0 else "squared residual"
     words = "" if sharpest is None else (
-        f"{percent(sharpest.share)} ({percent(sharpest.interval[0])} to {percent(sharpest.interval[1])}) of the excess "
+        f"{percent(sharpest.share)} ({percent(sharpest.interval[0])} to {percent(sharpest.interval[1])}) of the {what} "
         f"sits in {sharpest.words}, which is {percent(sharpest.of_values)} of the values"
     )  # fmt: skip
     return EnergyShares(total / size, tuple(cell((one,)) for one in conditions), sharpest, words)

@@ -20,6 +20,7 @@ from tactiledata.report.diagnosis_plots import (
     EventPicture,
     MapPicture,
     draw_dependences,
+    draw_errors,
     draw_events,
     draw_map,
     draw_shares,
@@ -78,8 +79,19 @@ def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list
         said = [(one["component"], one["unit"], rounded(one["before"], 3), rounded(one["after"], 3)) for one in errors]
         headings = ("", "unit", "error before", "error with the formula")
         text = "Root mean squares on groups that had no part in choosing or fitting the formula."
-        sections.append(Section("How much better", [("info", text)], headings, said))
+        sections.append(Section("How much better", [("info", text)], headings, said, _bars(explanation)))
     return sections
+
+
+def _bars(explanation: Explanation) -> list[Picture]:
+    gap, ceiling = explanation.gap, explanation.ceiling
+    if gap is None:
+        return []
+    counts = explanation.located.projection.left.size
+    black_box = float(np.sqrt(ceiling.squares.sum() / counts))
+    names = ["as predicted", "with the formula", "black box", f"floor: {explanation.floor_is}"]
+    drawn = draw_errors(names, [gap.before, gap.after, black_box, gap.floor])
+    return [Picture(png_bytes(drawn), "Errors of groups that had no part in formula or black box, and the floor.")]
 
 
 def _pictures(explanation: Explanation) -> list[Section]:

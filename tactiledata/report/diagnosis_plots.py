@@ -150,6 +150,21 @@ def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[fl
     return figure
 
 
+def draw_errors(names: Sequence[str], errors: Sequence[float]) -> Figure:
+    """Bars of root mean squares."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 0.35 * len(names) + 0.7), layout="constrained")
+    axis = figure.subplots()
+    places = np.arange(len(names))
+    axis.barh(places, errors, color=[BEFORE, AFTER, *["#8a929a"] * len(names)][: len(names)], height=0.6)
+    axis.set_yticks(places, names, fontsize=8)
+    axis.invert_yaxis()
+    axis.set_xlabel("root mean square, times the noise", fontsize=8)
+    axis.tick_params(axis="x", labelsize=7)
+    return figure
+
+
 def draw_map(picture: MapPicture) -> Figure:
     """Departures over the plane; places outside the band of chance are marked."""
     from matplotlib.figure import Figure
