@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.projection import Projection
-from tactiledata.diagnose.residuals import FEWEST_UNITS, Parameter
+from tactiledata.diagnose.residuals import FEWEST_UNITS, Parameter, Residuals
 from tactiledata.diagnose.slopes import Change
 from tactiledata.diagnose.wording import p_words, quantity
 
@@ -100,7 +100,9 @@ def series_of(projection: Projection, order_by: str) -> list[Series]:
 def change_points(
     projection: Projection, order_by: str = "index", seed: int = 0, draws: int = DRAWS
 ) -> tuple[Step, ...]:
-    """Steps of the shared parameters along a covariate, in order; none where the covariate is not there.
+    """Steps of the shared parameters along a covariate, the most certain first; none where they cannot be asked for.
+
+    That is where the covariate is not there, and where blocks larger than trajectories are the units of exchange.
 
     Raises
     ------
@@ -109,7 +111,7 @@ def change_points(
     """
     residuals = projection.residuals
     residuals.need_units("steps along time")
-    if order_by not in residuals.covariates:
+    if not can_step(residuals, order_by):
         return ()
     series = series_of(projection, order_by)
     unit = residuals.covariates[order_by].unit
@@ -125,6 +127,11 @@ def change_points(
             words = f"{moved.words} in one step between {at}{_relabelled(projection, before, after)} ({p_words(p)})"
             found.append(Step(one.parameter.name, before, after, moved, p, words))
     return tuple(sorted(found, key=lambda step: step.p))
+
+
+def can_step(residuals: Residuals, order_by: str) -> bool:
+    """Whether steps along a covariate can be asked for."""
+    return order_by in residuals.covariates and residuals.blocks is None
 
 
 def segment(series: list[Series], rng: np.random.Generator, draws: int = DRAWS) -> list[list[tuple[int, float]]]:

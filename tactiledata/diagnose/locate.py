@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.diagnose.change_points import Step, change_points
+from tactiledata.diagnose.change_points import Step, can_step, change_points
 from tactiledata.diagnose.energy import EnergyShares, energy_shares
 from tactiledata.diagnose.event_effects import EventEffect, event_effects
 from tactiledata.diagnose.event_locked import EventLocked, event_locked
@@ -150,7 +150,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
         "drifting parameters": min([one.p for one in drifts], default=None),
         "events": min([one.p for one in events], default=None),
         "departures from events on": min([one.p for one in departures], default=None),
-        "steps": min([one.p for one in steps], default=1.0) if chosen.order_by in residuals.covariates else None,
+        "steps": min([one.p for one in steps], default=1.0) if can_step(residuals, chosen.order_by) else None,
         "the map": min([one.p for one in maps], default=None),
         "the tree": min([one.p for one in leaves], default=None),
     }

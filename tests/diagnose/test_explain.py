@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from planted import modulus_over, planted
+from planted import MODULUS, modulus_over, planted
 
 from tactiledata.diagnose.dependence import dependence
 from tactiledata.diagnose.explain import explain
@@ -78,6 +78,20 @@ def test_the_dependence_is_sloped_before_and_flat_after():
     assert np.corrcoef(np.log(before.places), before.departures)[0, 1] > 0.9
     assert np.ptp(after.departures) < 0.3 * np.ptp(before.departures)
     assert (np.abs(after.departures) < 4 * after.errors).all()
+
+
+def test_days_are_exchanged_where_they_are_given():
+    """A modulus of each recording day's own is found as steps between trajectories, and is chance between days."""
+    from dataclasses import replace
+
+    world = planted(8, 96, 8, random_effects=False)
+    day = world.trajectory // 8
+    moduli = np.random.default_rng(0).normal(0, 0.3 * MODULUS, 12)[day]
+    moved = world.with_values(world.values + world.slopes[:, :, 0] * moduli[:, None])
+    assert locate(moved, LocateOptions(draws=299)).is_structured
+    by_day = locate(replace(moved, blocks=day), LocateOptions(draws=299))
+    assert "steps" not in by_day.p
+    assert not by_day.is_structured
 
 
 def test_the_gate_is_one_of_the_locators():
