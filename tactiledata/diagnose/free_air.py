@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.instability import Drift, instability
 from tactiledata.diagnose.overall import Offset, offsets
 from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.residuals import FEWEST_UNITS, Parameter, Residuals
+from tactiledata.diagnose.residuals import FEWEST_UNITS, Residuals
 from tactiledata.diagnose.sign_flips import DRAWS
+from tactiledata.diagnose.zeros import with_zeros
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ def free_air(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> FreeAir
         return FreeAir(
             0, 0, 1.0, (), (), "No frames in free air: an error of the sensor cannot be told from one of contact."
         )
-    alone = _with_biases(residuals.part(rows))
+    alone = _with_zeros_only(residuals.part(rows))
     if alone.unit_count < FEWEST_UNITS:
         text = f"Free air in {alone.unit_count} trajectories only: too few to say anything of the sensor alone."
         return FreeAir(int(rows.sum()), alone.unit_count, 1.0, (), (), text)
@@ -66,20 +67,10 @@ def free_air(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> FreeAir
     return FreeAir(int(rows.sum()), alone.unit_count, p, means, drifts, _words(p, means, drifts))
 
 
-def _with_biases(alone: Residuals) -> Residuals:
+def _with_zeros_only(alone: Residuals) -> Residuals:
     """Free-air frames know one parameter for each component: its zero. Labels of contact mean nothing there."""
-    width = len(alone.components)
-    slopes = np.broadcast_to(np.eye(width), (len(alone.values), width, width)).copy()
-    deviations = np.ones(width) if alone.deviations is None else alone.deviations
-    units = alone.units or ("times the noise",) * width
-    return replace(
-        alone,
-        labels={name: texts for name, texts in alone.labels.items() if name not in (PHASE, "contact")},
-        parameters=tuple(
-            Parameter(f"zero of {name}", unit) for name, unit in zip(alone.components, units, strict=True)
-        ),
-        sensitivities=slopes / deviations,
-    )
+    labels = {name: texts for name, texts in alone.labels.items() if name not in (PHASE, "contact")}
+    return with_zeros(replace(alone, labels=labels, parameters=(), sensitivities=None))
 
 
 def _words(p: float, means: tuple[Offset, ...], drifts: tuple[Drift, ...]) -> str:

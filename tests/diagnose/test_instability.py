@@ -13,6 +13,7 @@ from tactiledata.diagnose.residuals import Covariate
 from tactiledata.diagnose.scores import contributions
 from tactiledata.diagnose.sign_flips import family_wise, signs
 from tactiledata.diagnose.slopes import change
+from tactiledata.diagnose.zeros import with_zeros
 from tactiledata.errors import TactileDataError
 
 
@@ -192,6 +193,16 @@ def test_indenters_that_were_mounted_one_after_the_other_are_named():
         )  # fmt: skip
         assert look_alikes(mounted)["index"] == expected
         assert ("index" in look_alikes(mounted)["indenter"]) == bool(expected)
+
+
+def test_a_zero_that_drifts_is_no_modulus_that_does():
+    """With the zeros as parameters the zero of fz is named, by its size in newtons."""
+    world = with_zeros(planted(4, 60, own=False))
+    minutes = world.covariates["minutes"].values
+    drifting = world.values + np.column_stack([0 * minutes, 0 * minutes, 3.0 * minutes / 90])
+    first = instability(project(world.with_values(drifting)), draws=499)[0]
+    assert (first.parameter, first.covariate, first.p <= 0.01) == ("zero of fz", "minutes", True)
+    assert abs(first.change.value - 0.3 * 0.9) < max(first.change.half_width, 0.05)
 
 
 def test_few_trajectories_are_said():
