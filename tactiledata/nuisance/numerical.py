@@ -14,12 +14,12 @@ ROUNDS = 4
 
 FORCE_ERROR = {"finite-strain": 0.03, "linear": 0.12, "mujoco-flex": 0.5}
 """Standard deviation, as a share: against converged reference solutions finite strain is 2 to 4 % off on the low mesh,
-linear 10 to 20 % at 1 mm depth (docs/calibration.md), and MuJoCo's
-tetrahedra are 25 % to several times too stiff (docs/gel.md)."""
+linear 10 to 20 % at 1 mm depth (docs/calibration.md), and MuJoCo's tetrahedra are 25 % to several times too stiff
+(docs/gel.md)."""
 
 SHAPE_ERROR = {"finite-strain": 0.03, "linear": 0.06, "mujoco-flex": 0.15}
-"""Standard deviation, as a share: by how much the forces of one indenter are off beside those of the others. Two solvers
-of other discretisation and other contact differ so from shape to shape (docs/calibration.md)."""
+"""Standard deviation, as a share: by how much the forces of one indenter are off beside those of the others. Two
+solvers of other discretisation and other contact differ so from shape to shape (docs/calibration.md)."""
 
 SCATTER = 0.01
 """Standard deviation, as a share of the force: by how much frame by frame the solver's tolerance, patches that come and
