@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import UnknownName
+from tactiledata.gel.flex_model import is_convex
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.pad import PadMesh
 from tactiledata.ingest.tare import component_noise, touch_threshold, touching
@@ -101,6 +102,8 @@ def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_ou
             left_out["a gel of another shape: calibrate it on its own, with --sensor"] += 1
         elif peak is None or not peak >= LEAST_FORCE:
             left_out[f"no force: the sensor felt less than {LEAST_FORCE:g} N"] += 1
+        elif options.engine == "mujoco-flex" and touch.solid is not None and not is_convex(touch.solid):
+            left_out["an indenter that is not convex, which mujoco-flex cannot press"] += 1
         else:
             usable.append(touch)
     return usable

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from tactiledata.errors import UsageError
+from tactiledata.gel.mujoco_package import load_mujoco
 from tactiledata.gel.pad import Indices, PadMesh
 from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.sphere import Sphere
@@ -35,25 +36,6 @@ NOT_A_FAULT = "has no equality constraints or passive forces"
 """MuJoCo 4.0 says so of every flex that is held by its elasticity alone."""
 
 
-def load_mujoco() -> Any:
-    """The package.
-
-    Raises
-    ------
-    UsageError
-        It is not installed.
-    """
-    try:
-        import mujoco
-    except ImportError as error:
-        raise UsageError(
-            "engine mujoco-flex needs MuJoCo, which is not installed",
-            "",
-            "pip install -c constraints.txt -e '.[sim]', or take the engine fem.",
-        ) from error
-    return mujoco
-
-
 def tetrahedra_of(mesh: PadMesh) -> Indices:
     """Four-node cells (c, 4) on the pad's own vertices.
 
@@ -71,6 +53,12 @@ def tetrahedra_of(mesh: PadMesh) -> Indices:
     return mesh.cells[:, SPLIT].reshape(-1, 4)
 
 
+def is_convex(indenter: Indenter) -> bool:
+    """Whether an indenter is one that MuJoCo presses as it is."""
+    solid = indenter.mesh()
+    return bool(abs(solid.convex_hull.volume / solid.volume - 1) <= CONVEX)
+
+
 def require_convex(indenter: Indenter) -> None:
     """Nothing, for an indenter that MuJoCo presses as it is.
 
@@ -79,8 +67,7 @@ def require_convex(indenter: Indenter) -> None:
     UsageError
         One that is not convex.
     """
-    solid = indenter.mesh()
-    if abs(solid.convex_hull.volume / solid.volume - 1) > CONVEX:
+    if not is_convex(indenter):
         raise UsageError(
             f"indenter {indenter.shape!r} is not convex",
             "a convex one: mujoco-flex would press the convex hull",
@@ -104,7 +91,7 @@ class FlexModel:
     def __init__(
         self, mesh: PadMesh, cells: Indices, indenter: Indenter, poisson_ratio: float, friction: float
     ) -> None:
-        self._mujoco = load_mujoco()
+        self._mujoco = load_mujoco("engine mujoco-flex")
         spec = self._mujoco.MjSpec.from_string(_document(mesh, cells, indenter, poisson_ratio, friction))
         # stable neo-Hookean; the default, Saint Venant-Kirchhoff, softens under pressure
         spec.flexes[0].elastic3d = 1

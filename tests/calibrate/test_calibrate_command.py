@@ -6,9 +6,12 @@ import sys
 
 import pytest
 
+from tactiledata.calibrate.measured import read_measured
+from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.cli.main import run
 from tactiledata.gel import structured_pad
 from tactiledata.gel.structured_pad import GridPlan
+from tactiledata.store.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 
@@ -80,3 +83,13 @@ def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, 
     assert code == 1
     assert "no stream of tcp poses" in said
     assert "0 trajectories can be used" in said
+
+
+def test_the_flex_leaves_out_what_it_cannot_press(tiny_store):
+    """The cross of the tiny world is counted with its reason for mujoco-flex, and takes part for fem."""
+    store = Store.open(tiny_store)
+    reason = "an indenter that is not convex, which mujoco-flex cannot press"
+    flex, fem = (read_measured(store, CalibrationOptions(engine=engine)) for engine in ("mujoco-flex", "fem"))
+    assert flex.left_out.get(reason, 0) > 0
+    assert reason not in fem.left_out
+    assert len(flex.touches) + flex.left_out[reason] == len(fem.touches)
