@@ -66,6 +66,10 @@ class Contact(Protocol):
         """As commanded."""
 
     @property
+    def missed(self) -> Array | None:
+        """What the arm really adds to the path besides the offset, (n, 3) m at ``CONTACT_RATE``: x, y, depth."""
+
+    @property
     def wrench(self) -> Array:
         """What the gel exerts on the indenter (n, 6) at ``CONTACT_RATE``, gel frame, about its origin: N, N m."""
 
@@ -79,6 +83,14 @@ class Contact(Protocol):
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """Height (n_y, n_x), m, of the gel's outer surface on the footprint's grid; zero where it is at rest."""
+
+
+def missed_at(missed: Array | None, seconds: Array) -> Array:
+    """What the arm adds (n, 3), m, at seconds (n,), from its history at ``CONTACT_RATE``; zero without one."""
+    if missed is None:
+        return np.zeros((len(seconds), 3))
+    ticks = np.arange(len(missed)) / CONTACT_RATE
+    return np.stack([np.interp(seconds, ticks, column) for column in missed.T], axis=1)
 
 
 def contact_times(path: Path) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.rig.contact import CONTACT_RATE, DEEPEST, TouchSetup, contact_times
+from tactiledata.rig.contact import CONTACT_RATE, DEEPEST, TouchSetup, contact_times, missed_at
 from tactiledata.rig.layer_contact import ContactHistory, contact_law, press_along
 from tactiledata.rig.membrane import surface
 from tactiledata.rig.motion import Path
@@ -23,6 +23,7 @@ class AnalyticContact:
     setup: TouchSetup
     path: Path
     history: ContactHistory
+    missed: Array | None = None
 
     @property
     def wrench(self) -> Array:
@@ -42,16 +43,29 @@ class AnalyticContact:
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """See `Contact.surface`."""
         print_ = self.setup.print_
-        x, y, depth = self.path.at(np.array([seconds]))[0] + self.setup.offset
+        moment = np.array([seconds])
+        x, y, depth = self.path.at(moment)[0] + self.setup.offset + missed_at(self.missed, moment)[0]
         ticks = np.arange(len(self.history.drag))
         drag = [float(np.interp(seconds * CONTACT_RATE, ticks, column)) for column in self.history.drag.T]
         moved = (float(x - print_.position[0]), float(y - print_.position[1]))
         return surface(print_, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
 
 
-def touch_analytic(setup: TouchSetup) -> AnalyticContact:
-    """A touch, played."""
+def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: Array | None = None) -> AnalyticContact:
+    """A touch, played.
+
+    Parameters
+    ----------
+    setup : TouchSetup
+    path : Path, optional
+        Planned already.
+    missed : (n, 3), m, optional
+        See `Contact.missed`.
+    """
     law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
     share = setup.normal_limit / setup.touch.force_limit
-    path = setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))
-    return AnalyticContact(setup, path, press_along(law, path.at(contact_times(path)) + setup.offset))
+    path = path or setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))
+    positions = path.at(contact_times(path)) + setup.offset
+    if missed is not None:
+        positions = positions + missed
+    return AnalyticContact(setup, path, press_along(law, positions), missed)

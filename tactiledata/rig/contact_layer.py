@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from tactiledata.rig.contact import DEEPEST, TouchSetup, contact_times
+from tactiledata.rig.contact import DEEPEST, TouchSetup, contact_times, missed_at
 from tactiledata.rig.layer_grid import LayerGrid
 from tactiledata.rig.layer_picture import drawn_surface
 from tactiledata.rig.layer_press import led_on
@@ -45,11 +45,12 @@ class LayerContact:
     marks: Array
     surfaces: NDArray[np.float32]
     unsettled: int
+    missed: Array | None = None
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """See `Contact.surface`."""
         setup, moment = self.setup, np.array([seconds])
-        x, y, depth = self.path.at(moment)[0] + setup.offset
+        x, y, depth = self.path.at(moment)[0] + setup.offset + missed_at(self.missed, moment)[0]
         place = float(np.interp(self.path.travelled(moment)[0], self.marks, np.arange(len(self.marks))))
         index = min(int(place), len(self.marks) - 2)
         first, second = self.surfaces[index], self.surfaces[index + 1]
@@ -58,14 +59,26 @@ class LayerContact:
         return drawn_surface(displacement, self.grid, setup.print_, moved, float(depth))
 
 
-def touch_layer(setup: TouchSetup, layer: Layer) -> LayerContact:
-    """A touch, played on a pad."""
+def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, missed: Array | None = None) -> LayerContact:
+    """A touch, played on a pad.
+
+    Parameters
+    ----------
+    setup : TouchSetup
+    layer : Layer
+    path : Path, optional
+        Planned already.
+    missed : (n, 3), m, optional
+        See `Contact.missed`; between the solver's steps it is taken to follow the path.
+    """
     walk = _Walk(setup, layer)
-    path = setup.plan(lambda _: _deepest(setup, walk))
+    path = path or setup.plan(lambda _: _deepest(setup, walk))
     marks, positions = solver_steps(path, setup.offset)
+    at = path.travelled(contact_times(path))
+    if missed is not None:
+        positions = positions + np.stack([np.interp(marks, at, column) for column in missed.T], axis=1)
     states = walk.along(positions)
     wrenches = np.array([state.wrench for state in states])
-    at = path.travelled(contact_times(path))
     slips = np.array([state.is_slipping for state in states])
     return LayerContact(
         setup,
@@ -76,6 +89,7 @@ def touch_layer(setup: TouchSetup, layer: Layer) -> LayerContact:
         marks,
         np.array([state.u[:, -1] for state in states], dtype=np.float32),
         sum(not state.is_settled for state in states),
+        missed,
     )
 
 

@@ -23,7 +23,10 @@ def describe(stage: Stage, performance: Performance, serials: Sequence[str], tar
     document = {
         "format": LOG_FORMAT,
         **({"title": scenario.title} if scenario.title else {}),
-        "sensors": {serial: _sensor(scenario.sensors[serial], performance.start_ns) for serial in serials},
+        "sensors": {
+            serial: _sensor(scenario.sensors[serial], performance.start_ns - int(scenario.recordings.powered * 1e9))
+            for serial in serials
+        },
         "indenters": {name: _indenter(stage, name) for name in used},
         "robot": {
             "model": "ur5e",
@@ -45,7 +48,7 @@ def describe(stage: Stage, performance: Performance, serials: Sequence[str], tar
     return document
 
 
-def _sensor(setup: SensorSetup, start_ns: int) -> dict[str, Any]:
+def _sensor(setup: SensorSetup, power_on_ns: int) -> dict[str, Any]:
     gel = setup.gel
     return {
         "model": "digit",
@@ -58,7 +61,7 @@ def _sensor(setup: SensorSetup, start_ns: int) -> dict[str, Any]:
             "sides": "free",
             "backing": "bonded",
         },
-        "power_on_ns": [start_ns - 20 * 60 * 10**9],
+        "power_on_ns": [power_on_ns],
     }
 
 

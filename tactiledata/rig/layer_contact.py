@@ -93,6 +93,8 @@ class ContactLaw:
     stiffness : (k,) N/m, tangential
     centre : (k, 3) m
         Centre of pressure relative to the tip (x, y) and the undeformed surface (z), gel axes.
+    radius : (k,) m
+        Of the round contact of equal area.
     """
 
     depth: Array
@@ -100,6 +102,7 @@ class ContactLaw:
     stiffness: Array
     centre: Array
     friction: float
+    radius: Array
 
     def depth_at(self, force: float) -> float:
         """The depth at which the normal force reaches a value; the deepest tabulated one where it never does."""
@@ -131,7 +134,7 @@ def contact_law(indenter: Indenter, print_: Footprint, thickness: float, materia
     centre[touching, 2] = -square[touching] / volume[touching]
     if touching.any():
         centre[~touching, :2] = centre[touching][0, :2]
-    return ContactLaw(depth, force, shear_stiffness(radius, thickness, material), centre, material.friction)
+    return ContactLaw(depth, force, shear_stiffness(radius, thickness, material), centre, material.friction, radius)
 
 
 def _face_area(print_: Footprint) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig import motion
-from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup
-from tactiledata.rig.contact_analytic import touch_analytic
+from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup, missed_at
 from tactiledata.rig.contact_layer import touch_layer
 from tactiledata.rig.footprint import GelGrid, footprint
+from tactiledata.rig.hidden_base import TouchFacts, Visit
+from tactiledata.rig.hidden_contact import analytic, touch_hidden
 from tactiledata.rig.layer_grid import LayerGrid
 from tactiledata.rig.layer_solver import Layer
 from tactiledata.rig.scenario import Gel, Scenario
@@ -34,6 +35,8 @@ SPACING = 0.05
 PER_ROW = 4
 MOUNTS, OFFSETS = 3, 4
 """Numbers of the random streams."""
+TOUCHED = {"pose", "contact", "force"}
+"""Places where a hidden effect changes what happens in a touch."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,8 @@ class Play:
 
     def true_positions(self, host_ns: Times) -> Array:
         """Where the indenter really is over the gel (n, 3): x, y of the tip, depth, metres."""
-        return self.path.at((host_ns - self.start_ns) * 1e-9) + self.offset
+        seconds = (host_ns - self.start_ns) * 1e-9
+        return self.path.at(seconds) + self.offset + missed_at(self.contact.missed, seconds)
 
     def wrench(self, host_ns: Times) -> Array:
         """Contact wrench (n, 6) on the indenter, gel frame: N, N m."""
@@ -160,11 +164,21 @@ class Stage:
         poses: list[tuple[Array, Transform]] = []
         cursor = start_ns + int(0.25e9)
         mount, remount = 0, np.zeros(3)
+        visits: dict[str, list[Visit]] = {}
         for index, touch in enumerate(touches):
             if index == 0 or touches[index - 1].indenter != touch.indenter:
                 mount += 1
                 remount = rng.normal(0.0, self.scenario.imperfections.remount, 3)
-            play = self._play(touch, cursor, remount, mount)
+            facts = TouchFacts(
+                touch,
+                self.scenario,
+                (cursor - start_ns) * 1e-9,
+                mount,
+                log_index,
+                self.mounted[touch.indenter],
+                visits.setdefault(touch.sensor, []),
+            )
+            play = self._play(facts, cursor, remount)
             plays.append(play)
             played()
             poses.append((motion.gel_from_indenter_rotation(touch), self.mounted[touch.indenter]))
@@ -173,8 +187,8 @@ class Stage:
             cursor = play.end_ns + int(max(setup.pause, way / TRAVEL_SPEED) * 1e9)
         return Performance(tuple(plays), tuple(poses), robot.tcp_from_gel, start_ns, plays[-1].end_ns + int(0.25e9))
 
-    def _play(self, touch: Touch, start_ns: int, remount: Array, mount: int) -> Play:
-        scenario = self.scenario
+    def _play(self, facts: TouchFacts, start_ns: int, remount: Array) -> Play:
+        scenario, touch = self.scenario, facts.touch
         gel = scenario.sensors[touch.sensor].gel
         indenter = self.indenters[touch.indenter]
         rng = np.random.default_rng([scenario.seed, OFFSETS, _number(touch.name)])
@@ -186,17 +200,19 @@ class Stage:
             motion.plan, touch, frames_per_step=images.frames_per_step, free_air_frames=images.free_air_frames
         )
         setup = TouchSetup(touch, indenter, rotation, print_, offset, gel.thickness, scenario.material, plan)
-        if scenario.contact == "analytic":
-            contact: Contact = touch_analytic(setup)
-        else:
-            contact = touch_layer(setup, self._layer(gel))
-        return Play(touch, start_ns, print_.lowest, offset, contact, mount)
+        solve = analytic if scenario.contact == "analytic" else partial(self._on_layer, gel)
+        if any(effect.ACTS in TOUCHED for effect in scenario.hidden):
+            setup, hidden, visit = touch_hidden(setup, facts, scenario.hidden, solve)
+            facts.visits.append(visit)
+            return Play(touch, start_ns, print_.lowest, setup.offset, hidden, facts.mount)
+        return Play(touch, start_ns, print_.lowest, offset, solve(setup, None, None), facts.mount)
 
-    def _layer(self, gel: Gel) -> Layer:
-        if gel not in self._layers:
+    def _on_layer(self, gel: Gel, setup: TouchSetup, path: motion.Path | None, missed: Array | None) -> Contact:
+        real = replace(gel, thickness=setup.thickness)
+        if real not in self._layers:
             grid = LayerGrid.of(gel.outline, self.scenario.contact_pitch)
-            self._layers[gel] = Layer(grid, gel.thickness, self.scenario.material)
-        return self._layers[gel]
+            self._layers[real] = Layer(grid, setup.thickness, self.scenario.material)
+        return touch_layer(setup, self._layers[real], path, missed)
 
 
 def _number(name: str) -> int:

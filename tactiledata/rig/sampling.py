@@ -14,6 +14,7 @@ from tactiledata.errors import SchemaError
 from tactiledata.rig import imperfections, ur5e
 from tactiledata.rig.describe import describe, trajectory_rows
 from tactiledata.rig.footprint import GelGrid
+from tactiledata.rig.hidden_sensing import hidden_loads, sensed_loads, told_readings, told_stamps
 from tactiledata.rig.play import Performance, Play, Stage
 from tactiledata.rig.reflectance import HEIGHT, WIDTH, Camera, Optics
 from tactiledata.rig.scenario import Scenario
@@ -37,7 +38,7 @@ def sample(stage: Stage, name: str, index: int, performance: Performance) -> Tap
     scenario = stage.scenario
     rng = np.random.default_rng([scenario.seed, SAMPLING, index])
     tares = _tare_times(scenario, performance)
-    signals = {"tcp": _tcp(scenario, performance, rng), "wrench": _wrench(scenario, performance, tares, rng)}
+    signals = {"tcp": _tcp(scenario, performance, rng), "wrench": _wrench(scenario, performance, index, tares, rng)}
     if scenario.streams.joints > 0:
         signals["joints"] = _joints(scenario, performance, rng)
     if scenario.streams.arm_wrench > 0:
@@ -101,28 +102,33 @@ def load_on_ft(scenario: Scenario, performance: Performance, host_ns: NDArray[np
     contact = move_wrench(on_gel, ft_from_tcp @ robot.tcp_from_gel.matrix)
     down = performance.tcp(host_ns)[:, 2, :3] * (-robot.tool_mass * GRAVITY)
     weight = np.concatenate([down, np.cross(np.asarray(robot.centre_of_gravity), down)], axis=1)
-    return contact + move_wrench(weight, ft_from_tcp)
+    return contact + move_wrench(weight, ft_from_tcp) + hidden_loads(scenario, performance, host_ns)
 
 
-def _wrench(scenario: Scenario, performance: Performance, tares: list[int], rng: np.random.Generator) -> Samples:
+def _wrench(
+    scenario: Scenario, performance: Performance, index: int, tares: list[int], rng: np.random.Generator
+) -> Samples:
     setup, streams, clock = scenario.imperfections, scenario.streams, scenario.clock("wrench")
     host = _times(performance, streams.wrench, clock.jitter, rng)
     seconds = (host - performance.start_ns) * 1e-9
     moments = np.concatenate([host, np.asarray(tares, dtype=np.int64)])
     order = np.argsort(moments, kind="stable")
     loads = np.empty((len(moments), 6))
-    loads[order] = load_on_ft(scenario, performance, moments[order])
+    load = partial(load_on_ft, scenario, performance)
+    loads[order] = sensed_loads(scenario, performance, index, load, moments[order])
     loads += imperfections.bias_over_time((moments - performance.start_ns) * 1e-9, setup, rng)
     reading: Array = loads[: len(host)].copy()
     for tare_ns, zero in zip(tares, loads[len(host) :], strict=True):
         reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
     scale = np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])
     reading += imperfections.coloured_noise(len(host), scale, streams.wrench, setup, rng)
-    reading = imperfections.held(imperfections.quantised(reading, setup), seconds, streams.wrench_effective)
+    reading = told_readings(scenario.hidden, imperfections.quantised(reading, setup))
+    reading = imperfections.held(reading, seconds, streams.wrench_effective)
     if scenario.recordings.sign == "reaction":
         reading = -reading
     reading[imperfections.chosen(len(host), setup.nan_wrench, rng)] = np.nan
-    return Samples(host, imperfections.stream_stamps(host, clock), reading)
+    stamps = told_stamps(scenario.hidden, "wrench", imperfections.stream_stamps(host, clock), seconds)
+    return Samples(host, stamps, reading)
 
 
 def _arm_wrench(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:

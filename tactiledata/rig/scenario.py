@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tactiledata.contract.schema import check_document, read_document
 from tactiledata.errors import SchemaError
+from tactiledata.rig.hidden_effects import hidden_effect, is_null
 from tactiledata.rig.touch import Generate, Step, Touch
 from tactiledata.transforms import Transform
+
+if TYPE_CHECKING:
+    from tactiledata.rig.hidden_base import HiddenEffect
 
 
 @dataclass(frozen=True)
@@ -130,6 +134,7 @@ class Recordings:
     crcs: bool = True
     compression: str = "zstd"
     chunk_size: int = 768 * 1024
+    powered: float = 1200.0
 
 
 @dataclass(frozen=True)
@@ -153,6 +158,7 @@ class Scenario:
     trajectories: tuple[Touch, ...] = ()
     generate: Generate | None = None
     folder: Path = Path()
+    hidden: tuple[HiddenEffect, ...] = ()
 
     def clock(self, stream: str) -> ClockSetup:
         """The clock of ``wrench``, ``tcp``, ``joints`` or ``frames``; the host's own where not stated."""
@@ -179,7 +185,7 @@ def load_scenario(source: Path | str | Mapping[str, Any], folder: Path | None = 
     else:
         path = Path(source)
         document, where, base = read_document(path, "scenario"), str(path), folder or path.parent
-    scenario = _scenario(document, base)
+    scenario = replace(_scenario(document, base), hidden=_hidden(document, where))
     _check(scenario, document, where)
     return scenario
 
@@ -208,6 +214,17 @@ def _scenario(document: Mapping[str, Any], folder: Path) -> Scenario:
         **plain,
         **sections,
     )
+
+
+def _hidden(document: Mapping[str, Any], where: str) -> tuple[HiddenEffect, ...]:
+    """Effects that only the rig knows; those without strength are as if not there."""
+    entries = document.get("hidden", [])
+    names = [entry["effect"] for entry in entries]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise _fault(where, f"$.hidden[{index}].effect", f"the effect {name!r} is given twice", "each effect once")
+    made = [hidden_effect(entry, f"$.hidden[{index}]", where) for index, entry in enumerate(entries)]
+    return tuple(effect for effect in made if not is_null(effect))
 
 
 def _record(kind: type, entry: Mapping[str, Any]) -> Any:

@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.rig.hidden_contact import hidden_entries
 from tactiledata.rig.play import Performance, Play
 from tactiledata.rig.reflectance import Optics
 from tactiledata.rig.tape import Tape
@@ -32,6 +33,7 @@ def write_truth(tape: Tape, folder: Path) -> None:
             "imperfections": asdict(scenario.imperfections),
             "clocks": {name: asdict(scenario.clock(name)) for name in ("wrench", "tcp", "joints", "frames")},
             "sensors": {serial: _sensor(tape, serial) for serial in {play.touch.sensor for play in performance.plays}},
+            **({"hidden": hidden_entries(scenario.hidden)} if scenario.hidden else {}),
             "trajectories": {play.touch.name: _trajectory(play) for play in performance.plays},
         },
     )

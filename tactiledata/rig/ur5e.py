@@ -52,6 +52,21 @@ def forward(joints: ArrayLike) -> Array:
     return pose
 
 
+def jacobian(joints: ArrayLike, points: ArrayLike) -> Array:
+    """Geometric Jacobians (n, 6, 6) of points (n, 3), m, that move with the flange: velocity, then angular velocity,
+    in the base frame, per joint rate.
+    """
+    angles = np.asarray(joints, dtype=float).reshape(-1, 6)
+    at = np.asarray(points, dtype=float).reshape(-1, 3)
+    frame = np.tile(np.eye(4), (len(angles), 1, 1))
+    columns = []
+    for joint in range(6):
+        axis = frame[:, :3, 2]
+        columns.append(np.concatenate([np.cross(axis, at - frame[:, :3, 3]), axis], axis=1))
+        frame = frame @ _link(joint, angles[:, joint])
+    return np.stack(columns, axis=2)
+
+
 def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> Array:
     """Joint angles (n, 6), rad, that reach the poses (n, 4, 4), of the solution nearest to ``near``.
 
