@@ -85,7 +85,7 @@ def calibrate_measured(
     found = fit(experiment, measured.noise, bounds, options)
     played, error = check_interpolation(experiment, found, measured, options)
     left_out = {**measured.left_out, **experiment.left_out}
-    said = remarks(found, bounds, options.offset_prior, left_out, options.loss == "vector")
+    said = remarks(found, bounds, options.offset_prior, left_out, options.loss == "vector", options.shape_share)
     return Calibration(options, bounds, measured, experiment, found, played, error, tuple(said), store)
 
 

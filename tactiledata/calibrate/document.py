@@ -38,6 +38,8 @@ def calibration_document(calibration: Calibration) -> dict[str, Any]:
             for name, values in fit.losses.items()
         },
         "offsets": {touch.uid: float(offset) for touch, offset in zip(touches, fit.offsets, strict=True)},
+        "shape_error": options.shape_share,
+        "shape_factors": fit.shape_factors,
         "trajectories": {
             "fitted": [touches[place].uid for place in fit.fitted],
             "held_out": [touches[place].uid for place in fit.held_out],

@@ -46,6 +46,8 @@ class Fit:
     offsets : (t,) m
         Contact offset of every touch of the experiment, those held out included.
     fitted, held_out : places of the touches in the experiment
+    shape_factors : dict, indenter -> factor
+        On the forces of each indenter, those held out included; empty where the loss has none.
     losses : dict
         Both losses' values; the fit made the one of its name small.
     """
@@ -56,6 +58,7 @@ class Fit:
     offsets: Array
     fitted: Indices
     held_out: Indices
+    shape_factors: dict[str, float]
     losses: dict[LossName, LossValues]
 
 
@@ -85,7 +88,11 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
     seen: dict[LossName, Loss] = {"vector": vector, "norm": norm}
     losses = {name: _values(loss, unseen.get(name), start, found) for name, loss in seen.items()}
     offsets = whole.offsets(found) if options.loss == "vector" else np.zeros(len(everything))
-    return Fit(found, start, intervals, offsets, fitted, held_out, losses)
+    factors = {}
+    if options.loss == "vector" and options.shape_share > 0:
+        names = sorted({touch.indenter for touch in experiment.touches})
+        factors = dict(zip(names, map(float, whole.factors(found)), strict=True))
+    return Fit(found, start, intervals, offsets, fitted, held_out, factors, losses)
 
 
 def deal(count: int, share: float, seed: int) -> tuple[Indices, Indices]:

@@ -67,6 +67,9 @@ def _result(calibration: Calibration) -> Section:
         f"Forces interpolated in the grid of responses differ by {rms:.3f} N rms, {largest:.3f} N at most, from those "
         "played at the optimum."
     )
+    if calibration.fit.shape_factors:
+        parts = [f"{name} {factor:.3f}" for name, factor in calibration.fit.shape_factors.items()]
+        text += " Measured over simulated force, by indenter: " + ", ".join(parts) + "."
     return Section("Result", [("info", text)], ("", "value", "95 % interval", "start"), result_rows(calibration))
 
 

@@ -26,11 +26,13 @@ FAR = 3.0
 """Standard deviations of the prior."""
 
 
-def remarks(fit: Fit, bounds: Bounds, prior: float, left_out: Mapping[str, int], has_vector: bool) -> list[Finding]:
+def remarks(
+    fit: Fit, bounds: Bounds, prior: float, left_out: Mapping[str, int], has_vector: bool, shape_error: float = 0.0
+) -> list[Finding]:
     """Findings of a fit, and what was left out."""
     found = [*_bound_hits(fit, bounds), *_unidentified(fit, bounds), *_singular_pairs(fit)]
     if has_vector:
-        found += [*_misfit(fit), *_far_offsets(fit, prior)]
+        found += [*_misfit(fit), *_far_offsets(fit, prior), *_far_shapes(fit, shape_error)]
     return found + list(_left_out(left_out))
 
 
@@ -114,6 +116,17 @@ def _far_offsets(fit: Fit, prior: float) -> Iterator[Finding]:
             "is off by about as much"
         )
         yield Finding("calibration-common-offset", "warning", text)
+
+
+def _far_shapes(fit: Fit, share: float) -> Iterator[Finding]:
+    far = {name: factor for name, factor in fit.shape_factors.items() if abs(factor - 1.0) > FAR * share}
+    if far:
+        said = ", ".join(f"{name} {100 * (factor - 1):+.0f} %" for name, factor in sorted(far.items()))
+        text = (
+            f"measured forces are off those simulated by more than {100 * FAR * share:.0f} % for {said}: sizes, edges or "
+            "the tilt of these indenters may not be as stated, or the simulation does not serve for them"
+        )
+        yield Finding("calibration-shape", "warning", text, count=len(far))
 
 
 def _left_out(left_out: Mapping[str, int]) -> Iterator[Finding]:

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.errors import UsageError
-from tactiledata.gel.flex_model import FlexModel, load_mujoco, require_convex, tetrahedra_of
+from tactiledata.gel.flex_model import FlexModel, require_convex, tetrahedra_of
 from tactiledata.gel.gap import height_above
 from tactiledata.gel.history import FrameStatus, GelHistory, GelTouch
 from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.mujoco_package import load_mujoco
 from tactiledata.gel.pad import PadMesh
 from tactiledata.gel.path import judge_pose, load_steps
 from tactiledata.gel.recorder import FrameRecorder, Keep
@@ -56,7 +57,7 @@ class FlexEngine:
     fidelity = "mujoco-flex"
 
     def __init__(self, mesh: PadMesh, poisson_ratio: float) -> None:
-        load_mujoco()
+        load_mujoco("engine mujoco-flex")
         self.mesh = mesh
         self.poisson_ratio = GelMaterial(1.0, poisson_ratio, 0.0).poisson_ratio
         self.surface = contact_surface(mesh)

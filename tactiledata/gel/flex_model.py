@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from tactiledata.errors import UsageError
+from tactiledata.gel.mujoco_package import load_mujoco
 from tactiledata.gel.pad import Indices, PadMesh
 from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.sphere import Sphere
@@ -33,25 +34,6 @@ CONVEX = 2e-3
 """Share of its volume by which a body may differ from its convex hull."""
 NOT_A_FAULT = "has no equality constraints or passive forces"
 """MuJoCo 4.0 says so of every flex that is held by its elasticity alone."""
-
-
-def load_mujoco() -> Any:
-    """The package.
-
-    Raises
-    ------
-    UsageError
-        It is not installed.
-    """
-    try:
-        import mujoco
-    except ImportError as error:
-        raise UsageError(
-            "engine mujoco-flex needs MuJoCo, which is not installed",
-            "",
-            "pip install -c constraints.txt -e '.[sim]', or take the engine fem.",
-        ) from error
-    return mujoco
 
 
 def tetrahedra_of(mesh: PadMesh) -> Indices:
@@ -109,7 +91,7 @@ class FlexModel:
     def __init__(
         self, mesh: PadMesh, cells: Indices, indenter: Indenter, poisson_ratio: float, friction: float
     ) -> None:
-        self._mujoco = load_mujoco()
+        self._mujoco = load_mujoco("engine mujoco-flex")
         spec = self._mujoco.MjSpec.from_string(_document(mesh, cells, indenter, poisson_ratio, friction))
         # stable neo-Hookean; the default, Saint Venant-Kirchhoff, softens under pressure
         spec.flexes[0].elastic3d = 1

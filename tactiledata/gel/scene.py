@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.arm import UR5E_LINKS
+from tactiledata.gel.mujoco_package import load_mujoco
 from tactiledata.transforms import matrix_poses
 
 Array = NDArray[np.float64]
@@ -77,7 +76,7 @@ class GelScene:
 
     @cached_property
     def _compiled(self) -> tuple[Any, Any]:
-        mujoco = _mujoco()
+        mujoco = load_mujoco("the scene")
         model = mujoco.MjModel.from_xml_string(self.mjcf)
         data = mujoco.MjData(model)
         if self.parts.joints is not None:
@@ -98,7 +97,8 @@ class GelScene:
         """Least distance of gel and indenter, m, negative where they overlap, and the points (2, 3) it lies between."""
         model, data = self._compiled
         ends = np.zeros(6)
-        found = _mujoco().mj_geomDistance(model, data, model.geom("gel").id, model.geom("indenter").id, FARTHEST, ends)
+        mujoco = load_mujoco("the scene")
+        found = mujoco.mj_geomDistance(model, data, model.geom("gel").id, model.geom("indenter").id, FARTHEST, ends)
         return float(found), ends.reshape(2, 3)
 
     def picture(self) -> NDArray[np.uint8]:
@@ -110,7 +110,7 @@ class GelScene:
             A machine without OpenGL.
         """
         model, data = self._compiled
-        mujoco = _mujoco()
+        mujoco = load_mujoco("the scene")
         try:
             with mujoco.Renderer(model, *PICTURE) as renderer:
                 views = []
@@ -138,19 +138,6 @@ class GelScene:
             camera.azimuth, camera.elevation = azimuth, elevation
             cameras.append(camera)
         return cameras
-
-
-def _mujoco() -> Any:
-    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-        # read when mujoco is first imported; without a window system only EGL or OSMesa can draw
-        os.environ.setdefault("MUJOCO_GL", "egl")
-    try:
-        import mujoco
-    except ImportError as error:
-        raise UsageError(
-            "the scene needs MuJoCo, which is not installed", "", "pip install -c constraints.txt -e '.[sim]'"
-        ) from error
-    return mujoco
 
 
 def _document(parts: SceneParts) -> str:

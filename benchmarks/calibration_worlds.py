@@ -1,0 +1,120 @@
+"""Calibration on recorded worlds whose truth is known: another solver presses, the gel engine is fitted.
+
+    python benchmarks/calibration_worlds.py [--quick] [--plans 4] [--truths 5] [--trajectories 10]
+
+The rig records each world with its own layer solver (other discretisation, other contact), with the noise, jitter and
+offsets of a real rig, as ROS 2 MCAP; the toolkit ingests and calibrates it with both losses. A plan of touches is
+recorded under several truths: its poses are the same, so that what the engine played for one serves the others
+(TACTILEDATA_CACHE).
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactiledata.calibrate.calibrate import Calibration, calibrate
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.rig.record import record
+from tactiledata.rig.scenario import load_scenario
+from tactiledata.store.reader import Store
+
+LOSSES = ("vector", "norm")
+
+
+def scenario(plan: int, truth: np.ndarray, count: int) -> dict[str, Any]:
+    """A world of balls, a dome, a cylinder and a flat punch; its touches depend on the plan alone."""
+    return {
+        "format": "tactiledata-scenario/1",
+        "title": "calibration world",
+        "seed": 100 + plan,
+        "sensors": {"D20542": {"background": "digit-bg-0", "shore_00": 75}},
+        "indenters": {
+            "ball3": {"shape": "sphere", "radius": 0.003},
+            "ball5": {"shape": "sphere", "radius": 0.005},
+            "ball8": {"shape": "sphere", "radius": 0.008},
+            "dome": {"shape": "dome"},
+            "cylinder": {"shape": "cylinder_side"},
+            "punch": {"shape": "cylinder_flat"},
+        },
+        "material": dict(zip(("youngs_modulus", "poisson_ratio", "friction"), map(float, truth), strict=True)),
+        "contact": "layer",
+        "contact_pitch": 0.0003,
+        "streams": {"joints": 125, "tcp": 125, "wrench": 100},
+        "generate": {
+            "count": count,
+            "depth": [0.0005, 0.0008],
+            "force_limit": 40.0,
+            "speed": [0.001, 0.002],
+            "dwell": [0.2, 0.4],
+            "tilt": [0.0, 0.03],
+            "shear": [0.0004, 0.0010],
+            "shear_share": 0.8,
+            "reverse_share": 0.2,
+        },
+    }
+
+
+def truth_of(plan: int, number: int) -> np.ndarray:
+    """E (Pa), nu, mu, drawn inside the paper's bounds."""
+    chance = np.random.default_rng([plan, number, 11])
+    return np.array([chance.uniform(860e3, 945e3), chance.uniform(0.46, 0.488), chance.uniform(0.6, 0.9)])
+
+
+def calibrated(plan: int, truth: np.ndarray, count: int) -> dict[str, Calibration]:
+    """Record, ingest, calibrate with both losses."""
+    with tempfile.TemporaryDirectory() as folder:
+        logs = record(load_scenario(scenario(plan, truth, count)), Path(folder) / "logs", "mcap")
+        ingest(logs, Path(folder) / "world.zarr")
+        store = Store.open(Path(folder) / "world.zarr")
+        return {
+            loss: calibrate(store, CalibrationOptions(loss=loss, trajectories=count, hold_out=0.0, seed=plan))
+            for loss in LOSSES
+        }
+
+
+def main() -> None:
+    """Print errors by world, then of all."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="one world of three trajectories")
+    parser.add_argument("--plans", type=int, default=4)
+    parser.add_argument("--truths", type=int, default=5)
+    parser.add_argument("--trajectories", type=int, default=10)
+    asked = parser.parse_args()
+    plans, truths, count = (1, 1, 3) if asked.quick else (asked.plans, asked.truths, asked.trajectories)
+    print(f"## {plans * truths} recorded worlds ({plans} plans, {truths} truths each), {count} trajectories")
+    errors, covered = [], []
+    for plan in range(plans):
+        for number in range(truths):
+            truth = truth_of(plan, number)
+            began = time.perf_counter()
+            found = calibrated(plan, truth, count)
+            errors.append([found[loss].fit.parameters / truth - 1 for loss in LOSSES])
+            ends = found["vector"].fit.intervals.ends
+            covered.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
+            words = "; ".join(
+                f"{loss} "
+                + " ".join(f"{name} {100 * off:+.1f} %" for name, off in zip(("E", "nu", "mu"), row, strict=True))
+                for loss, row in zip(LOSSES, errors[-1], strict=True)
+            )
+            fitted = found["vector"].fit.losses["vector"].fitted
+            spent = time.perf_counter() - began
+            known = f"E {truth[0] / 1e3:.0f} kPa, nu {truth[1]:.3f}, mu {truth[2]:.2f}"
+            held = f"covered {covered[-1].tolist()}; residual {fitted:.2f}; {spent:.0f} s"
+            print(f"plan {plan} truth {number} ({known}): {words}; {held}", flush=True)
+    table = 100 * np.abs(np.array(errors))
+    for k, loss in enumerate(LOSSES):
+        middle, largest = np.median(table[:, k], axis=0), table[:, k].max(axis=0)
+        print(f"{loss}: |error| of E, nu, mu in %: median {middle.round(1)}, largest {largest.round(1)}")
+    shares = np.mean(covered, axis=0).round(2)
+    print(f"95 % intervals of the vector loss that hold the truth, share of E, nu, mu: {shares}")
+
+
+if __name__ == "__main__":
+    main()
