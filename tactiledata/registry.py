@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator, Mapping
+from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
@@ -37,7 +38,7 @@ class Registry(Mapping[str, Any]):
     def _targets(self) -> dict[str, str]:
         if self._group is None:
             return self._table
-        outside = {point.name: point.value for point in entry_points(group=self._group)}
+        outside = _installed(self._group)
         return {**self._table, **{name: value for name, value in outside.items() if name not in self._table}}
 
     def __getitem__(self, name: str) -> Any:
@@ -56,3 +57,9 @@ class Registry(Mapping[str, Any]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._table or name in self._targets()
+
+
+@cache
+def _installed(group: str) -> dict[str, str]:
+    """What other installed packages add; read once, as it takes milliseconds."""
+    return {point.name: point.value for point in entry_points(group=group)}
