@@ -39,7 +39,7 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
 
 
 def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, indenter: str) -> Touch:
-    speed = _log_uniform(rng, plan.speed)
+    speed = float(rng.choice(plan.speeds)) if plan.speeds else _log_uniform(rng, plan.speed)
     settle = _log_uniform(rng, plan.settle)
     depth = round(_log_uniform(rng, plan.depth) / plan.step) * plan.step
     steps = [Step("press", depth=max(depth, plan.step), step=plan.step, speed=speed, settle=settle)]

@@ -47,7 +47,7 @@ class Touch:
 
 @dataclass(frozen=True)
 class Generate:
-    """Touches drawn at random; ranges as [least, most]."""
+    """Touches drawn at random; ranges as [least, most]. ``speeds``: m/s, drawn from instead of the range."""
 
     count: int
     paired: bool = False
@@ -58,6 +58,7 @@ class Generate:
     step: float = 1e-4
     settle: Range = (0.1, 0.2)
     speed: Range = (0.5e-3, 2e-3)
+    speeds: tuple[float, ...] = ()
     dwell: Range = (0.2, 0.6)
     tilt: Range = (0.0, 0.12)
     position: tuple[float, float] = (0.0025, 0.0040)
