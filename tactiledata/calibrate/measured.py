@@ -59,13 +59,17 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
     Raises
     ------
     UnknownName
-        A sensor that the store does not hold.
+        A sensor or an indenter that the store does not hold.
     """
     plan = plan_replay(store, options.pads, options.indenter_folder)
     if options.sensor is not None:
         known = {touch.sensor for touch in plan.touches}
         if options.sensor not in known:
             raise UnknownName("sensor", options.sensor, known)
+    known = {touch.indenter for touch in plan.touches}
+    for indenter in options.indenters:
+        if indenter not in known:
+            raise UnknownName("indenter", indenter, known)
     left_out: Counter[str] = Counter()
     usable = _usable(store, plan, options, left_out)
     reader = _WrenchReader(store)
@@ -90,7 +94,11 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
 def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_out: Counter[str]) -> list[PlannedTouch]:
     peaks = dict(zip(*(store.trajectories(["uid", "peak_force"])[name].to_pylist() for name in ("uid", "peak_force")),
                      strict=True))  # fmt: skip
-    wanted = [touch for touch in plan.touches if options.sensor in (None, touch.sensor)]
+    wanted = [
+        touch
+        for touch in plan.touches
+        if options.sensor in (None, touch.sensor) and (not options.indenters or touch.indenter in options.indenters)
+    ]
     pads = Counter(touch.pad for touch in wanted if touch.obstacle is None)
     pad = pads.most_common(1)[0][0] if pads else -1
     usable = []

@@ -46,6 +46,8 @@ class CalibrationOptions:
         fidelity where it is not given, 0: the simulation is taken to be exact.
     sensor : str, optional
         Only trajectories of this sensor.
+    indenters : tuple of str
+        Only trajectories of these; all where it is empty.
     workers : int
         Processes that play trajectories.
     make_pad : callable, optional
@@ -70,6 +72,7 @@ class CalibrationOptions:
     offset_prior: float = PRIOR
     shape_error: float | None = None
     sensor: str | None = None
+    indenters: tuple[str, ...] = ()
     workers: int = 1
     make_pad: MakePad | None = None
     indenter_folder: Path | None = None
@@ -109,4 +112,7 @@ class CalibrationOptions:
     def document(self) -> dict[str, Any]:
         """What the result depends on, for provenance."""
         names = ("loss", "engine", "fidelity", "bounds", "trajectories", "hold_out", "seed", "shore_a", "offset_prior")
-        return {name: getattr(self, name) for name in (*names, "sensor")} | {"shape_error": self.shape_share}
+        return {name: getattr(self, name) for name in (*names, "sensor")} | {
+            "shape_error": self.shape_share,
+            "indenters": sorted(self.indenters),
+        }

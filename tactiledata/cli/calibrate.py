@@ -29,6 +29,7 @@ def calibrate(
     hold_out: float = typer.Option(0.2, "--hold-out", help="Share of them that is not fitted."),
     bounds: str = typer.Option("paper", "--bounds", help="paper, or wide: E 200 to 4000 kPa, mu 0.2 to 1.5."),
     sensor: str = typer.Option(None, "--sensor", help="Only trajectories of this sensor."),
+    indenter: str = typer.Option(None, "--indenter", help="Only trajectories of these indenters: ball3,ball5."),
     shore_a: float = typer.Option(24.5, "--shore-a", help="The gel's Shore A hardness: where the search starts."),
     offset_prior: float = typer.Option(
         4e-5, "--offset-prior", help="Standard deviation, in metres, of each trajectory's contact offset; 0: none."
@@ -67,6 +68,7 @@ def calibrate(
         offset_prior=offset_prior,
         shape_error=shape_error,
         sensor=sensor,
+        indenters=tuple(name.strip() for name in indenter.split(",") if name.strip()) if indenter else (),
         workers=workers,
         indenter_folder=indenters,
     )

@@ -8,6 +8,7 @@ from typing import Any
 
 import typer
 
+from tactiledata.cli.demo_gel import play_gel
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.wording import counted
@@ -26,15 +27,15 @@ def demo(
     out: Path = typer.Option(Path("demo-out"), "--out", help="Folder for everything that the demo makes."),
     world: str = typer.Option("demo", "--world", help="Scenario to record: demo, tiny, or a file."),
     workers: int = typer.Option(2, "--workers", help="Local processes."),
+    fidelity: str = typer.Option("finite-strain", "--fidelity", help="Of the gel; linear is a quick preview."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a small world and take it all the way to a report. Ingest, split, audit, meshes and a batch lie between.
+    """Record a small world and take it all the way to a report: ingest, split, audit, calibration, meshes, a batch.
 
     Example: tactiledata demo --out demo-out
     """
     from tactiledata.ingest.overview import write_report
     from tactiledata.ingest.pipeline import ingest
-    from tactiledata.replay.attach import replay
     from tactiledata.replay.overview import mesh_sections
     from tactiledata.rig.record import record
     from tactiledata.rig.scenario import load_scenario
@@ -74,30 +75,29 @@ def demo(
         audited = audit(store, "default", progress=bar)
     tell(f"   audit: {audited.lines()[0]}")
 
-    tell("4. Replay: every touch through the soft gel, a mesh for every picture (the world's material, linear)")
-    with progress("replaying", quiet=as_json) as bar:
-        replayed = replay(store_path, _replay_options(scenario.material), workers, progress=bar)
-    for line in replayed.lines():
-        tell(f"   {line}")
+    gel = play_gel(store_path, out, scenario, fidelity, workers, tell, quiet=as_json)
 
-    tell("5. Load: a batch from PyTorch")
+    tell("6. Load: a batch from PyTorch")
     batch = _load_batch(store_path)
     tell(f"   {batch['said']}")
 
     store = Store.open(store_path)
     written = write_report(store, out, further=mesh_sections(store))
-    tell(f"6. Look: {written['picture']}\n   Open:  {written['page']}")
+    tell(f"7. Look: {written['picture']}\n   Open:  {written['page']}")
+    if gel.page is not None:
+        tell(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
     if as_json:
         emit({
             "recordings": [str(log) for log in logs],
             "ingest": report.document(),
             "split": split.document(),
             "audit": audited.document(),
-            "replay": replayed.document(),
+            "calibration": gel.calibration,
+            "replay": gel.replay.document(),
             "batch": batch,
             **{name: str(path) for name, path in written.items()},
         })  # fmt: skip
-    if report.fell_short or audited.leaks or replayed.fell_short:
+    if report.fell_short or audited.leaks or gel.replay.fell_short:
         raise typer.Exit(1)
 
 
@@ -115,14 +115,6 @@ def _empty_folder(out: Path) -> None:
         shutil.rmtree(out)
     out.mkdir(parents=True, exist_ok=True)
     (out / MARKER).touch()
-
-
-def _replay_options(material: Any) -> Any:
-    from tactiledata.gel.material import GelMaterial
-    from tactiledata.replay.options import ReplayOptions
-
-    own = GelMaterial(material.youngs_modulus, material.poisson_ratio, material.friction)
-    return ReplayOptions(own, fidelity="linear")
 
 
 def _load_batch(store_path: Path) -> dict[str, Any]:

@@ -1,0 +1,21 @@
+"""The demo, whole, on the smallest world and with the quick gel."""
+
+import json
+
+import pytest
+from command import run_command
+
+pytestmark = pytest.mark.slow
+
+
+def test_it_ends_with_meshes_a_calibration_and_pages(tmp_path, capsys):
+    out = tmp_path / "demo"
+    code, printed, _ = run_command(capsys, "demo", "--world", "tiny", "--fidelity", "linear", "--out", out, "--json")
+    assert code == 0
+    told = json.loads(printed)
+    assert told["replay"]["with_mesh"] == sum(told["replay"]["status"].values()) > 40
+    assert told["audit"]["leaks"] == []
+    assert told["calibration"] == json.loads((out / "calibration.json").read_text())
+    for page in ("report.html", "calibration.html"):
+        assert "<img" in (out / page).read_text()
+    assert (out / "recorded.png").stat().st_size > 10_000
