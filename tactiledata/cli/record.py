@@ -21,7 +21,9 @@ def register(app: typer.Typer) -> None:
 
 
 def record(
-    scenario: str = typer.Argument(..., help="A scenario file, or the name of a bundled one: demo, tiny, paper."),
+    scenario: str = typer.Argument(
+        ..., help="A scenario file, or the name of a bundled one: demo, develop, paper, tiny."
+    ),
     out: Path = typer.Option(..., "--out", help="Folder for the logs; made where it is not there."),
     form: str = typer.Option("mcap", "--format", help="mcap or folder."),
     workers: int = typer.Option(1, "--workers", min=1, help="Local processes."),

@@ -2,7 +2,9 @@
 
 import filecmp
 import json
+import re
 from dataclasses import asdict, fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -39,6 +41,14 @@ def test_every_effect_keeps_the_contract_of_the_table(name):
         assert all(kind.RANGES[key][0] <= value <= kind.RANGES[key][1] for key, value in parameters.items())
         distances.append([abs(value - null[key]) for key, value in parameters.items()])
     assert (np.diff(distances, axis=0) > 0).all()
+
+
+def test_the_page_lists_every_effect():
+    """A row for each, with its number."""
+    page = (Path(__file__).parents[2] / "docs/rig.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `(\w+)` \| (\d+|–) \|", page, re.MULTILINE))
+    numbers = {name: HIDDEN_EFFECTS[name].NUMBER.replace("outside", "–") for name in HIDDEN_EFFECTS}
+    assert rows == numbers
 
 
 def test_the_catalogue_is_covered():
