@@ -4,3 +4,12 @@ Importing this package imports neither torch nor mujoco; each part is imported w
 """
 
 __version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> object:
+    # imported when it is asked for: it brings the effects and scipy with it
+    if name == "identifiability":
+        from tactiledata.diagnose.identifiability import identifiability
+
+        return identifiability
+    raise AttributeError(f"module 'tactiledata' has no attribute {name!r}")

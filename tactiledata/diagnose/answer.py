@@ -1,0 +1,176 @@
+"""The answer in plain sentences, and as a document."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tactiledata.diagnose.decide import Tie
+from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.name_effects import Naming
+from tactiledata.diagnose.profiled_interval import Interval
+from tactiledata.diagnose.residuals import joined_names
+from tactiledata.diagnose.wording import percent, rounded, with_interval
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.setting import effects_document
+
+_SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a simulation lacks.
+
+    Parameters
+    ----------
+    naming : Naming
+    """
+
+    naming: Naming
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the effects that are claimed; empty where none is."""
+        decision = self.naming.decision
+        return (
+            decision.best.names if decision.best is not None and decision.verdict in ("named", "one of a set") else ()
+        )
+
+    @property
+    def candidates(self) -> tuple[str, ...]:
+        """The same, and whatever cannot be told from them."""
+        return (*self.names, *(tie.name for tie in self.naming.decision.ties))
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether physics is missing, named or not."""
+        return self.naming.decision.verdict not in ("nothing is missing", "below detection")
+
+    @property
+    def sentences(self) -> list[str]:
+        """For people, the plainest first."""
+        decision = self.naming.decision
+        best = decision.best
+        if best is not None and self.names:
+            said = [_claim(best, decision.probabilities), *(_tie(best, tie) for tie in decision.ties)]
+            said += _values(self.naming.intervals)
+            said += _moved(self.naming.intervals_before, self.naming.intervals)
+            return [*said, *_alarms(best, "with it")]
+        if decision.verdict == "none of the known effects":
+            said = ["What is left has structure, and none of the known effects explains it."]
+        elif decision.verdict == "below detection" and best is not None:
+            said = [
+                f"There is a trace that looks like {_titles(best.names)}, no larger than what errors of the simulation"
+                " alone leave: below what this rig can detect."
+            ]
+        else:
+            said = ["Nothing is missing: noise, contact offsets and errors of the simulation explain what is left."]
+        if best is not None and decision.objections:
+            said.append(f"Nearest was {_titles(best.names)}; against it: {'; '.join(decision.objections)}.")
+        unseen = self.naming.identifiable.undetectable
+        if unseen:
+            said.append(f"These could be there and not show in these trajectories: {_titles(unseen)}.")
+        return said
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The ``naming`` part of ``schemas/diagnosis.json``."""
+        decision, naming = self.naming.decision, self.naming
+        best = decision.best
+        return {
+            "verdict": decision.verdict,
+            "names": list(self.names),
+            "sentences": self.sentences,
+            "probabilities": decision.probabilities,
+            "ties": [
+                {"name": tie.name, "cosine": tie.cosine, "gain_apart": tie.gain_apart, "error": tie.error}
+                for tie in decision.ties
+            ],
+            "objections": list(decision.objections),
+            "dispersion": decision.dispersion,
+            "before": [_interval(one) for one in naming.intervals_before],
+            "after": [_interval(one) for one in naming.intervals],
+            "effects": effects_document(best.fit.model.settings, best.fit.model.material)
+            if best is not None and self.names
+            else None,
+            "screen": [{"effect": one.effect, "score": one.score, "evidence": one.evidence} for one in naming.screened],
+            "candidates": [_judged(one) for one in sorted(naming.judged, key=lambda each: -each.gain)],
+            "identifiability": naming.identifiable.document,
+            "undetectable": list(naming.identifiable.undetectable),
+            "not_tried": list(naming.not_tried),
+        }
+
+
+def _titles(names: Sequence[str]) -> str:
+    return joined_names([EFFECTS[name]().title for name in names])
+
+
+def _claim(best: Judged, probabilities: dict[str, float]) -> str:
+    chance = rounded(min(probabilities[best.label], 0.99))
+    said = f"The simulation lacks {_titles(best.names)} (probability {chance}"
+    said += ", not yet calibrated on development worlds)"
+    if best.indenter_gain == best.indenter_gain:
+        return f"{said}; {percent(max(best.excess_share, 0.0))} of the excess on indenters that were held out is gone."
+    return f"{said}; {percent(max(best.excess_share, 0.0))} of the excess on trajectories that were held out is gone."
+
+
+def _tie(best: Judged, tie: Tie) -> str:
+    first, second = EFFECTS[best.names[0]](), EFFECTS[tie.name]()
+    said = f"It cannot be told from {second.title} in these data: what the two change is alike to {rounded(tie.cosine)}"
+    said += f", and held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}."
+    return f"{said} {first.told_apart_by}"
+
+
+def _values(found: Sequence[Interval]) -> list[str]:
+    numbers = [
+        f"{one.name} = {rounded(one.value)} ({rounded(one.low)} to {rounded(one.high)}"
+        f"){'' if one.unit == '1' else ' ' + one.unit}"
+        for one in found[3:]
+    ]
+    return [f"Fitted: {joined_names(numbers)}, 95 % intervals."] if numbers else []
+
+
+def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:
+    said = []
+    for old, new in zip(before, after[:3], strict=True):
+        scale, unit = _SCALES[old.name]
+        pinned = [" (pinned)" if one.low_is_bound or one.high_is_bound else "" for one in (old, new)]
+        ends = f"{rounded(new.low * scale, 3)} to {rounded(new.high * scale, 3)}"
+        shown = "" if unit == "1" else f" {unit}"
+        values = [f"{rounded(one.value * scale, 3)}{note}" for one, note in zip((old, new), pinned, strict=True)]
+        said.append(f"{old.name} {values[0]} -> {values[1]}{shown} ({ends})")
+    return [f"With it, {'; '.join(said)}."]
+
+
+def _alarms(best: Judged, when: str) -> list[str]:
+    if not best.at_bounds:
+        return []
+    return [
+        f"{joined_names(best.at_bounds)} at the end of what was tried {when}: something else may still be absorbed."
+    ]
+
+
+def _interval(one: Interval) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "unit": one.unit,
+        "value": one.value,
+        "interval": [one.low, one.high],
+        "at_bound": [one.low_is_bound, one.high_is_bound],
+    }
+
+
+def _judged(one: Judged) -> dict[str, Any]:
+    alone = one.indenter_gain != one.indenter_gain
+    return {
+        "effects": list(one.names),
+        "gain": one.gain,
+        "gain_error": one.gain_error,
+        "indenter_gain": None if alone else one.indenter_gain,
+        "indenter_error": None if alone else one.indenter_error,
+        "excess_share": one.excess_share,
+        "signature": [one.signature_before, one.signature_after],
+        "implausible": list(one.implausible),
+        "at_bounds": list(one.at_bounds),
+    }

@@ -1,0 +1,154 @@
+"""From what refits have gained to an answer: an effect, a set of them, or that there is none to be named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.evidence_scale import EvidenceScale
+from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.likeness_of_effects import best_imitation, cosines
+from tactiledata.diagnose.random_effects import RandomEffects
+
+Array = NDArray[np.float64]
+
+Verdict = Literal["nothing is missing", "below detection", "named", "one of a set", "none of the known effects"]
+NONE, OTHER = "none", "other"
+
+
+@dataclass(frozen=True)
+class Tie:
+    """An effect that cannot be told from the one that was named.
+
+    Parameters
+    ----------
+    name : str
+    cosine : float
+        Of what the named one changes, beyond what a refit imitates, with the nearest that this one can change.
+    gain_apart, error : float
+        How much more the named one gains where it was not fitted, and its standard error over trajectories.
+    """
+
+    name: str
+    cosine: float
+    gain_apart: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What is said.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    best : Judged, optional
+        What is named, or would be if the evidence sufficed.
+    ties : tuple of Tie
+    probabilities : dict, label -> probability
+        Of each candidate, of "none" and of "other".
+    objections : tuple of str
+        Why ``best`` is not named; empty where it is.
+    dispersion : float
+        Mean square of what is left after the best, over that of noise.
+    """
+
+    verdict: Verdict
+    best: Judged | None
+    ties: tuple[Tie, ...]
+    probabilities: dict[str, float]
+    objections: tuple[str, ...]
+    dispersion: float
+
+
+def decide(
+    singles: Sequence[Judged],
+    pairs: Sequence[Judged],
+    gains: dict[str, Array],
+    metric: RandomEffects,
+    dispersion: float,
+    scale: EvidenceScale,
+) -> Decision:
+    """The answer.
+
+    Parameters
+    ----------
+    gains : label -> (t,)
+        Held-out gain of each candidate by trajectory.
+    metric : RandomEffects
+        What a refit of the plain simulation could imitate.
+    dispersion : float
+        Mean square of what the best fit leaves.
+    """
+    ranked = sorted(singles, key=lambda one: -one.gain)
+    best = next((one for one in ranked if not one.objections(scale)), None)
+    for pair in sorted(pairs, key=lambda one: -one.gain):
+        if pair.objections(scale):
+            continue
+        if best is None or _exceeds(gains[pair.label] - gains[best.label], scale):
+            best = pair
+        break
+    if best is not None:
+        ties = _ties(best, ranked, gains, metric, scale) if len(best.names) == 1 else ()
+        verdict: Verdict = "one of a set" if ties else "named"
+        chances = _probabilities([*singles, *pairs], scale, dispersion)
+        return Decision(verdict, best, ties, chances, (), dispersion)
+    hint = ranked[0] if ranked else None
+    chances = _probabilities([*singles, *pairs], scale, dispersion)
+    objections = hint.objections(scale) if hint is not None else ()
+    if dispersion > scale.dispersion or (hint is not None and hint.gain >= 2.0 * scale.claim):
+        return Decision("none of the known effects", hint, (), chances, objections, dispersion)
+    if hint is not None and _is_trace(hint, scale):
+        return Decision("below detection", hint, (), chances, objections, dispersion)
+    return Decision("nothing is missing", hint, (), chances, objections, dispersion)
+
+
+def _is_trace(one: Judged, scale: EvidenceScale) -> bool:
+    """Whether all but the size of its gain speaks for it."""
+    return (
+        0.5 * scale.claim <= one.gain < scale.claim
+        and one.gain >= scale.standard_errors * one.gain_error
+        and one.signature_before >= scale.cure
+        and not one.implausible
+    )
+
+
+def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
+    error = float(np.sqrt(len(difference)) * difference.std(ddof=1))
+    return float(difference.sum()) > max(scale.claim, scale.standard_errors * error)
+
+
+def _ties(
+    best: Judged, ranked: Sequence[Judged], gains: dict[str, Array], metric: RandomEffects, scale: EvidenceScale
+) -> tuple[Tie, ...]:
+    others = [one for one in ranked if one.label != best.label and not one.implausible and one.gain > 0]
+    if not others:
+        return ()
+    alike = cosines(metric, [best.fit.effect_change, *(one.fit.effect_change for one in others)])[0, 1:]
+    found = []
+    for one, fitted in zip(others, alike, strict=True):
+        # two fits to one noise differ by it: what the other could do counts, not only what it did
+        could = best_imitation(metric, best.fit.effect_change, one.fit.of_effects)
+        cosine = max(float(fitted), could)
+        apart = gains[best.label] - gains[one.label]
+        error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
+        if cosine > scale.tie and float(apart.sum()) < scale.standard_errors * error:
+            found.append(Tie(one.label, cosine, float(apart.sum()), error))
+    return tuple(found)
+
+
+def _probabilities(judged: Sequence[Judged], scale: EvidenceScale, dispersion: float) -> dict[str, float]:
+    """A softmax of calibrated evidence; its numbers are estimates, see `EvidenceScale`."""
+    odds = {
+        one.label: scale.slope * (one.gain - scale.claim * len(one.names)) - 2.0 * len(one.implausible)
+        for one in judged
+    }
+    odds[NONE] = 0.0
+    odds[OTHER] = scale.other if dispersion > scale.dispersion else -scale.other
+    values = np.array(list(odds.values())) / scale.temperature
+    shares = np.exp(values - values.max())
+    return dict(zip(odds, (shares / shares.sum()).tolist(), strict=True))

@@ -1,0 +1,176 @@
+"""What each effect would leave in the data: the whitened change of the wrench over one standard deviation of it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import Bounds, find_bounds
+from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import Parameter
+from tactiledata.effects.setting import EffectSetting
+from tactiledata.gel.material import GelMaterial
+from tactiledata.nuisance.offsets import PRIOR
+
+Array = NDArray[np.float64]
+
+OWN_STEP = 2e-5
+"""m, of the differences over a trajectory's offset."""
+SHARE = 0.5
+"""Of a strength's standard deviation, of the differences over it."""
+FAINT = 1e-6
+"""Norm of a signature per standard deviation, in noise: less is nothing."""
+MATERIAL = ("E", "nu", "mu")
+
+
+@dataclass(frozen=True)
+class Signature:
+    """An effect at its null, at one choice of its shapes.
+
+    Parameters
+    ----------
+    effect : str
+    shapes : dict, parameter -> value
+    strengths : names of the p strengths that leave anything
+    scales : (p,)
+        Standard deviations of their priors.
+    one_sided : (p,) bool
+        Whether a strength cannot be negative.
+    field : (N, 6, p)
+        Whitened change over one standard deviation.
+    """
+
+    effect: str
+    shapes: dict[str, float]
+    strengths: tuple[str, ...]
+    scales: Array
+    one_sided: NDArray[np.bool_]
+    field: Array
+
+    @property
+    def label(self) -> str:
+        """For tables: ``"relaxation time=3"``."""
+        return " ".join([self.effect, *(f"{name}={value:g}" for name, value in self.shapes.items())])
+
+
+def shape_grids(effect: Effect) -> Iterator[dict[str, float]]:
+    """Every combination of the values of its shapes that a screen tries."""
+    tried = [one for one in effect.parameters if one.null is None and len(one.grid) > 1]
+    for values in itertools.product(*(one.grid for one in tried)):
+        yield dict(zip((one.name for one in tried), values, strict=True))
+
+
+def strengths_of(effect: Effect) -> tuple[Parameter, ...]:
+    """Parameters that make it strong."""
+    return tuple(one for one in effect.parameters if one.null is not None)
+
+
+def deviation_of(parameter: Parameter) -> float:
+    """Standard deviation of a strength's prior."""
+    return parameter.deviation or (parameter.plausible[1] - parameter.plausible[0]) / 4.0
+
+
+def playable(cases: WhitenedCases, names: Iterable[str] | None = None) -> tuple[list[str], list[str]]:
+    """Names of effects that the touches tell enough for, and of those that they do not.
+
+    Parameters
+    ----------
+    names : of candidates; all of the catalogue where ``None``
+    """
+    asked = list(EFFECTS) if names is None else list(names)
+    touches = [case.touch for case in cases.cases.cases]
+    told = [
+        all(getattr(touch, need) is not None for need in EFFECTS[name].needs for touch in touches) for name in asked
+    ]
+    return (
+        [name for name, is_told in zip(asked, told, strict=True) if is_told],
+        [name for name, is_told in zip(asked, told, strict=True) if not is_told],
+    )
+
+
+def effect_signatures(
+    cases: WhitenedCases, material: GelMaterial, names: Iterable[str], settings: Sequence[EffectSetting] = ()
+) -> list[Signature]:
+    """Signatures of effects beside others that are set already.
+
+    Strengths that leave nothing in these touches are left out, and effects without any.
+    """
+    before = cases.cases.play(material, settings)
+    found = []
+    for name in names:
+        member: Effect = EFFECTS[name]()
+        for shapes in shape_grids(member):
+            fields, kept = [], []
+            for parameter in strengths_of(member):
+                scale = deviation_of(parameter)
+                setting = EffectSetting(name, {**shapes, parameter.name: SHARE * scale})
+                changed = cases.cases.play(material, [*settings, setting])
+                field = cases.white(changed - before) / SHARE
+                if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
+                    fields.append(field)
+                    kept.append(parameter)
+            if kept:
+                found.append(
+                    Signature(
+                        name,
+                        shapes,
+                        tuple(one.name for one in kept),
+                        np.array([deviation_of(one) for one in kept]),
+                        np.array([one.bounds[0] >= 0.0 for one in kept]),
+                        np.stack(fields, axis=2),
+                    )
+                )
+    return found
+
+
+def material_steps(bounds: Bounds) -> Array:
+    """Steps of ln E, nu and mu for differences."""
+    return np.array([1e-2, 0.02 * float(bounds.span[1]), 0.01])
+
+
+def material_fields(
+    cases: WhitenedCases, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None, before: Array
+) -> Array:
+    """Whitened change (N, 6, 3) over ln E, nu and mu."""
+    bounds = find_bounds("wide")
+    steps = material_steps(bounds)
+    here = np.array([np.log(material.youngs_modulus), material.poisson_ratio, material.friction])
+    fields = []
+    for place, step in enumerate(steps):
+        inward = -step if here[1] + step > bounds.high[1] and place == 1 else step
+        there = here.copy()
+        there[place] += inward
+        moved = GelMaterial(float(np.exp(there[0])), float(there[1]), float(there[2]))
+        fields.append(cases.white(cases.cases.play(moved, settings, offsets) - before) / inward)
+    return np.stack(fields, axis=2)
+
+
+def own_field(
+    cases: WhitenedCases, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Array
+) -> Array:
+    """Whitened change (N, 6) over one standard deviation of each trajectory's offset."""
+    moved = cases.cases.play(material, settings, offsets + OWN_STEP)
+    return cases.white(moved - before) * (PRIOR / OWN_STEP)
+
+
+def material_precision() -> Array:
+    """Precision (3,) of the priors of ln E, nu and mu: nu is known to lie within its bounds, the others may be any."""
+    half = 0.5 * float(find_bounds("wide").span[1])
+    return np.array([0.0, half**-2, 0.0])
+
+
+def nuisance(cases: WhitenedCases, material: GelMaterial) -> RandomEffects:
+    """What a refit of the plain simulation and its numerical errors could imitate."""
+    before = cases.cases.play(material, [])
+    own = own_field(cases, material, [], np.zeros(len(cases.starts)), before)
+    errors = cases.numerical(material)
+    shared = np.concatenate([material_fields(cases, material, [], None, before), errors], axis=2)
+    precision = np.concatenate([material_precision(), np.ones(errors.shape[2])])
+    return RandomEffects(own, shared, precision, cases.starts)

@@ -1,0 +1,48 @@
+"""The numbers by which evidence becomes a probability and a claim; in one place, and to be fitted.
+
+They are estimates from closed-form worlds with planted effects and from nulls whose contact law differs by some per
+cent. Fit them anew on development worlds of the rig before a claim is held against sealed ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class EvidenceScale:
+    """Thresholds and slopes.
+
+    Parameters
+    ----------
+    claim : float
+        Held-out gain, in units of log-likelihood over the dispersion, that nulls with a mismatched simulator do not
+        reach in 95 of 100 cases.
+    standard_errors : float
+        That the held-out gain must have of its own standard error over trajectories.
+    excess : float
+        Share of what is left beyond the noise that must vanish on indenters held out.
+    cure : float
+        Signature statistic above which an effect is seen, and below which it is cured.
+    tie : float
+        Cosine of projected signatures beyond which two effects are told apart by nothing.
+    dispersion : float
+        Mean square of what is left, over that of noise, that is no structure yet.
+    slope, temperature : float
+        Of the softmax: log-odds per log-likelihood of held-out gain, and what divides all of them.
+    other : float
+        Log-odds of an effect that is not in the catalogue, where structure is left.
+    """
+
+    claim: float = 6.0
+    standard_errors: float = 2.0
+    excess: float = 0.05
+    cure: float = 3.0
+    tie: float = 0.95
+    dispersion: float = 1.25
+    slope: float = 0.5
+    temperature: float = 3.0
+    other: float = 4.0
+
+
+ESTIMATED = EvidenceScale()

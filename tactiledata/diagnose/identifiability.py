@@ -1,0 +1,129 @@
+"""What can be found at all: how much of an effect a plain calibration hides, and which effects look alike; no data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, nuisance, playable
+from tactiledata.diagnose.likeness_of_effects import cosines
+from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
+from tactiledata.effects import EFFECTS
+from tactiledata.gel.material import GelMaterial
+
+Array = NDArray[np.float64]
+
+VISIBLE = 3.0
+"""Signal over noise, after all that a refit imitates, from which an effect can be seen."""
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """Of each strength of each effect, k of them, at the default of its shapes or the most visible of their grid.
+
+    Parameters
+    ----------
+    effects, strengths : k names
+    concealment : (k,)
+        Share of what the effect changes, squared, that E, nu, mu, offsets, zeros and numerical errors imitate: 0 shows
+        in full, 1 is hidden.
+    confusability : (k, k)
+        Cosines of what is left of them: at 1 no data of this kind tell two apart.
+    reach : (k,)
+        Signal over noise in these trajectories, after concealment, at the end of the plausible range.
+    not_told : tuple of str
+        Effects that depend on what the touches do not tell.
+    """
+
+    effects: tuple[str, ...]
+    strengths: tuple[str, ...]
+    concealment: Array
+    confusability: Array
+    reach: Array
+    not_told: tuple[str, ...]
+
+    @property
+    def undetectable(self) -> tuple[str, ...]:
+        """Effects that could be as strong as they ever are and not be seen in these trajectories."""
+        seen = {name for name, reach in zip(self.effects, self.reach, strict=True) if reach >= VISIBLE}
+        return tuple(name for name in dict.fromkeys(self.effects) if name not in seen)
+
+    def look_alikes(self, least: float = 0.95) -> list[tuple[str, str, float]]:
+        """Pairs of different effects that can be seen and whose cosine is at least so large, the nearest first."""
+        found: dict[tuple[str, str], float] = {}
+        for i, first in enumerate(self.effects):
+            for j, second in enumerate(self.effects[:i]):
+                size = abs(float(self.confusability[i, j]))
+                if first != second and min(self.reach[i], self.reach[j]) >= VISIBLE and size >= least:
+                    found[second, first] = max(size, found.get((second, first), 0.0))
+        return sorted(((*pair, size) for pair, size in found.items()), key=lambda one: -one[2])
+
+    @property
+    def document(self) -> list[dict[str, object]]:
+        """One entry a strength, ready for JSON."""
+        return [
+            {
+                "effect": effect,
+                "strength": strength,
+                "concealment": float(hidden),
+                "reach": float(reach),
+            }
+            for effect, strength, hidden, reach in zip(
+                self.effects, self.strengths, self.concealment, self.reach, strict=True
+            )
+        ]
+
+
+def identifiability(
+    cases: CaseSet, material: GelMaterial, effects: Sequence[str] | None = None, errors: NumericalErrors | None = None
+) -> Identifiability:
+    """What trajectories as these could tell of effects, before any of them is measured.
+
+    Parameters
+    ----------
+    cases : CaseSet
+        Their measured wrenches only weigh the frames; those of a simulation, or zeros, serve as well.
+    material : GelMaterial
+    effects : names; all of the catalogue where ``None``
+
+    Raises
+    ------
+    TactileDataError
+        Too few trajectories.
+    """
+    cases.need_cases()
+    white = WhitenedCases.of(cases, errors)
+    names, not_told = playable(white, effects)
+    return identifiability_of(nuisance(white, material), effect_signatures(white, material, names), tuple(not_told))
+
+
+def identifiability_of(
+    metric: RandomEffects, signatures: Sequence[Signature], not_told: tuple[str, ...] = ()
+) -> Identifiability:
+    """The same from signatures that are known already."""
+    best: dict[tuple[str, str], tuple[float, float, Array]] = {}
+    for one in signatures:
+        ends = {each.name: max(map(abs, each.plausible)) for each in EFFECTS[one.effect]().parameters}
+        left = np.einsum("nkp,nkp->p", one.field, metric.weigh(one.field))
+        whole = np.einsum("nkp,nkp->p", one.field, one.field)
+        for place, strength in enumerate(one.strengths):
+            reach = float(np.sqrt(max(left[place], 0.0))) * ends[strength] / float(one.scales[place])
+            hidden = 1.0 - float(np.clip(left[place] / whole[place], 0.0, 1.0))
+            key = one.effect, strength
+            if key not in best or reach > best[key][0]:
+                best[key] = reach, hidden, one.field[:, :, place]
+    fields = [field for _, _, field in best.values()]
+    alike = cosines(metric, fields) if fields else np.zeros((0, 0))
+    return Identifiability(
+        tuple(effect for effect, _ in best),
+        tuple(strength for _, strength in best),
+        np.array([hidden for _, hidden, _ in best.values()]),
+        alike,
+        np.array([reach for reach, _, _ in best.values()]),
+        not_told,
+    )

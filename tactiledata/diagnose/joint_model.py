@@ -1,0 +1,147 @@
+"""A material with effects as a vector of numbers, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.diagnose.effect_signatures import deviation_of
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.parameter import Parameter
+from tactiledata.effects.setting import EffectSetting
+from tactiledata.gel.material import GelMaterial
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A number of an effect that is fitted.
+
+    Parameters
+    ----------
+    place : int
+        Of its effect among the settings.
+    parameter : Parameter
+    """
+
+    place: int
+    parameter: Parameter
+
+    @property
+    def is_strength(self) -> bool:
+        """Whether it has a null, and with it a prior."""
+        return self.parameter.null is not None
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether it is fitted by its logarithm, as times and lengths are."""
+        return not self.is_strength and self.parameter.bounds[0] > 0.0
+
+    @property
+    def scale(self) -> float:
+        """Of a step that means something: the prior's deviation, a factor e, or a tenth of the bounds."""
+        if self.is_strength:
+            return deviation_of(self.parameter)
+        return 1.0 if self.is_logarithmic else (self.parameter.bounds[1] - self.parameter.bounds[0]) / 10.0
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """In which it moves, in units of its scale."""
+        low, high = (self.to_unit(end) for end in self.parameter.bounds)
+        return low, high
+
+    def to_unit(self, value: float) -> float:
+        """The value as it is fitted."""
+        return (float(np.log(value)) if self.is_logarithmic else value) / self.scale
+
+    def to_value(self, unit: float) -> float:
+        """The other way, inside the bounds."""
+        value = float(np.exp(unit * self.scale)) if self.is_logarithmic else float(unit * self.scale)
+        return float(np.clip(value, *self.parameter.bounds))
+
+
+@dataclass(frozen=True)
+class JointModel:
+    """E, nu and mu, effects, and what is off without being physics.
+
+    Parameters
+    ----------
+    material : GelMaterial
+    settings : tuple of EffectSetting
+    coordinates : tuple of Coordinate
+        Numbers of the settings that are free.
+    offsets : (t,) m
+    errors : (e,)
+        Numerical errors, in their standard deviations.
+    """
+
+    material: GelMaterial
+    settings: tuple[EffectSetting, ...]
+    coordinates: tuple[Coordinate, ...]
+    offsets: Array
+    errors: Array
+
+    @property
+    def vector(self) -> Array:
+        """Logarithm of E, nu, mu, the coordinates in their units, and the errors."""
+        of_effects = [one.to_unit(self.settings[one.place].values[one.parameter.name]) for one in self.coordinates]
+        gel = [np.log(self.material.youngs_modulus), self.material.poisson_ratio, self.material.friction]
+        return np.array([*gel, *of_effects, *self.errors])
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Least and largest value of each entry of the vector."""
+        wide = find_bounds("wide")
+        ends = [one.bounds for one in self.coordinates]
+        free = np.full(len(self.errors), np.inf)
+        low = [np.log(wide.low[0]), *wide.low[1:], *(low for low, _ in ends), *-free]
+        high = [np.log(wide.high[0]), *wide.high[1:], *(high for _, high in ends), *free]
+        return np.array(low), np.array(high)
+
+    def at(self, vector: Array, offsets: Array) -> JointModel:
+        """The model with other numbers."""
+        settings = list(self.settings)
+        for value, one in zip(vector[3:], self.coordinates, strict=False):
+            old = settings[one.place]
+            values = {**old.values, one.parameter.name: one.to_value(float(value))}
+            settings[one.place] = EffectSetting(old.effect, values, old.where)
+        gel = GelMaterial(float(np.exp(vector[0])), float(vector[1]), float(vector[2]))
+        errors = vector[3 + len(self.coordinates) :]
+        return replace(self, material=gel, settings=tuple(settings), offsets=offsets, errors=errors)
+
+
+def joint_model(
+    material: GelMaterial,
+    starts: Sequence[tuple[str, dict[str, float]]],
+    trajectories: int,
+    errors: int,
+    kept: Sequence[frozenset[str]] | None = None,
+) -> JointModel:
+    """A model of effects at their nulls or elsewhere.
+
+    Parameters
+    ----------
+    starts : (effect, values) of each
+    kept : strengths of each that leave anything; all of them where ``None``
+    """
+    settings = tuple(EffectSetting(name, _in_bounds(name, values)) for name, values in starts)
+    coordinates = []
+    for place, (name, _) in enumerate(starts):
+        for parameter in EFFECTS[name]().parameters:
+            if parameter.null is None:
+                is_free = len(parameter.grid) > 1
+            else:
+                is_free = kept is None or parameter.name in kept[place]
+            if is_free:
+                coordinates.append(Coordinate(place, parameter))
+    return JointModel(material, settings, tuple(coordinates), np.zeros(trajectories), np.zeros(errors))
+
+
+def _in_bounds(name: str, values: dict[str, float]) -> dict[str, float]:
+    bounds = {parameter.name: parameter.bounds for parameter in EFFECTS[name]().parameters}
+    return {key: float(np.clip(value, *bounds[key])) for key, value in values.items()}

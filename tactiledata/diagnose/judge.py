@@ -1,0 +1,157 @@
+"""What a refit has gained where it was not fitted, and whether its numbers can be believed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.diagnose.effect_signatures import MATERIAL
+from tactiledata.diagnose.evidence_scale import EvidenceScale
+from tactiledata.diagnose.grouped_prediction import HeldOut
+from tactiledata.diagnose.joint_fit import JointFit
+from tactiledata.diagnose.wording import quantity
+
+Array = NDArray[np.float64]
+
+AT_BOUND = 0.01
+"""Share of its bounds, that near to which a number stands at one."""
+STANDS_OUT = 2.0
+"""Standard errors by which an implausible number must differ from nothing to count against an effect."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One effect, or two, beside the plain simulation.
+
+    Parameters
+    ----------
+    fit : JointFit
+    gain, gain_error : float
+        Rise of the held-out log-likelihood over trajectories, over the dispersion, and its standard error.
+    indenter_gain, indenter_error : float
+        The same over indenters; NaN where there is one only.
+    excess_share : float
+        Of what the plain fit leaves beyond the noise on indenters (trajectories, where there is one) held out, the
+        share that is gone.
+    signature_before, signature_after : float
+        Score along what the effect changes, over its standard error between trajectories, before and after the refit.
+    implausible : tuple of str
+        Numbers outside what can be believed.
+    at_bounds : tuple of str
+        Numbers at the end of what was tried.
+    """
+
+    fit: JointFit
+    gain: float
+    gain_error: float
+    indenter_gain: float
+    indenter_error: float
+    excess_share: float
+    signature_before: float
+    signature_after: float
+    implausible: tuple[str, ...]
+    at_bounds: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the effects."""
+        return self.fit.names
+
+    @cached_property
+    def label(self) -> str:
+        """For tables."""
+        return " + ".join(self.names) if self.names else "none"
+
+    def objections(self, scale: EvidenceScale) -> tuple[str, ...]:
+        """Why it cannot be claimed; empty where it can."""
+        found = []
+        if self.gain < scale.claim:
+            found.append(
+                f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim:g}"
+            )
+        if self.gain < scale.standard_errors * self.gain_error:
+            found.append(f"held-out gain {self.gain:.1f} within {scale.standard_errors:g} standard errors")
+        if self.excess_share < scale.excess:
+            found.append(f"{100 * self.excess_share:.0f} % of the excess gone where it was not fitted")
+        if self.signature_before < scale.cure:
+            found.append(f"trajectories do not agree on it ({self.signature_before:.1f} standard errors)")
+        elif abs(self.signature_after) > max(scale.cure, 0.5 * self.signature_before):
+            found.append("what it should cure is still there")
+        return (*found, *(f"{name} is not plausible" for name in self.implausible))
+
+
+def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expected: float, dispersion: float) -> Judged:
+    """A refit beside the plain one.
+
+    Parameters
+    ----------
+    expected : float
+        Sum of whitened squares where noise is all there is.
+    dispersion : float
+        Mean square of what the best of all fits leaves: errors that no model explains make all evidence weaker.
+    """
+    gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
+    of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion
+    groups = base_out.by_indenter if len(of_indenters) else base_out.by_trajectory
+    fitted = out.by_indenter if len(of_indenters) else out.by_trajectory
+    excess = float(groups.sum()) - expected
+    before, after = _signature(base, fit, base.undone), _signature(base, fit, _without(base, fit))
+    implausible, at_bounds = _range_checks(fit)
+    return Judged(
+        fit, float(gains.sum()), _error(gains), float(of_indenters.sum()) if len(of_indenters) else float("nan"),
+        _error(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after, implausible, at_bounds,
+    )  # fmt: skip
+
+
+def _share(gone: float, excess: float) -> float:
+    """At most 1; of an excess within the noise, what is gone is all of it."""
+    return gone / max(excess, abs(gone), 1e-300)
+
+
+def _error(gains: Array) -> float:
+    return float(np.sqrt(len(gains)) * gains.std(ddof=1)) if len(gains) > 1 else float("nan")
+
+
+def _without(base: JointFit, fit: JointFit) -> Array:
+    """The plain fit's residual less what the effect changes."""
+    return base.undone - fit.effect_change
+
+
+def _signature(base: JointFit, fit: JointFit, residual: Array) -> float:
+    """Agreement (standard errors over trajectories) of a residual with what the effect changes."""
+    weighed = base.metric.weigh(fit.effect_change[:, :, None])[:, :, 0]
+    scores = np.add.reduceat((weighed * residual).sum(axis=1), base.starts)
+    told = np.add.reduceat((weighed * fit.effect_change).sum(axis=1), base.starts)
+    if not (total := float(told.sum())) > 0:
+        return 0.0
+    spread = scores - told * float(scores.sum()) / total
+    return float(scores.sum() / np.sqrt(max(float((spread**2).sum()), 1e-300)))
+
+
+def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[3:]
+    implausible, at_bounds = [], []
+    wide = find_bounds("wide")
+    gel = fit.model.material
+    for symbol, value, low, high in zip(
+        MATERIAL, (gel.youngs_modulus, gel.poisson_ratio, gel.friction), wide.low, wide.high, strict=True
+    ):
+        if min(value - low, high - value) < AT_BOUND * (high - low):
+            at_bounds.append(symbol)
+    for one, error in zip(fit.model.coordinates, errors, strict=False):
+        setting = fit.model.settings[one.place]
+        value, name = setting.values[one.parameter.name], f"{setting.effect} {one.parameter.name}"
+        low, high = one.parameter.bounds
+        near = AT_BOUND * (high - low)
+        if (one.parameter.null is None or value != one.parameter.null) and min(value - low, high - value) < near:
+            at_bounds.append(name)
+        if not one.is_strength:
+            continue
+        beyond = max(one.parameter.plausible[0] - value, value - one.parameter.plausible[1], 0.0)
+        if beyond > STANDS_OUT * error * one.scale:
+            implausible.append(f"{name} = {quantity(value, one.parameter.unit)}")
+    return tuple(implausible), tuple(at_bounds)

@@ -1,0 +1,233 @@
+"""Naming what a simulation lacks: screen, refits, pairs, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.decide import Decision, decide
+from tactiledata.diagnose.effect_signatures import effect_signatures, playable
+from tactiledata.diagnose.evidence_scale import ESTIMATED, EvidenceScale
+from tactiledata.diagnose.grouped_prediction import HeldOut, held_out
+from tactiledata.diagnose.identifiability import Identifiability, identifiability_of
+from tactiledata.diagnose.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.joint_model import joint_model
+from tactiledata.diagnose.judge import Judged, judge
+from tactiledata.diagnose.profiled_interval import Interval, intervals
+from tactiledata.diagnose.screen import Screened, screen
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
+from tactiledata.gel.material import GelMaterial
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NamingOptions:
+    """How to look.
+
+    Parameters
+    ----------
+    effects : names of candidates; all of the catalogue where ``None``
+    errors : NumericalErrors
+    scale : EvidenceScale
+    promising : float
+        Logarithm of the first-order Bayes factor from which an effect is refitted.
+    most_singles, most_paired, most_first, most_pairs : int
+        At most so many are refitted; of the best so many, pairs are thought of, beside the best so many; so many pairs
+        are refitted.
+    pairs : bool
+    robust : bool
+        Whether frames that lie far off count for less (Huber).
+    profile : bool
+        Whether intervals of what is claimed come from the profile of the likelihood; from its curvature otherwise.
+    seed : int
+        Of the folds.
+    """
+
+    effects: tuple[str, ...] | None = None
+    errors: NumericalErrors = field(default_factory=NumericalErrors)
+    scale: EvidenceScale = ESTIMATED
+    promising: float = 0.0
+    most_singles: int = 8
+    most_paired: int = 6
+    most_first: int = 2
+    most_pairs: int = 3
+    pairs: bool = True
+    robust: bool = False
+    profile: bool = True
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Naming:
+    """Everything that was found on the way.
+
+    Parameters
+    ----------
+    cases : WhitenedCases
+    base : JointFit
+        Of the plain simulation.
+    intervals_before, intervals : tuple of Interval
+        Of E, nu, mu in the plain fit; of these and the effects' numbers in the best one.
+    identifiable : Identifiability
+        What these trajectories could tell at all.
+    screened : list of Screened
+    judged : list of Judged
+        Singles and pairs that were refitted.
+    decision : Decision
+    not_tried : effects that the touches do not tell enough for
+    """
+
+    cases: WhitenedCases
+    base: JointFit
+    intervals_before: tuple[Interval, ...]
+    intervals: tuple[Interval, ...]
+    identifiable: Identifiability
+    screened: list[Screened]
+    judged: list[Judged]
+    decision: Decision
+    not_tried: tuple[str, ...]
+
+
+def name_effects(
+    cases: CaseSet,
+    material: GelMaterial,
+    options: NamingOptions | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Naming:
+    """What the simulation lacks.
+
+    Parameters
+    ----------
+    material : GelMaterial
+        Where the fits begin, as a plain calibration found it.
+
+    Raises
+    ------
+    TactileDataError
+        Too few trajectories, or frames.
+    """
+    chosen = options or NamingOptions()
+    cases.need_cases()
+    white = WhitenedCases.of(cases, chosen.errors)
+    progress("plain fit")
+    base = _plain_fit(white, material)
+    if chosen.robust:
+        white = white.trusting(_huber(base.residual))
+        base = _plain_fit(white, base.model.material)
+    numerical = white.numerical(base.model.material)
+    base = joint_fit(white, numerical, base.model)
+    names, not_tried = playable(white, chosen.effects)
+    progress("screen")
+    signatures = effect_signatures(white, base.model.material, names)
+    screened = screen(base.metric, base.undone, signatures)
+    fits = Refits(white, numerical, base, chosen, progress)
+    singles = fits.singles(screened)
+    pairs = fits.pairs(screened, singles) if chosen.pairs else []
+    judged, decision = fits.decided(singles, pairs)
+    progress("intervals")
+    claimed = decision.best is not None and not decision.objections
+    best = decision.best.fit if decision.best is not None else base
+    before, after = (
+        intervals(white, fit, numerical, decision.dispersion, chosen.profile and claimed) for fit in (base, best)
+    )
+    identifiable = identifiability_of(base.metric, signatures, tuple(not_tried))
+    return Naming(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
+
+
+def _plain_fit(white: WhitenedCases, material: GelMaterial) -> JointFit:
+    numerical = white.numerical(material)
+    return joint_fit(white, numerical, joint_model(material, [], len(white.starts), numerical.shape[2]))
+
+
+def _huber(residual: Array, turn: float = 2.0) -> Array:
+    """Square roots of Huber's weights (N,) of frames: 1 up to ``turn`` times the usual size of a residual."""
+    size = np.sqrt((residual**2).mean(axis=1))
+    usual = max(float(np.median(size)), 1e-300)
+    return np.sqrt(np.minimum(1.0, turn * usual / np.maximum(size, 1e-300)))
+
+
+@dataclass(frozen=True)
+class Refits:
+    """Refits of one set of trajectories.
+
+    Parameters
+    ----------
+    white : WhitenedCases
+    numerical : (N, 6, e)
+    base : JointFit
+    options : NamingOptions
+    progress : callable
+    """
+
+    white: WhitenedCases
+    numerical: Array
+    base: JointFit
+    options: NamingOptions
+    progress: Callable[[str], None]
+
+    def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
+        """Of all that promise something."""
+        promising = [one for one in screened if one.evidence > self.options.promising][: self.options.most_singles]
+        found = []
+        for one in promising:
+            self.progress(f"refit {one.effect}")
+            tried = [self._fit([(one.effect, start)], [one.strengths]) for start in one.starts]
+            found.append(min(tried, key=lambda fit: fit.cost))
+        return found
+
+    def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
+        """Pairs among the best singles whose second promises to explain what the first leaves: the best few, refitted.
+
+        Scores of the second beside the refitted first, as in the first screen, say which.
+        """
+        best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
+        kept = {one.effect: one.strengths for one in screened}
+        promises: dict[frozenset[str], tuple[float, list[tuple[str, dict[str, float]]]]] = {}
+        for first in best[: self.options.most_first]:
+            self.progress(f"what {first.names[0]} leaves")
+            others = [fit.names[0] for fit in best if fit is not first]
+            signatures = effect_signatures(self.white, first.model.material, others, first.model.settings)
+            for second in screen(first.metric, first.undone, signatures):
+                if second.evidence < self.options.scale.claim:
+                    continue
+                key = frozenset([first.names[0], second.effect])
+                cost = first.cost - second.score
+                start = [(first.names[0], dict(first.model.settings[0].values)), (second.effect, second.starts[0])]
+                if key not in promises or cost < promises[key][0]:
+                    promises[key] = cost, start
+        found = []
+        for _, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
+            self.progress(f"refit {start[0][0]} with {start[1][0]}")
+            found.append(self._fit(start, [kept[name] for name, _ in start]))
+        return found
+
+    def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[Judged], Decision]:
+        """All refits, judged, and the answer."""
+        seed, scale = self.options.seed, self.options.scale
+        self.progress("held-out trajectories and indenters")
+        base_out = held_out(self.white, self.base, seed)
+        outs: list[HeldOut] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
+        expected = self.white.expected
+        left = [float(out.by_trajectory.sum()) / expected for out in (base_out, *outs)]
+        dispersion = max(1.0, min(left))
+        judged = [
+            judge(self.base, fit, base_out, out, expected, dispersion)
+            for fit, out in zip((*singles, *pairs), outs, strict=True)
+        ]
+        gains = {
+            one.label: 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
+            for one, out in zip(judged, outs, strict=True)
+        }
+        decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, dispersion, scale)
+        return judged, decision
+
+    def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit:
+        plain = self.base.model
+        model = joint_model(plain.material, start, len(self.white.starts), self.numerical.shape[2], list(kept))
+        model = model.at(np.concatenate([model.vector[: 3 + len(model.coordinates)], plain.errors]), plain.offsets)
+        return joint_fit(self.white, self.numerical, model)

@@ -1,0 +1,133 @@
+"""What is diagnosed: trajectories with the wrench that was measured, and the simulation that may lack something."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.response import BaseResponse
+from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.touch import Touch
+from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.gel.material import GelMaterial
+from tactiledata.nuisance.noise import WrenchNoise
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+FEWEST_FRAMES = 3
+FEWEST_CASES = 8
+"""Trajectories: with fewer neither folds nor signs of trajectories say anything."""
+
+
+class BaseFamily(Protocol):
+    """The simulation without effects, at any material: what implements it decides how a gel is played."""
+
+    def __call__(self, material: GelMaterial) -> Callable[[Touch], BaseResponse]:
+        """What answers for touches."""
+        ...
+
+
+@dataclass(frozen=True)
+class TouchCase:
+    """One trajectory of n frames.
+
+    Parameters
+    ----------
+    touch : Touch
+        Its material is replaced by the one that is tried.
+    measured : (n, 6) N, N m
+        Wrench on the indenter, gel frame, about the gel's origin; NaN where unknown.
+    noise : WrenchNoise
+        Of one frame.
+    free_air : (n,) bool
+        Frames in which nothing touches.
+    free_samples : float
+        Readings from which the zero was taken.
+    name : str
+
+    Raises
+    ------
+    UsageError
+        Arrays that do not fit the touch.
+    """
+
+    touch: Touch
+    measured: Array
+    noise: WrenchNoise
+    free_air: NDArray[np.bool_]
+    free_samples: float = 100.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        for what, found, wanted in (
+            ("measured wrenches", self.measured.shape, (len(self.touch), 6)),
+            ("free-air flags", self.free_air.shape, (len(self.touch),)),
+        ):
+            if found != wanted:
+                raise UsageError(f"{what} of shape {found} for trajectory {self.name!r}", f"{wanted}", "Align them.")
+
+
+@dataclass(frozen=True)
+class CaseSet:
+    """Trajectories and the simulation that is to play them, all frames one after the other: N rows of t trajectories.
+
+    Parameters
+    ----------
+    cases : sequence of TouchCase
+    base : BaseFamily
+    """
+
+    cases: Sequence[TouchCase]
+    base: BaseFamily
+
+    @property
+    def counts(self) -> Indices:
+        """Frames (t,) of each trajectory."""
+        return np.array([len(case.touch) for case in self.cases])
+
+    @property
+    def indenters(self) -> tuple[str, ...]:
+        """Name of each trajectory's indenter; its shape where it has no name."""
+        return tuple(case.touch.indenter_name or repr(case.touch.indenter) for case in self.cases)
+
+    def need_cases(self) -> None:
+        """Nothing, where there are trajectories enough.
+
+        Raises
+        ------
+        TactileDataError
+            There are too few, or one has too few frames with wrench and pose.
+        """
+        if len(self.cases) < FEWEST_CASES:
+            raise TactileDataError(
+                f"{len(self.cases)} trajectories to name missing physics from",
+                f"at least {FEWEST_CASES}: whole trajectories are held out, never frames",
+                "Record more of them.",
+                trajectories=len(self.cases),
+            )
+        for case in self.cases:
+            if (known := int(np.isfinite(case.measured).all(axis=1).sum())) < FEWEST_FRAMES:
+                raise TactileDataError(
+                    f"trajectory {case.name!r} has {known} frames with a wrench",
+                    f"at least {FEWEST_FRAMES}",
+                    "Leave it out.",
+                    trajectory=case.name,
+                )
+
+    def play(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Array:
+        """What the sensor would read (N, 6), each trajectory deeper by an offset (t,), m, of its own."""
+        base = self.base(material)
+        simulator = with_effects(base, settings)
+        read = []
+        for number, case in enumerate(self.cases):
+            one = simulator
+            if offsets is not None and offsets[number] != 0.0:
+                one = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
+            read.append(one.play(replace(case.touch, material=material)).wrench)
+        return np.concatenate(read)

@@ -1,0 +1,144 @@
+"""Trajectories in units of their noise, their unknown zeros taken out, with what every explanation must allow for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.gel.material import GelMaterial
+from tactiledata.nuisance.numerical import SHAPE_ERROR, frame_weights
+from tactiledata.nuisance.tare import tare_variance, without_tare
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+LAW_ERROR = 0.02
+"""Standard deviation of what the simulation's force law is off over a factor e of the force: two discretisations of one
+contact agree on a force better than on how it grows (docs/calibration.md); estimate."""
+SHEAR_ERROR = 0.04
+"""Standard deviation, as a share: by how much sticking shear is off beside the normal force; estimate."""
+
+
+@dataclass(frozen=True)
+class NumericalErrors:
+    """What mesh, contact and solver leave, as normal priors on factors about 1.
+
+    Parameters
+    ----------
+    shape : of all forces of one indenter
+    law : of forces over e times smaller ones
+    shear : of shear that sticks
+    """
+
+    shape: float = SHAPE_ERROR["finite-strain"]
+    law: float = LAW_ERROR
+    shear: float = SHEAR_ERROR
+
+
+@dataclass(frozen=True)
+class WhitenedCases:
+    """The same trajectories, ready for least squares: N rows of t trajectories.
+
+    Parameters
+    ----------
+    cases : CaseSet
+    errors : NumericalErrors
+    trust : (N,)
+        Factors on the weight of frames, of a robust fit.
+    """
+
+    cases: CaseSet
+    errors: NumericalErrors
+    trust: Array
+
+    @staticmethod
+    def of(cases: CaseSet, errors: NumericalErrors | None = None) -> WhitenedCases:
+        """All frames trusted alike."""
+        return WhitenedCases(cases, errors or NumericalErrors(), np.ones(int(cases.counts.sum())))
+
+    def trusting(self, trust: Array) -> WhitenedCases:
+        """The same with factors (N,) on the weight of frames."""
+        return replace(self, trust=trust)
+
+    @cached_property
+    def starts(self) -> Indices:
+        """First row of each trajectory (t,)."""
+        return np.concatenate([[0], np.cumsum(self.cases.counts)[:-1]]).astype(np.int64)
+
+    @cached_property
+    def trajectory(self) -> Indices:
+        """Trajectory of each row (N,)."""
+        return np.repeat(np.arange(len(self.starts)), self.cases.counts)
+
+    @cached_property
+    def indenter(self) -> Indices:
+        """Number of each trajectory's indenter (t,)."""
+        return np.unique(self.cases.indenters, return_inverse=True)[1].astype(np.int64)
+
+    @cached_property
+    def measured(self) -> Array:
+        """Wrenches (N, 6), 0 where unknown."""
+        return np.nan_to_num(np.concatenate([case.measured for case in self.cases.cases]))
+
+    @cached_property
+    def free_air(self) -> NDArray[np.bool_]:
+        """Rows (N,) in which nothing touches."""
+        return np.concatenate([case.free_air for case in self.cases.cases])
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of rows (N,): 0 where nothing is known, less where the force, and so the simulation's scatter, is large."""
+        known = np.isfinite(np.concatenate([case.measured for case in self.cases.cases])).all(axis=1)
+        noise = np.array([case.noise.deviations[:3].mean() for case in self.cases.cases])
+        forces = self.measured[:, :3]
+        parts = [frame_weights(forces[self.trajectory == number], float(noise[number])) for number in range(len(noise))]
+        weights: Array = np.concatenate(parts) * self.trust * known
+        return weights
+
+    @cached_property
+    def expected(self) -> float:
+        """The sum of whitened squares where noise is all there is.
+
+        Noise that neighbours share has fewer independent numbers than readings, and its covariance is inflated so.
+        """
+        inflation = np.array([case.noise.inflation for case in self.cases.cases])
+        return float(6.0 * ((self.weights > 0) / inflation[self.trajectory]).sum())
+
+    @cached_property
+    def _whitening(self) -> Array:
+        return np.stack([case.noise.whitened(np.eye(6)) for case in self.cases.cases])[self.trajectory]
+
+    @cached_property
+    def _tare(self) -> Array:
+        return tare_variance(np.array([case.free_samples for case in self.cases.cases]))
+
+    def white(self, rows: Array) -> Array:
+        """Wrenches (N, 6) or (N, 6, c) in units of their noise; rows that are not finite count for nothing."""
+        field = np.nan_to_num(rows.reshape(len(rows), 6, -1))
+        white = np.einsum("nic,nij->njc", field, self._whitening) * self.weights[:, None, None]
+        flat = without_tare(white.reshape(len(rows), -1), self.starts, self._tare, self.weights)
+        return flat.reshape(rows.shape)
+
+    def residual(self, predicted: Array) -> Array:
+        """Measured less predicted (N, 6), whitened."""
+        return self.white(self.measured - np.where(np.isfinite(predicted), predicted, self.measured))
+
+    def numerical(self, material: GelMaterial) -> Array:
+        """Whitened wrenches (N, 6, i + 2), one standard deviation each: an error per indenter, of law, of shear."""
+        plain = np.nan_to_num(self.cases.play(material, []))
+        owner = self.indenter[self.trajectory]
+        count = int(self.indenter.max()) + 1
+        shapes = plain[:, :, None] * (owner[:, None] == np.arange(count))[:, None, :] * self.errors.shape
+        size = np.linalg.norm(plain[:, :3], axis=1)
+        typical = np.exp(np.mean(np.log(size[size > 0]))) if (size > 0).any() else 1.0
+        growth = np.log(np.maximum(size, 1e-3 * typical) / typical)
+        law = plain * growth[:, None] * self.errors.law
+        across = np.hypot(plain[:, 0], plain[:, 1])
+        slips = across >= 0.98 * material.friction * np.abs(plain[:, 2])
+        shear = plain * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]) * (~slips)[:, None] * self.errors.shear
+        columns = np.concatenate([shapes, law[:, :, None], shear[:, :, None]], axis=2)
+        return self.white(columns)

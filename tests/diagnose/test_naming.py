@@ -1,0 +1,142 @@
+"""Missing physics named in touches of a rig that none of the simulations is; nulls first."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from touch_worlds import PLANTS, START, base, null, world_cases
+
+import tactiledata
+from tactiledata.contract.schema import load_schema
+from tactiledata.diagnose.answer import Answer
+from tactiledata.diagnose.effect_signatures import effect_signatures, nuisance
+from tactiledata.diagnose.identifiability import identifiability_of
+from tactiledata.diagnose.joint_fit import joint_fit
+from tactiledata.diagnose.joint_model import joint_model
+from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.effects.setting import EffectSetting
+from tactiledata.errors import TactileDataError, UsageError
+
+FEW = ("arm_compliance", "thickness", "relaxation", "lag", "rate_friction", "frame_rotation")
+
+
+@pytest.fixture(scope="module")
+def quiet():
+    return null(3000, trajectories=24)
+
+
+def answer(cases, effects=FEW, **options):
+    return Answer(name_effects(cases, START, NamingOptions(effects=effects, profile=False, **options)))
+
+
+def test_nothing_is_missing_where_only_the_contact_law_differs(quiet):
+    """A null whose simulation is off by some per cent, with jitter and coloured noise, is given no name."""
+    found = answer(quiet)
+    assert found.naming.decision.verdict == "nothing is missing"
+    assert found.names == ()
+    assert found.sentences[0].startswith("Nothing is missing")
+
+
+def test_relaxation_is_named_and_the_fix_can_be_used():
+    """A power law is named relaxation, the gel's modulus comes back, and the answer holds a simulator's settings."""
+    found = answer(world_cases(PLANTS["relaxation"], 0, trajectories=24), pairs=False)
+    assert "relaxation" in found.candidates
+    assert found.is_missing
+    effects = found.document["effects"]
+    assert effects["effects"][0]["effect"] in found.candidates
+    before, after = (abs(rows[0].value - 0.88e6) for rows in (found.naming.intervals_before, found.naming.intervals))
+    assert after < before
+
+
+def test_the_document_fits_its_schema(quiet):
+    """Both answers fit the part of the schema that is theirs, as JSON."""
+    import json
+
+    import jsonschema
+
+    schema = load_schema("diagnosis")
+    part = {"$ref": "#/$defs/naming", "$defs": schema["$defs"]}
+    for cases in (quiet, world_cases(PLANTS["lag"], 0, trajectories=24)):
+        jsonschema.validate(json.loads(json.dumps(answer(cases, ("lag", "thickness")).document)), part)
+
+
+def test_a_world_without_the_true_effect_is_given_no_wrong_name():
+    """Ripples along the gel are in no catalogue: what relaxation and lag offer is not taken for them."""
+    found = answer(world_cases(dataclasses.replace(PLANTS["relaxation"], relaxing=0.0, ripple=0.15), 1, 24))
+    assert found.naming.decision.verdict == "none of the known effects"
+    assert found.is_missing
+
+
+def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
+    """Without noise and with the same formulas, E, nu, mu, the strength and all offsets come back."""
+    truth, share = dataclasses.replace(START, youngs_modulus=0.95e6, friction=0.7), 0.1
+    offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.cases))
+    wrench = quiet.play(truth, [EffectSetting("relaxation", {"share": share, "time": 2.0})], offsets)
+    parts = np.split(wrench, np.cumsum(quiet.counts)[:-1])
+    sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-6) for case in quiet.cases]
+    played = CaseSet(
+        [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.cases, parts, sharp, strict=True)], base
+    )
+    white = WhitenedCases.of(played)
+    numerical = white.numerical(START)
+    start = joint_model(START, [("relaxation", {"share": 0.05, "time": 1.0})], len(offsets), numerical.shape[2])
+    errors = range(len(start.vector) - numerical.shape[2], len(start.vector))
+    fit = joint_fit(white, numerical, start, held=errors, rounds=12)
+    assert fit.model.settings[0].values["share"] == pytest.approx(share, rel=0.01)
+    assert fit.model.settings[0].values["time"] == pytest.approx(2.0, rel=0.02)
+    assert fit.model.material.friction == pytest.approx(0.7, rel=0.01)
+    # their prior of 40 um draws them towards 0, most where a touch is shallow
+    assert np.abs(fit.model.offsets - offsets).max() < 6e-6
+    assert np.abs(fit.model.offsets - offsets).mean() < 1.5e-6
+
+
+def test_gain_along_z_is_hidden_and_a_turned_frame_is_not(quiet):
+    """E takes a gain of z; nothing takes a turn of the frame; a turn and its cross-talk are near one another."""
+    white = WhitenedCases.of(quiet)
+    known = identifiability_of(
+        nuisance(white, START), effect_signatures(white, START, ("gain_crosstalk", "frame_rotation", "thickness"))
+    )
+    hidden = dict(zip(zip(known.effects, known.strengths, strict=True), known.concealment, strict=True))
+    assert hidden["gain_crosstalk", "zz"] > 0.9
+    assert hidden["thickness", "error"] > 0.9
+    assert hidden["frame_rotation", "tilt_x"] < 0.2
+    names = list(zip(known.effects, known.strengths, strict=True))
+    turn, leak = names.index(("frame_rotation", "tilt_y")), names.index(("gain_crosstalk", "xz"))
+    assert abs(known.confusability[turn, leak]) > 0.8
+    assert np.allclose(np.diag(known.confusability), 1.0)
+
+
+def test_identifiability_is_public_and_needs_no_data(quiet):
+    """Wrenches that were never measured serve as well, and a clean ball's adhesion is said not to show."""
+    blank = CaseSet([dataclasses.replace(case, measured=np.zeros((len(case.touch), 6))) for case in quiet.cases], base)
+    known = tactiledata.identifiability(blank, START, ("adhesion", "relaxation", "cable_drag"))
+    assert "adhesion" in known.undetectable
+    assert "relaxation" not in known.undetectable
+    assert known.not_told == ("cable_drag",)
+
+
+def test_too_little_is_refused(quiet):
+    """Few trajectories, few frames and arrays that do not fit say what is wanted."""
+    with pytest.raises(TactileDataError, match="at least 8"):
+        answer(CaseSet(quiet.cases[:5], base))
+    with pytest.raises(UsageError, match="measured wrenches of shape"):
+        dataclasses.replace(quiet.cases[0], measured=np.zeros((3, 6)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PLANTS)
+def test_planted_effects_are_named_or_in_the_set(name):
+    """Each planted effect, in formulas of the rig's own, with the whole catalogue to choose from."""
+    found = answer(world_cases(PLANTS[name], 0), effects=None)
+    nearest = found.naming.decision.best
+    assert nearest is not None
+    assert name in (*found.candidates, *nearest.names)
+
+
+@pytest.mark.slow
+def test_nulls_are_seldom_named():
+    """Of 30 nulls at most one is given a name."""
+    named = [seed for seed in range(30) if answer(null(2000 + seed), effects=None).is_missing]
+    assert len(named) <= 1
