@@ -15,6 +15,8 @@ BENCHMARKS = (
     "gel_growth.py",
     "gel_mesh_error.py",
     "linear_error.py",
+    "replay_memory.py",
+    "calibration_worlds.py",
 )
 
 
