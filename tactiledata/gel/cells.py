@@ -39,6 +39,22 @@ class CellQuadrature:
         volumes: Array = self.weights.sum(axis=1)
         return volumes
 
+    def stiffened(self, factors: Array) -> CellQuadrature:
+        """Of cells whose Young's modulus is multiplied by factors (c,): forces and stiffness are linear in the weights.
+
+        Raises
+        ------
+        UsageError
+            Another number of factors than of cells, or one that is not positive.
+        """
+        if factors.shape != self.weights.shape[:1] or not (np.isfinite(factors) & (factors > 0)).all():
+            raise UsageError(
+                f"{factors.shape} factors on the cells' modulus, the least {factors.min(initial=np.inf):g}",
+                f"{len(self.weights)} positive numbers, one for each cell",
+                "Correct them.",
+            )
+        return CellQuadrature(self.gradients, self.weights * factors[:, None])
+
 
 def cell_quadrature(mesh: PadMesh) -> CellQuadrature:
     """Gradients and weights of a mesh.

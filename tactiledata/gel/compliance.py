@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import io
 import os
 from concurrent.futures import Executor, ThreadPoolExecutor
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 BATCH = 96
 """Right-hand sides solved at once: the factor is read from memory once for all of them."""
-LAYOUT = 2
+LAYOUT = 3
 """Of the files that are kept; a change makes new ones."""
 
 
@@ -42,12 +43,15 @@ class FactorisedPad:
     poisson_ratio : float
     factor : SuperLU
         Of the free degrees of freedom.
+    digest : str
+        Of the mesh and of how stiff its cells are.
     """
 
     mesh: PadMesh
     poisson_ratio: float
     stiffness: csr_array
     factor: SuperLU
+    digest: str
 
     @staticmethod
     def of(mesh: PadMesh, quadrature: CellQuadrature, poisson_ratio: float) -> FactorisedPad:
@@ -56,7 +60,9 @@ class FactorisedPad:
         free = mesh.free
         reduced = csc_array(stiffness[free][:, free])
         factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        return FactorisedPad(mesh, poisson_ratio, stiffness, factor)
+        weights = np.ascontiguousarray(quadrature.weights).tobytes()
+        digest = hashlib.sha256(mesh.digest.encode() + weights).hexdigest()
+        return FactorisedPad(mesh, poisson_ratio, stiffness, factor, digest)
 
     def solve(self, forces: Array) -> Array:
         """Displacements (b, v, 3), 1/m times the force's unit, under nodal forces (b, v, 3)."""
@@ -93,7 +99,7 @@ def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.
 
     Kept on disk, by mesh and Poisson's ratio, in ``cache_folder``; a file that cannot be read is made again.
     """
-    key = f"{pad.mesh.digest[:24]}-{pad.poisson_ratio!r}-{LAYOUT}"
+    key = f"{pad.digest[:24]}-{pad.poisson_ratio!r}-{LAYOUT}"
     path = cache_folder() / "gel" / f"{key}.npy"
     shape = (len(surface.nodes), 3, len(surface.corners), 3)
     kept = _load(path, shape)

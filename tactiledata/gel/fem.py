@@ -15,13 +15,14 @@ from tactiledata.gel.compliance import FactorisedPad, patch_compliance, surface_
 from tactiledata.gel.finite_strain import TOLERANCE, FiniteStrainSolver
 from tactiledata.gel.gap import APART
 from tactiledata.gel.history import GelHistory, GelTouch
-from tactiledata.gel.internal_forces import ElasticPad
+from tactiledata.gel.internal_forces import NEO_HOOKEAN, ElasticPad
 from tactiledata.gel.journey import Journey
 from tactiledata.gel.linear import LinearSolver
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.pad import PadMesh
 from tactiledata.gel.recorder import FrameRecorder, Keep
 from tactiledata.gel.relief import IndenterRelief, indenter_relief
+from tactiledata.gel.stiffening import Stiffening
 from tactiledata.gel.surface import contact_surface
 from tactiledata.gel.walker import ContactState, ContactWalk
 from tactiledata.indenters.base import Indenter
@@ -44,6 +45,10 @@ class FemEngine:
         ``linear`` is a preview: at 1 mm depth its forces are 5 to 20 % low.
     tolerance : m
         Of finite strain: a load step is solved when no node moves further in an iteration.
+    stiffening : Stiffening
+        Of the law; none in the project's own gel.
+    modulus : (c,), optional
+        Factor on Young's modulus of each cell: a skin, a soft spot.
     """
 
     def __init__(
@@ -52,6 +57,8 @@ class FemEngine:
         poisson_ratio: float,
         fidelity: Fidelity = "finite-strain",
         tolerance: float = TOLERANCE,
+        stiffening: Stiffening = NEO_HOOKEAN,
+        modulus: Array | None = None,
     ) -> None:
         if fidelity not in ("finite-strain", "linear"):
             raise UsageError(f"fidelity {fidelity!r}", "finite-strain or linear", "Name one of them.")
@@ -59,7 +66,10 @@ class FemEngine:
         self.fidelity = fidelity
         self._tolerance = tolerance
         self.poisson_ratio = GelMaterial(1.0, poisson_ratio, 0.0).poisson_ratio
+        self._stiffening = stiffening
         quadrature = cell_quadrature(mesh)
+        if modulus is not None:
+            quadrature = quadrature.stiffened(modulus)
         self.surface = contact_surface(mesh)
         self._pad = FactorisedPad.of(mesh, quadrature, poisson_ratio)
         self._elastic = ElasticPad.of(mesh, quadrature)
@@ -87,7 +97,8 @@ class FemEngine:
         if self.fidelity == "linear":
             yield from LinearSolver(self._pad, self.surface, self._response).run(journeys)
         else:
-            yield from FiniteStrainSolver(self._pad, self._elastic, self.surface, self._tolerance).run(journeys, width)
+            solver = FiniteStrainSolver(self._pad, self._elastic, self.surface, self._tolerance, self._stiffening)
+            yield from solver.run(journeys, width)
 
     def _journey(self, number: int, touch: GelTouch, material: GelMaterial, keep: Keep) -> Journey:
         nodes = self.surface.nodes

@@ -12,10 +12,11 @@ from threadpoolctl import ThreadpoolController
 
 from tactiledata.gel.compliance import FactorisedPad
 from tactiledata.gel.history import GelHistory
-from tactiledata.gel.internal_forces import ElasticPad, internal_forces
+from tactiledata.gel.internal_forces import NEO_HOOKEAN, ElasticPad, internal_forces
 from tactiledata.gel.journey import Journey
 from tactiledata.gel.mixing import SecantMixer
 from tactiledata.gel.pad import PadMesh
+from tactiledata.gel.stiffening import Stiffening
 from tactiledata.gel.surface import ContactSurface
 
 Array = NDArray[np.float64]
@@ -112,13 +113,20 @@ class FiniteStrainSolver:
     pad, elastic, surface : of one mesh
     tolerance : m
         A step is solved when no node moves further in an iteration.
+    stiffening : Stiffening
     """
 
     def __init__(
-        self, pad: FactorisedPad, elastic: ElasticPad, surface: ContactSurface, tolerance: float = TOLERANCE
+        self,
+        pad: FactorisedPad,
+        elastic: ElasticPad,
+        surface: ContactSurface,
+        tolerance: float = TOLERANCE,
+        stiffening: Stiffening = NEO_HOOKEAN,
     ) -> None:
         self._pad, self._elastic, self._surface = pad, elastic, surface
         self._tolerance = tolerance
+        self._stiffening = stiffening
         self._measured = _measured(pad.mesh, surface)
         self._libraries = ThreadpoolController()
 
@@ -144,7 +152,7 @@ class FiniteStrainSolver:
     def _iterate(self, active: list[Traveller], threads: ThreadPoolExecutor) -> None:
         """One iteration of every traveller's load step."""
         displacement = np.stack([traveller.displacement for traveller in active])
-        unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio, threads)
+        unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio, threads, self._stiffening)
 
         def press(row: int) -> tuple[Array, Array]:
             forces, gaps = active[row].journey.walk.press(

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 
 from tactiledata.gel.cells import CellQuadrature
 from tactiledata.gel.pad import PadMesh
+from tactiledata.gel.stiffening import Stiffening
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+NEO_HOOKEAN = Stiffening()
 LEAST_VOLUME_RATIO = 1e-3
 """A quadrature point that is squeezed further is treated as squeezed to this, so that a wild iterate stays finite."""
 
@@ -52,7 +54,11 @@ class ElasticPad:
 
 
 def internal_forces(
-    pad: ElasticPad, displacement: Array, poisson_ratio: float, threads: Executor | None = None
+    pad: ElasticPad,
+    displacement: Array,
+    poisson_ratio: float,
+    threads: Executor | None = None,
+    stiffening: Stiffening = NEO_HOOKEAN,
 ) -> Array:
     """Forces (b, v, 3), m^2, that deformations (b, v, 3) need at the nodes, for a Young's modulus of 1.
 
@@ -61,11 +67,12 @@ def internal_forces(
     """
     shear = 1.0 / (2.0 * (1.0 + poisson_ratio))
     lame = poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))
+    c20, c30 = (0.5 * shear * ratio for ratio in (stiffening.c20, stiffening.c30))
     forces = np.empty_like(displacement)
 
     def one(item: int) -> None:
         by_cell = np.empty((pad.cells.size, 3))
-        _cell_forces(displacement[item], pad.cells, pad.gradients, pad.weights, shear, lame, by_cell)
+        _cell_forces(displacement[item], pad.cells, pad.gradients, pad.weights, shear, lame, c20, c30, by_cell)
         _gather(by_cell, pad.starts, pad.places, forces[item])
 
     each: Iterable[None] = (map if threads is None else threads.map)(one, range(len(displacement)))
@@ -85,10 +92,19 @@ def _gather(by_cell: Array, starts: Indices, places: Indices, forces: Array) -> 
 
 @njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _cell_forces(
-    displacement: Array, cells: Indices, gradients: Array, weights: Array, shear: float, lame: float, out: Array
+    displacement: Array,
+    cells: Indices,
+    gradients: Array,
+    weights: Array,
+    shear: float,
+    lame: float,
+    c20: float,
+    c30: float,
+    out: Array,
 ) -> None:
     """Forces of each cell on its nodes; the innermost loops run over a cell's points, so that they are vectorised."""
     nodes, points = gradients.shape[1], gradients.shape[3]
+    is_stiffening = c20 != 0.0 or c30 != 0.0
     f, stress = np.empty((9, points)), np.empty((9, points))
     ratios, squares, roots = np.empty(points), np.empty(points), np.empty(points)
     for cell in range(len(cells)):
@@ -147,6 +163,9 @@ def _cell_forces(
         pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
         for q in range(points):
             scale = shear * mean_ratio * root * roots[q]
+            if is_stiffening:
+                strain = roots[q] * squares[q] - 3.0
+                scale += 2.0 * (2.0 * c20 + 3.0 * c30 * strain) * strain * roots[q]
             along = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
             scale *= weight[q]
             for k in range(9):
