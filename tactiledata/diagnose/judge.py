@@ -145,9 +145,10 @@ def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
     for one, error in zip(fit.model.coordinates, errors, strict=False):
         setting = fit.model.settings[one.place]
         value, name = setting.values[one.parameter.name], f"{setting.effect} {one.parameter.name}"
-        low, high = one.parameter.bounds
-        near = AT_BOUND * (high - low)
-        if (one.parameter.null is None or value != one.parameter.null) and min(value - low, high - value) < near:
+        low, high = one.bounds
+        unit = one.to_unit(value)
+        is_null = one.is_strength and value == one.parameter.null
+        if not is_null and min(unit - low, high - unit) < AT_BOUND * (high - low):
             at_bounds.append(name)
         if not one.is_strength:
             continue

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from touch_worlds import PLANTS, START, base, null, world_cases
+from touch_worlds import PLANTS, START, TRUTH, base, null, world_cases
 
 import tactiledata
 from tactiledata.contract.schema import load_schema
@@ -40,14 +40,14 @@ def test_nothing_is_missing_where_only_the_contact_law_differs(quiet):
 
 
 def test_relaxation_is_named_and_the_fix_can_be_used():
-    """A power law is named relaxation, the gel's modulus comes back, and the answer holds a simulator's settings."""
+    """A power law is named relaxation, its interval holds the gel's modulus, and the answer holds a simulator's settings."""
     found = answer(world_cases(PLANTS["relaxation"], 0, trajectories=24), pairs=False)
     assert "relaxation" in found.candidates
     assert found.is_missing
     effects = found.document["effects"]
     assert effects["effects"][0]["effect"] in found.candidates
-    before, after = (abs(rows[0].value - 0.88e6) for rows in (found.naming.intervals_before, found.naming.intervals))
-    assert after < before
+    modulus = found.naming.intervals[0]
+    assert modulus.low < TRUTH.youngs_modulus < modulus.high
 
 
 def test_the_document_fits_its_schema(quiet):
@@ -70,7 +70,10 @@ def test_a_world_without_the_true_effect_is_given_no_wrong_name():
 
 
 def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
-    """Without noise and with the same formulas, E, nu, mu, the strength and all offsets come back."""
+    """Without noise and with the same formulas, E, nu, mu, the strength and all offsets come back.
+
+    As near as the scatter of 1 % lets them that any simulated force is taken to have.
+    """
     truth, share = dataclasses.replace(START, youngs_modulus=0.95e6, friction=0.7), 0.1
     offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.cases))
     wrench = quiet.play(truth, [EffectSetting("relaxation", {"share": share, "time": 2.0})], offsets)
@@ -84,8 +87,10 @@ def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
     start = joint_model(START, [("relaxation", {"share": 0.05, "time": 1.0})], len(offsets), numerical.shape[2])
     errors = range(len(start.vector) - numerical.shape[2], len(start.vector))
     fit = joint_fit(white, numerical, start, held=errors, rounds=12)
-    assert fit.model.settings[0].values["share"] == pytest.approx(share, rel=0.01)
-    assert fit.model.settings[0].values["time"] == pytest.approx(2.0, rel=0.02)
+    assert fit.model.settings[0].values["share"] == pytest.approx(share, rel=0.02)
+    assert fit.model.settings[0].values["time"] == pytest.approx(2.0, rel=0.15)
+    assert fit.model.material.youngs_modulus == pytest.approx(0.95e6, rel=0.01)
+    assert fit.model.material.poisson_ratio == pytest.approx(START.poisson_ratio, abs=0.005)
     assert fit.model.material.friction == pytest.approx(0.7, rel=0.01)
     # their prior of 40 um draws them towards 0, most where a touch is shallow
     assert np.abs(fit.model.offsets - offsets).max() < 6e-6
