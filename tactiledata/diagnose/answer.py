@@ -40,7 +40,8 @@ class Answer:
     @property
     def candidates(self) -> tuple[str, ...]:
         """The same, and whatever cannot be told from them."""
-        return (*self.names, *(tie.name for tie in self.naming.decision.ties))
+        ties = self.naming.decision.ties if self.names else ()
+        return (*self.names, *(tie.name for tie in ties))
 
     @property
     def is_missing(self) -> bool:
@@ -56,13 +57,16 @@ class Answer:
             said = [_claim(best, decision.probabilities), *(_tie(best, tie) for tie in decision.ties)]
             said += _values(self.naming.intervals)
             said += _moved(self.naming.intervals_before, self.naming.intervals)
+            if decision.is_more_left:
+                said.append("What it leaves still has structure: more is missing than the catalogue can say.")
             return [*said, *_alarms(best, "with it")]
         if decision.verdict == "none of the known effects":
             said = ["What is left has structure, and none of the known effects explains it."]
         elif decision.verdict == "below detection" and best is not None:
             said = [
                 f"There is a trace that looks like {_titles(best.names)}, no larger than what errors of the simulation"
-                " alone leave: below what this rig can detect."
+                " alone leave: below what this rig can detect.",
+                *(_tie(best, tie) for tie in decision.ties),
             ]
         else:
             said = ["Nothing is missing: noise, contact offsets and errors of the simulation explain what is left."]

@@ -54,7 +54,9 @@ class Decision:
     objections : tuple of str
         Why ``best`` is not named; empty where it is.
     dispersion : float
-        Mean square of what is left after the best, over that of noise.
+        Mean square of what the best fit leaves of trajectories held out, over that of noise.
+    is_more_left : bool
+        Whether that is structure still.
     """
 
     verdict: Verdict
@@ -63,6 +65,7 @@ class Decision:
     probabilities: dict[str, float]
     objections: tuple[str, ...]
     dispersion: float
+    is_more_left: bool
 
 
 def decide(
@@ -84,6 +87,7 @@ def decide(
     dispersion : float
         Mean square of what the best fit leaves.
     """
+    left = dispersion > scale.dispersion
     ranked = sorted(singles, key=lambda one: -one.gain)
     best = next((one for one in ranked if not one.objections(scale)), None)
     for pair in sorted(pairs, key=lambda one: -one.gain):
@@ -96,15 +100,16 @@ def decide(
         ties = _ties(best, ranked, gains, metric, scale) if len(best.names) == 1 else ()
         verdict: Verdict = "one of a set" if ties else "named"
         chances = _probabilities([*singles, *pairs], scale, dispersion)
-        return Decision(verdict, best, ties, chances, (), dispersion)
+        return Decision(verdict, best, ties, chances, (), dispersion, left)
     hint = ranked[0] if ranked else None
     chances = _probabilities([*singles, *pairs], scale, dispersion)
     objections = hint.objections(scale) if hint is not None else ()
-    if dispersion > scale.dispersion or (hint is not None and hint.gain >= 2.0 * scale.claim):
-        return Decision("none of the known effects", hint, (), chances, objections, dispersion)
+    if left or (hint is not None and hint.gain >= 2.0 * scale.claim):
+        return Decision("none of the known effects", hint, (), chances, objections, dispersion, left)
     if hint is not None and _is_trace(hint, scale):
-        return Decision("below detection", hint, (), chances, objections, dispersion)
-    return Decision("nothing is missing", hint, (), chances, objections, dispersion)
+        ties = _ties(hint, ranked, gains, metric, scale)
+        return Decision("below detection", hint, ties, chances, objections, dispersion, left)
+    return Decision("nothing is missing", hint, (), chances, objections, dispersion, left)
 
 
 def _is_trace(one: Judged, scale: EvidenceScale) -> bool:

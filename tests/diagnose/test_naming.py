@@ -40,7 +40,7 @@ def test_nothing_is_missing_where_only_the_contact_law_differs(quiet):
 
 
 def test_relaxation_is_named_and_the_fix_can_be_used():
-    """A power law is named relaxation, its interval holds the gel's modulus, and the answer holds a simulator's settings."""
+    """A power law is named relaxation, the interval of E holds the truth, and the settings are a simulator's."""
     found = answer(world_cases(PLANTS["relaxation"], 0, trajectories=24), pairs=False)
     assert "relaxation" in found.candidates
     assert found.is_missing
