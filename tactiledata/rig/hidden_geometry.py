@@ -55,9 +55,9 @@ class Dome(HiddenEffect):
     ACTS: ClassVar[str] = "contact"
     SOURCE: ClassVar[str] = "geometry of a spherical cap"
     STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
-        "weak": {"curvature": 1 / 0.080},
-        "medium": {"curvature": 1 / 0.040},
-        "strong": {"curvature": 1 / 0.025},
+        "weak": {"curvature": 1 / 0.160},
+        "medium": {"curvature": 1 / 0.080},
+        "strong": {"curvature": 1 / 0.040},
     }
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"curvature": (0.0, 50.0)}
     curvature: float = 0.0

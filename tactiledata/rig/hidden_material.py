@@ -101,9 +101,9 @@ class PadEdge(HiddenEffect):
     ACTS: ClassVar[str] = "force"
     SOURCE: ClassVar[str] = "half of the support is lost at a free border; decay over one contact radius assumed"
     STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
-        "weak": {"inset": 0.004},
-        "medium": {"inset": 0.006},
-        "strong": {"inset": 0.008},
+        "weak": {"inset": 0.003},
+        "medium": {"inset": 0.0045},
+        "strong": {"inset": 0.006},
     }
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"inset": (0.0, 0.009)}
     STIFFENS: ClassVar[bool] = True

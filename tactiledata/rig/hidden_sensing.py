@@ -50,8 +50,9 @@ def sensed_loads(scenario: Scenario, performance: Performance, index: int, loads
 
 
 def _sensed(scenario: Scenario, index: int, values: Array, seconds: Array) -> Array:
-    for place, effect in enumerate(scenario.hidden):
-        seed = [scenario.seed, HIDDEN, place, *([index] if effect.PER_LOG else [])]
+    for effect in scenario.hidden:
+        own = int.from_bytes(type(effect).__name__.encode(), "big")
+        seed = [scenario.seed, HIDDEN, own, *([index] if effect.PER_LOG else [])]
         values = effect.sensed(values, seconds, np.random.default_rng(seed))
     return values
 
