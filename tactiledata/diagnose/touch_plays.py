@@ -1,0 +1,168 @@
+"""A touch as the gel answered it on a grid of plays, and the response to anything in between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from tactiledata.calibrate.plan import ResponsePlan
+from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
+from tactiledata.effects.touch import Touch
+from tactiledata.errors import UsageError
+from tactiledata.gel.material import GelMaterial
+
+Array = NDArray[np.float64]
+
+AREA = 6
+"""Column of the contact's area; the wrench stands before it."""
+SLIDES = 0.95
+"""Share of the sliding force from which the whole contact is taken to slide."""
+LEAST_FORCE = 1e-9
+"""m^2, over Young's modulus: less is no contact."""
+
+
+@dataclass(frozen=True)
+class TouchPlays:
+    """Plays of one touch of n frames: columns are the wrench over Young's modulus (6) and the contact's area, m^2.
+
+    Parameters
+    ----------
+    plan : ResponsePlan
+        Which pairs of nu and mu, and by how much deeper and less deep.
+    level : (n_nu, n_mu, n, 7)
+        Without offset.
+    by_ratio : (n_nu, 2, n, 7)
+        Slope and curvature over the offset, at the middle mu.
+    by_friction : (n_mu, 2, n, 7)
+        The same at the middle nu.
+    by_shift : (2, n, 7) 1/m
+        Slopes over the whole path's shift along x and y, at the middle pair.
+    height : (n,) m
+        Of the undeformed surface below the tip.
+    variants : GelVariant -> (n, 6)
+        Difference of the wrench over Young's modulus at the middle pair.
+    """
+
+    plan: ResponsePlan
+    level: Array
+    by_ratio: Array
+    by_friction: Array
+    by_shift: Array
+    height: Array
+    variants: Mapping[GelVariant, Array] = field(default_factory=dict)
+
+    def at(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
+        """Columns (n, 7) at one nu, and at a mu, an offset and a shift of each frame."""
+        mu_middle = self.plan.middle[1]
+        weights = _weights(np.asarray(self.plan.ratios), ratio)
+        level = _each(PchipInterpolator(self.plan.frictions, np.tensordot(weights, self.level, axes=1)), frictions)
+        bends = PchipInterpolator(self.plan.frictions, self.by_friction.transpose(0, 2, 1, 3))
+        slope, curvature = (
+            np.tensordot(weights, self.by_ratio, axes=1)
+            + _each(bends, frictions).transpose(1, 0, 2)
+            - self.by_friction[mu_middle]
+        )
+        z = offset[:, None]
+        columns: Array = level + z * (slope + z * curvature) + np.einsum("na,ank->nk", shift, self.by_shift)
+        return columns
+
+
+def _each(over_friction: PchipInterpolator, frictions: Array) -> Array:
+    """Row i of the interpolated rows at the i-th friction: (n, ...)."""
+    low, high = over_friction.x[0], over_friction.x[-1]
+    wanted, place = np.unique(np.clip(frictions, low, high), return_inverse=True)
+    rows: Array = over_friction(wanted)[place, np.arange(len(frictions))]
+    return rows
+
+
+def _weights(nodes: Array, place: float) -> Array:
+    """Of the polynomial through values at nodes (n,), at a place."""
+    gaps = nodes[:, None] - nodes
+    np.fill_diagonal(gaps, 1.0)
+    factors = np.broadcast_to(place - nodes, gaps.shape).copy()
+    np.fill_diagonal(factors, 1.0)
+    return np.asarray(factors.prod(axis=1) / gaps.prod(axis=1))
+
+
+@dataclass(frozen=True)
+class PlayedResponse:
+    """`BaseResponse` of a touch from its plays.
+
+    Between plays the wrench is interpolated; friction and shift of a frame act as if the whole path had had them.
+
+    Parameters
+    ----------
+    touch : Touch
+    plays : TouchPlays
+    material : GelMaterial
+    """
+
+    touch: Touch
+    plays: TouchPlays
+    material: GelMaterial
+
+    def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
+        """As `BaseResponse.respond`."""
+        frictions = self.material.friction * friction
+        columns = self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
+        tips = self.touch.tips
+        depth = self.plays.height - tips[:, 2] + offset
+        touching = (columns[:, 2] > LEAST_FORCE) & (depth > 0)
+        unit = np.where(touching[:, None], columns[:, :6], 0.0)
+        normal = np.where(touching, columns[:, 2], 1.0)
+        # of the pressure on the surface: M = r x F with r at the height of the tip
+        centre = np.column_stack(
+            [(tips[:, 2] * unit[:, 0] - unit[:, 4]) / normal, (unit[:, 3] + tips[:, 2] * unit[:, 1]) / normal]
+        )
+        centre = np.where(touching[:, None], centre, tips[:, :2] + shift)
+        sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * frictions * normal)
+        area = np.where(touching, np.maximum(columns[:, AREA], 0.0), 0.0)
+        return ContactResponse(unit * self.material.youngs_modulus, area, centre, depth, sliding)
+
+    def difference(self, variant: GelVariant) -> Array:
+        """As `BaseResponse.difference`.
+
+        Raises
+        ------
+        UsageError
+            A variant that was not played.
+        """
+        if variant == GelVariant():
+            return np.zeros((len(self.touch), 6))
+        if variant not in self.plays.variants:
+            raise UsageError(f"{variant} was not played", "a design point of an effect", "Play it first.")
+        return self.plays.variants[variant] * self.material.youngs_modulus
+
+
+@dataclass(frozen=True)
+class PlayedFamily:
+    """The gel at any material, for touches that were played.
+
+    Parameters
+    ----------
+    touches : sequence of Touch
+    plays : sequence of TouchPlays
+        In the same order.
+    """
+
+    touches: Sequence[Touch]
+    plays: Sequence[TouchPlays]
+
+    def __call__(self, material: GelMaterial) -> Callable[[Touch], BaseResponse]:
+        """What answers for the touches, told apart by their poses."""
+        by_pose = {_key(touch): plays for touch, plays in zip(self.touches, self.plays, strict=True)}
+
+        def answer(touch: Touch) -> BaseResponse:
+            if _key(touch) not in by_pose:
+                raise UsageError("a touch that was not played", "one of those played", "Play it first.")
+            return PlayedResponse(touch, by_pose[_key(touch)], material)
+
+        return answer
+
+
+def _key(touch: Touch) -> tuple[str, bytes]:
+    return touch.indenter_name, np.ascontiguousarray(touch.poses).tobytes()
