@@ -20,7 +20,7 @@ from tactiledata.rig.motion import Path
 Played = Callable[[TouchSetup, Path | None, Array | None], Contact]
 """A touch, played along a path that is planned already, and missed by (n, 3) m."""
 
-ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 2
+ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 3
 """How often force and yielding are brought together: in closed form, then in the contact that is asked for."""
 
 

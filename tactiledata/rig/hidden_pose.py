@@ -50,9 +50,9 @@ class JointCompliance(HiddenEffect):
     ACTS: ClassVar[str] = "pose"
     SOURCE: ClassVar[str] = "C. Dumas et al., Robotics and Computer-Integrated Manufacturing 27 (2011)"
     STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
-        "weak": {"softness": 1 / 60e3},
-        "medium": {"softness": 1 / 25e3},
-        "strong": {"softness": 1 / 10e3},
+        "weak": {"softness": 1 / 80e3},
+        "medium": {"softness": 1 / 32e3},
+        "strong": {"softness": 1 / 13e3},
     }
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"softness": (0.0, 1e-3)}
     softness: float = 0.0
