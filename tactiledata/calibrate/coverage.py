@@ -33,7 +33,8 @@ class Coverage:
 
 def coverage(loss: VectorLoss, bounds: Bounds, truth: Array, draws: int = 200, seed: int = 0) -> Coverage:
     """Coverage of the 95 % intervals at a truth (3,): noise, zeros, offsets and factors are drawn anew, the plays
-    are not."""
+    are not.
+    """
     chance = np.random.default_rng([seed, 3])
     covered = np.zeros(3)
     estimates = np.empty((draws, 3))

@@ -31,10 +31,13 @@ class Play:
     wrench : (n, 6) m^2, m^3
         Over Young's modulus; NaN where a frame could not be solved.
     status : (n,) int8, of ``FrameStatus``
+    area : (n,) m^2
+        Of the patches that are pressed; 0 where none is.
     """
 
     wrench: Array
     status: NDArray[np.int8]
+    area: Array
 
 
 def play_path(touch: GelTouch, mesh_digest: str, mechanics: str, ratio: float, friction: float) -> Path:
@@ -53,16 +56,17 @@ def load_play(path: Path) -> Play | None:
     """The play, or ``None`` where there is none that can be read."""
     try:
         with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as kept:
-            play = Play(kept["wrench"], kept["status"])
+            play = Play(kept["wrench"], kept["status"], kept["area"])
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
-    return play if play.wrench.shape == (len(play.status), 6) else None
+    frames = len(play.status)
+    return play if play.wrench.shape == (frames, 6) and play.area.shape == (frames,) else None
 
 
 def keep_play(path: Path, play: Play) -> None:
     """Write it, whole or not at all; a folder that cannot be written costs time at the next run, nothing else."""
     content = io.BytesIO()
-    np.savez(content, wrench=play.wrench, status=play.status)
+    np.savez(content, wrench=play.wrench, status=play.status, area=play.area)
     with contextlib.suppress(OSError):
         write_atomic(path, content.getvalue())
 

@@ -94,4 +94,4 @@ def _played(batch: Batch, touches: Sequence[GelTouch]) -> Iterator[tuple[int, Pl
         return
     engine = make_engine(batch.mesh, batch.ratio, batch.mechanics)
     for number, history in engine.play(touches, GelMaterial(1.0, batch.ratio, batch.friction), keep="none"):
-        yield number, Play(history.wrench, history.status)
+        yield number, Play(history.wrench, history.status, history.pressed @ engine.surface.patch_areas)

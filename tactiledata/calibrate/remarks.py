@@ -123,8 +123,8 @@ def _far_shapes(fit: Fit, share: float) -> Iterator[Finding]:
     if far:
         said = ", ".join(f"{name} {100 * (factor - 1):+.0f} %" for name, factor in sorted(far.items()))
         text = (
-            f"measured forces are off those simulated by more than {100 * FAR * share:.0f} % for {said}: sizes, edges or "
-            "the tilt of these indenters may not be as stated, or the simulation does not serve for them"
+            f"measured forces are off those simulated by more than {100 * FAR * share:.0f} % for {said}: sizes, "
+            "edges or the tilt of these indenters may not be as stated, or the simulation does not serve for them"
         )
         yield Finding("calibration-shape", "warning", text, count=len(far))
 
