@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.diagnose.decide import Tie
+from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.judge import Judged
 from tactiledata.diagnose.name_effects import Naming
 from tactiledata.diagnose.profiled_interval import Interval
@@ -121,7 +122,12 @@ def _claim(best: Judged, probabilities: dict[str, float]) -> str:
 
 def _tie(best: Judged, tie: Tie) -> str:
     first, second = EFFECTS[best.names[0]](), EFFECTS[tie.name]()
-    said = f"It cannot be told from {second.title} in these data: what the two change is alike to {rounded(tie.cosine)}"
+    alike = (
+        "what it changes the other can change, too"
+        if tie.cosine > ESTIMATED.tie
+        else "what they change differs, yet each explains the data as well"
+    )
+    said = f"It cannot be told from {second.title} in these data: {alike} (cosine {rounded(tie.cosine)})"
     said += f", and held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}."
     return f"{said} {first.told_apart_by}"
 

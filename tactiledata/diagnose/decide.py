@@ -141,7 +141,9 @@ def _ties(
         cosine = max(float(fitted), could)
         apart = gains[best.label] - gains[one.label]
         error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
-        if cosine > scale.tie and float(apart.sum()) < scale.standard_errors * error:
+        explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
+        is_as_good = float(apart.sum()) < scale.standard_errors * error
+        if is_as_good and (cosine > scale.tie or explains_as_much):
             found.append(Tie(one.label, cosine, float(apart.sum()), error))
     return tuple(found)
 

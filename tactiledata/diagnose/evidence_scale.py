@@ -26,6 +26,8 @@ class EvidenceScale:
         Signature statistic above which an effect is seen, and below which it is cured.
     tie : float
         Cosine of projected signatures beyond which two effects are told apart by nothing.
+    as_good : float
+        Share of the best one's gain from which another, which could be claimed as well, explains as much.
     dispersion : float
         Mean square of what is left, over that of noise, that is no structure yet.
     slope, temperature : float
@@ -34,11 +36,12 @@ class EvidenceScale:
         Log-odds of an effect that is not in the catalogue, where structure is left.
     """
 
-    claim: float = 6.0
+    claim: float = 10.0
     standard_errors: float = 2.0
     excess: float = 0.05
     cure: float = 3.0
     tie: float = 0.95
+    as_good: float = 0.8
     dispersion: float = 1.25
     slope: float = 0.5
     temperature: float = 3.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.joint_fit import JointFit, inverse_of
+from tactiledata.diagnose.joint_fit import JointFit, bounded_change
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 
@@ -78,7 +78,8 @@ class _Parts:
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
         gram = self.gram[~out].sum(axis=0) + np.diag(fit.precision)
-        change = inverse_of(gram) @ (self.told[~out].sum(axis=0) - prior)
+        low, high = (end - fit.model.vector for end in fit.model.bounds)
+        change = bounded_change(gram, self.told[~out].sum(axis=0) - prior, low, high)
         left = self.undone - fit.shared @ change
         first_error = len(fit.precision) - len(fit.model.errors)
         numbers = np.flatnonzero(out)

@@ -75,13 +75,19 @@ class JointFit:
 
     @property
     def metric(self) -> RandomEffects:
-        """What another refit of the same model could imitate, linearised here."""
-        return RandomEffects(self.own, self.shared, self.precision, self.starts)
+        """What another refit of the same model could imitate, linearised here: what stands at a bound stays there."""
+        vector, (low, high) = self.model.vector, self.model.bounds
+        edge = 1e-6 * np.maximum(1.0, np.abs(vector))
+        inside = (vector > low + edge) & (vector < high - edge)
+        return RandomEffects(self.own, self.shared[:, :, inside], self.precision[inside], self.starts)
 
     @property
     def undone(self) -> Array:
         """The residual (N, 6) with all that has a prior back at its centre, to first order: for scores in `metric`."""
-        back = np.where(self.precision > 0, self.model.vector - self.centre, 0.0)
+        vector, (low, high) = self.model.vector, self.model.bounds
+        edge = 1e-6 * np.maximum(1.0, np.abs(vector))
+        goes_back = (self.precision > 0) & (vector > low + edge) & (vector < high - edge)
+        back = np.where(goes_back, vector - self.centre, 0.0)
         return self.residual + self.own * self.by_row + self.shared @ back
 
     @property
@@ -96,6 +102,30 @@ def inverse_of(gram: Array) -> Array:
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-12, hermitian=True)
     return inverse / np.outer(scale, scale)
+
+
+def bounded_change(gram: Array, told: Array, low: Array, high: Array, free: NDArray[np.bool_] | None = None) -> Array:
+    """The step (q,) that solves ``gram step = told``; what would leave its bounds stays there, the others follow.
+
+    Parameters
+    ----------
+    low, high : (q,)
+        Of the step.
+    free : (q,) bool, optional
+        What may move at all.
+    """
+    change = np.zeros(len(told))
+    moves = np.ones(len(told), dtype=bool) if free is None else free.copy()
+    while moves.any():
+        inner = gram[np.ix_(moves, moves)]
+        change[moves] = inverse_of(inner) @ (told[moves] - gram[np.ix_(moves, ~moves)] @ change[~moves])
+        within = np.clip(change, low, high)
+        left = moves & (within != change)
+        change = within
+        if not left.any():
+            break
+        moves &= ~left
+    return change
 
 
 def joint_fit(
@@ -209,16 +239,13 @@ class _Work:
         pull = state.residual - slopes.own * _inside(slopes.own, state.residual, starts, squares, own_now)[by_row, None]
         gradient = np.einsum("nkq,nk->q", slopes.shared, pull) - precision * (vector - self.centre(model))
         gram = about.products(slopes.shared, slopes.shared) + np.diag(precision)
-        edge = 1e-9 * np.maximum(1.0, np.abs(vector))
-        outward = ((vector <= low + edge) & (gradient < 0)) | ((vector >= high - edge) & (gradient > 0))
-        free = np.array([k for k in range(len(vector)) if k not in self.held and not outward[k]], dtype=int)
-        change = np.zeros(len(vector))
-        inner = gram[np.ix_(free, free)]
-        change[free] = inverse_of(inner + damping * np.diag(np.diag(inner))) @ gradient[free]
-        change[3 : 3 + len(model.coordinates)] = np.clip(
-            change[3 : 3 + len(model.coordinates)], -FARTHEST_STEP, FARTHEST_STEP
-        )
-        moved = np.clip(vector + change, low, high)
+        free = np.array([place not in self.held for place in range(len(vector))])
+        of_effects = slice(3, 3 + len(model.coordinates))
+        nearest, farthest = low.copy(), high.copy()
+        nearest[of_effects] = np.maximum(low[of_effects], vector[of_effects] - FARTHEST_STEP)
+        farthest[of_effects] = np.minimum(high[of_effects], vector[of_effects] + FARTHEST_STEP)
+        damped = gram + damping * np.diag(np.diag(gram))
+        moved = vector + bounded_change(damped, gradient, nearest - vector, farthest - vector, free)
         left = state.residual - slopes.shared @ (moved - vector)
         own = own_now + _inside(slopes.own, left, starts, squares, own_now)
         own = np.clip(own, -FARTHEST / PRIOR, FARTHEST / PRIOR)
