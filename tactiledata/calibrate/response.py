@@ -76,7 +76,7 @@ class Response:
     def at(self, ratio: float, friction: float) -> OffsetSeries:
         """The response over the offset, Young's modulus 1."""
         mu_middle = self.plan.middle[1]
-        weights = _lagrange(np.asarray(self.plan.ratios), ratio)
+        weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
         slope, curvature = (
             np.tensordot(weights, self.by_ratio, axes=1) + self._offset_over_mu(friction) - self.by_friction[mu_middle]
         )
@@ -84,7 +84,9 @@ class Response:
 
     def level_at(self, ratio: float, friction: float) -> Array:
         """Wrenches (n, 6) without offset, Young's modulus 1."""
-        return np.tensordot(_lagrange(np.asarray(self.plan.ratios), ratio), self._level_over_mu(friction), axes=1)
+        return np.tensordot(
+            polynomial_weights(np.asarray(self.plan.ratios), ratio), self._level_over_mu(friction), axes=1
+        )
 
     def part(self, trajectories: Indices) -> Response:
         """The response of some trajectories, in the order given."""
@@ -99,8 +101,8 @@ class Response:
         )
 
 
-def _lagrange(nodes: Array, place: float) -> Array:
-    """Weights (n,) of the polynomial through values at nodes (n,), at a place."""
+def polynomial_weights(nodes: Array, place: float) -> Array:
+    """Weights (n,) that give the polynomial through values at nodes (n,), at a place (Lagrange)."""
     gaps = nodes[:, None] - nodes
     np.fill_diagonal(gaps, 1.0)
     factors = np.broadcast_to(place - nodes, gaps.shape).copy()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from tactiledata.calibrate.plan import ResponsePlan
+from tactiledata.calibrate.response import polynomial_weights
 from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import UsageError
@@ -58,7 +59,7 @@ class TouchPlays:
     def at(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
         """Columns (n, 7) at one nu, and at a mu, an offset and a shift of each frame."""
         mu_middle = self.plan.middle[1]
-        weights = _weights(np.asarray(self.plan.ratios), ratio)
+        weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
         level = _each(PchipInterpolator(self.plan.frictions, np.tensordot(weights, self.level, axes=1)), frictions)
         bends = PchipInterpolator(self.plan.frictions, self.by_friction.transpose(0, 2, 1, 3))
         slope, curvature = (
@@ -77,15 +78,6 @@ def _each(over_friction: PchipInterpolator, frictions: Array) -> Array:
     wanted, place = np.unique(np.clip(frictions, low, high), return_inverse=True)
     rows: Array = over_friction(wanted)[place, np.arange(len(frictions))]
     return rows
-
-
-def _weights(nodes: Array, place: float) -> Array:
-    """Of the polynomial through values at nodes (n,), at a place."""
-    gaps = nodes[:, None] - nodes
-    np.fill_diagonal(gaps, 1.0)
-    factors = np.broadcast_to(place - nodes, gaps.shape).copy()
-    np.fill_diagonal(factors, 1.0)
-    return np.asarray(factors.prod(axis=1) / gaps.prod(axis=1))
 
 
 @dataclass(frozen=True)
