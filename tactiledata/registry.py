@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator, Mapping
-from functools import cache
+from functools import cached_property
 from importlib.metadata import entry_points
 from typing import Any
 
@@ -38,7 +38,12 @@ class Registry(Mapping[str, Any]):
     def _targets(self) -> dict[str, str]:
         if self._group is None:
             return self._table
-        outside = _installed(self._group)
+        return self._joined
+
+    @cached_property
+    def _joined(self) -> dict[str, str]:
+        """With what other installed packages add; read once, as it takes milliseconds."""
+        outside = {point.name: point.value for point in entry_points(group=self._group or "")}
         return {**self._table, **{name: value for name, value in outside.items() if name not in self._table}}
 
     def __getitem__(self, name: str) -> Any:
@@ -57,9 +62,3 @@ class Registry(Mapping[str, Any]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._table or name in self._targets()
-
-
-@cache
-def _installed(group: str) -> dict[str, str]:
-    """What other installed packages add; read once, as it takes milliseconds."""
-    return {point.name: point.value for point in entry_points(group=group)}

@@ -30,7 +30,9 @@ def demo(
     fidelity: str = typer.Option("finite-strain", "--fidelity", help="Of the gel; linear is a quick preview."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a small world and take it all the way to a report: ingest, split, audit, calibration, meshes, a batch.
+    """Record a small world and take it all the way to a report.
+
+    Ingest, split, audit, calibration, meshes and a batch lie between.
 
     Example: tactiledata demo --out demo-out
     """

@@ -74,7 +74,9 @@ def indenters(
 
 
 def effects(as_json: bool = JSON_OPTION) -> None:
-    """Physics that a simulation may have left out: slot, parameters with plausible ranges, look-alikes. SI units.
+    """Physics that a simulation may have left out.
+
+    Slot, parameters with plausible ranges, look-alikes. SI units.
 
     Example: tactiledata effects
     """
