@@ -36,15 +36,15 @@ class Registry(Mapping[str, Any]):
         self._group = group
 
     def _targets(self) -> dict[str, str]:
-        if self._group is None:
-            return self._table
-        return self._joined
+        return {**self._table, **self._outside}
 
     @cached_property
-    def _joined(self) -> dict[str, str]:
-        """With what other installed packages add; read once, as it takes milliseconds."""
-        outside = {point.name: point.value for point in entry_points(group=self._group or "")}
-        return {**self._table, **{name: value for name, value in outside.items() if name not in self._table}}
+    def _outside(self) -> dict[str, str]:
+        """What other installed packages add; read once, as it takes milliseconds."""
+        if self._group is None:
+            return {}
+        points = entry_points(group=self._group)
+        return {point.name: point.value for point in points if point.name not in self._table}
 
     def __getitem__(self, name: str) -> Any:
         # our own first: reading the entry points of all installed packages takes milliseconds
