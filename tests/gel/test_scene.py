@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.arm import base_from_flange, fit_tool
+from tactiledata.gel.mujoco_package import load_mujoco
 from tactiledata.gel.scene import GelScene, SceneParts
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.rig import ur5e
@@ -79,7 +80,7 @@ def test_scene_without_an_arm():
 
 def test_exported_scene_is_whole(tmp_path):
     """The MJCF needs no other file: read back elsewhere, it holds the arm's joints and all geometry."""
-    import mujoco
+    mujoco = load_mujoco("the test")
 
     (tmp_path / "scene.xml").write_text(GelScene(parts(1e-3)).mjcf)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
