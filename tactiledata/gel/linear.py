@@ -61,7 +61,8 @@ class LinearSolver:
             frame = self._solve_step(journey)
             if frame is not None:
                 kept[frame] = journey.walk.state.forces
-        self._fill(journey, kept)
+        if journey.recorder.keeps_displacement:
+            self._fill(journey, kept)
         return journey.number, journey.recorder.history()
 
     def _solve_step(self, journey: Journey) -> int | None:

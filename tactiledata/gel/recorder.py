@@ -51,6 +51,11 @@ class FrameRecorder:
         self.status[frame] = FrameStatus.SOLVED if is_touching else FrameStatus.NO_CONTACT
         self.residual[frame] = residual
 
+    @property
+    def keeps_displacement(self) -> bool:
+        """Whether any node's displacement is kept."""
+        return self.displacement.shape[1] > 0
+
     def put_displacement(self, frame: int, displacement: Array) -> None:
         """All nodes' displacements (v, 3), m, of a frame; those that are kept are."""
         self.displacement[frame] = displacement if self._rows is None else displacement[self._rows]
