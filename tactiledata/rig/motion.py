@@ -23,6 +23,10 @@ FREE_AIR = 0.6
 """s at rest in free air at the start of every trajectory: enough to see bias and noise before the touch."""
 FREE_AIR_AFTER = 0.4
 """s at rest in free air at its end."""
+TURNING_CLEARANCE = 2e-2
+"""m between gel and indenter while the sensor turns."""
+TURNING_SPEED = 0.5
+"""rad/s back to the touch's own orientation."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +42,17 @@ class Path:
     captures : (c,) seconds
         When pictures are taken.
     phases : tuple of (start, end, name)
-        Seconds; ``free``, ``press``, ``dwell``, ``shear``, ``reverse``, ``retreat``.
+        Seconds; ``free``, ``press``, ``dwell``, ``shear``, ``reverse``, ``turn``, ``retreat``.
+    turns : (k, 3) rad
+        Rotation vectors, gel axes, of the indenter at the ends of the moves, beside that of the touch; zero wherever it
+        is near the gel.
     """
 
     times: Array
     positions: Array
     captures: Array
     phases: tuple[tuple[float, float, str], ...]
+    turns: Array
 
     @property
     def duration(self) -> float:
@@ -55,6 +63,14 @@ class Path:
         """Positions (n, 3) at seconds (n,), held at both ends."""
         index, share = self._progress(times)
         return self.positions[index] + share[:, None] * (self.positions[index + 1] - self.positions[index])
+
+    def turned(self, times: Array) -> Array:
+        """Rotations (n, 3, 3) beside that of the touch at seconds (n,)."""
+        if not self.turns.any():
+            return np.broadcast_to(np.eye(3), (len(times), 3, 3))
+        index, share = self._progress(times)
+        vectors = self.turns[index] + share[:, None] * (self.turns[index + 1] - self.turns[index])
+        return Rotation.from_rotvec(vectors).as_matrix()
 
     def travelled(self, times: Array) -> Array:
         """Metres (n,) moved since the start at seconds (n,)."""
@@ -77,19 +93,31 @@ class _Recorder:
     def __init__(self, start: Array) -> None:
         self.times = [0.0]
         self.positions = [start]
+        self.turns = [np.zeros(3)]
         self.captures: list[float] = []
         self.phases: list[tuple[float, float, str]] = []
 
     def hold(self, seconds: float) -> None:
         if seconds > 0:
-            self.times.append(self.times[-1] + seconds)
-            self.positions.append(self.positions[-1])
+            self._append(seconds, self.positions[-1], self.turns[-1])
 
     def move(self, to: Array, speed: float) -> None:
         distance = float(np.linalg.norm(to - self.positions[-1]))
         if distance > 1e-12:
-            self.times.append(self.times[-1] + distance / speed)
-            self.positions.append(to)
+            self._append(distance / speed, to, self.turns[-1])
+
+    def turn(self, to: Array, speed: float) -> None:
+        angle = float(np.linalg.norm(to - self.turns[-1]))
+        if angle > 1e-12:
+            self._append(angle / speed, self.positions[-1], to)
+
+    def upright(self) -> None:
+        self.turn(np.zeros(3), TURNING_SPEED)
+
+    def _append(self, seconds: float, position: Array, turn: Array) -> None:
+        self.times.append(self.times[-1] + seconds)
+        self.positions.append(position)
+        self.turns.append(turn)
 
     def capture(self, count: int, spacing: float = 1.0 / 30.0) -> None:
         # the last picture comes at the end of the settling time, earlier ones a camera period apart
@@ -114,7 +142,8 @@ def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int =
     recorder.hold(FREE_AIR)
     if free_air_frames:
         recorder.capture(free_air_frames)
-    recorder.move(np.array([*touch.position, 0.0]), APPROACH_SPEED)
+    if touch.steps[0].kind != "turn":
+        recorder.move(np.array([*touch.position, 0.0]), APPROACH_SPEED)
     recorder.phase("free", 0.0)
     limit = deepest(touch.force_limit)
     last_shear = (0.0, 0.0)
@@ -122,6 +151,7 @@ def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int =
         since = recorder.times[-1]
         here = recorder.positions[-1]
         if step.kind == "press":
+            recorder.upright()
             if here[2] < 0:
                 # after a retreat: through the air at once, then step by step
                 here = np.array([here[0], here[1], 0.0])
@@ -135,18 +165,24 @@ def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int =
             _stepwise(recorder, here - np.array([*last_shear, 0.0]), step, frames_per_step)
         elif step.kind == "dwell":
             _dwell(recorder, step)
+        elif step.kind == "turn":
+            _turn(recorder, step, frames_per_step)
         else:
             _retreat(recorder, step.speed)
         recorder.phase(step.kind, since)
     since = recorder.times[-1]
-    if recorder.positions[-1][2] > -CLEARANCE:
+    if recorder.positions[-1][2] != -CLEARANCE:
         _retreat(recorder, APPROACH_SPEED)
         recorder.phase("retreat", since)
         since = recorder.times[-1]
     recorder.hold(FREE_AIR_AFTER)
     recorder.phase("free", since)
     return Path(
-        np.array(recorder.times), np.array(recorder.positions), np.array(recorder.captures), tuple(recorder.phases)
+        np.array(recorder.times),
+        np.array(recorder.positions),
+        np.array(recorder.captures),
+        tuple(recorder.phases),
+        np.array(recorder.turns),
     )
 
 
@@ -170,11 +206,20 @@ def _dwell(recorder: _Recorder, step: Step) -> None:
             recorder.capture(1)
 
 
-def _retreat(recorder: _Recorder, speed: float) -> None:
+def _turn(recorder: _Recorder, step: Step, captures: int) -> None:
+    if recorder.positions[-1][2] > -TURNING_CLEARANCE:
+        _retreat(recorder, APPROACH_SPEED, TURNING_CLEARANCE)
+    recorder.turn(np.array(step.to), step.speed)
+    recorder.hold(step.settle)
+    recorder.capture(captures)
+
+
+def _retreat(recorder: _Recorder, speed: float, clearance: float = CLEARANCE) -> None:
+    recorder.upright()
     here = recorder.positions[-1]
     if here[2] > 0:
         recorder.move(np.array([here[0], here[1], 0.0]), speed)
-    recorder.move(np.array([here[0], here[1], -CLEARANCE]), APPROACH_SPEED)
+    recorder.move(np.array([here[0], here[1], -clearance]), APPROACH_SPEED)
 
 
 def gel_from_indenter_rotation(touch: Touch) -> Array:
@@ -196,7 +241,7 @@ def base_from_tcp(
     ----------
     path_positions : (n, 3), metres
         x, y of the indenter's tip over the gel and depth of its first-touching point.
-    rotation : (3, 3)
+    rotation : (3, 3) or (n, 3, 3)
         gel_from_indenter.
     lowest : metres
         Height of the first-touching point of the turned indenter over its tip, along gel z; at most 0.

@@ -17,7 +17,7 @@ from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup, missed_at
 from tactiledata.rig.contact_layer import touch_layer
 from tactiledata.rig.footprint import GelGrid, footprint
 from tactiledata.rig.hidden_base import TouchFacts, Visit
-from tactiledata.rig.hidden_contact import analytic, touch_hidden
+from tactiledata.rig.hidden_contact import Played, analytic, touch_hidden
 from tactiledata.rig.layer_grid import LayerGrid
 from tactiledata.rig.layer_solver import Layer
 from tactiledata.rig.scenario import Gel, Scenario
@@ -112,7 +112,7 @@ class Performance:
         for index, play in enumerate(self.plays):
             first, last = edges[index]
             seconds = (host_ns[first:last] - play.start_ns) * 1e-9
-            out[first:last] = self._poses(index, play.path.at(seconds))
+            out[first:last] = self._poses(index, seconds)
             if index + 1 < len(self.plays):
                 after = edges[index + 1, 0]
                 span = self.plays[index + 1].start_ns - play.end_ns
@@ -121,12 +121,13 @@ class Performance:
                     out[last:after] = motion.transit(ends[index][1], ends[index + 1][0], share)
         return out
 
-    def _poses(self, index: int, positions: Array) -> Array:
-        rotation, mounted = self.poses[index]
-        return motion.base_from_tcp(positions, rotation, self.plays[index].lowest, mounted, self.tcp_from_gel)
+    def _poses(self, index: int, seconds: Array) -> Array:
+        play, (rotation, mounted) = self.plays[index], self.poses[index]
+        turned = play.path.turned(seconds) @ rotation
+        return motion.base_from_tcp(play.path.at(seconds), turned, play.lowest, mounted, self.tcp_from_gel)
 
     def _end_poses(self, index: int) -> Array:
-        return self._poses(index, self.plays[index].path.positions[[0, -1]])
+        return self._poses(index, self.plays[index].path.times[[0, -1]])
 
     def wrench(self, host_ns: Times) -> Array:
         """Contact wrench (n, 6) on the indenter, gel frame, at sorted moments; zero between trajectories."""
@@ -138,11 +139,23 @@ class Performance:
         return out
 
 
-class Stage:
-    """Indenters and footprints of a scenario, each made once."""
+Solve = Callable[[Gel, TouchSetup, motion.Path | None, Array | None], Contact]
+"""A touch of a gel, played along a path that may be planned already, and missed by (n, 3) m."""
 
-    def __init__(self, scenario: Scenario) -> None:
+
+class Stage:
+    """Indenters and footprints of a scenario, each made once.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    solve : callable, optional
+        What answers for the contact in place of what the scenario asks for.
+    """
+
+    def __init__(self, scenario: Scenario, solve: Solve | None = None) -> None:
         self.scenario = scenario
+        self._own_solve = solve
         self.indenters: dict[str, Indenter] = {
             name: make_indenter(entry, scenario.folder, f"indenters.{name}")
             for name, entry in scenario.indenters.items()
@@ -200,12 +213,17 @@ class Stage:
             motion.plan, touch, frames_per_step=images.frames_per_step, free_air_frames=images.free_air_frames
         )
         setup = TouchSetup(touch, indenter, rotation, print_, offset, gel.thickness, scenario.material, plan)
-        solve = analytic if scenario.contact == "analytic" else partial(self._on_layer, gel)
+        solve = self._solve(gel)
         if any(effect.ACTS in TOUCHED for effect in scenario.hidden):
             setup, hidden, visit = touch_hidden(setup, facts, scenario.hidden, solve)
             facts.visits.append(visit)
             return Play(touch, start_ns, print_.lowest, setup.offset, hidden, facts.mount)
         return Play(touch, start_ns, print_.lowest, offset, solve(setup, None, None), facts.mount)
+
+    def _solve(self, gel: Gel) -> Played:
+        if self._own_solve is not None:
+            return partial(self._own_solve, gel)
+        return analytic if self.scenario.contact == "analytic" else partial(self._on_layer, gel)
 
     def _on_layer(self, gel: Gel, setup: TouchSetup, path: motion.Path | None, missed: Array | None) -> Contact:
         real = replace(gel, thickness=setup.thickness)

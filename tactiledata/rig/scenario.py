@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tactiledata.contract.schema import check_document, read_document
 from tactiledata.errors import SchemaError
 from tactiledata.rig.hidden_effects import hidden_effect, is_null
+from tactiledata.rig.motion import TURNING_SPEED
 from tactiledata.rig.touch import Generate, Step, Touch
 from tactiledata.transforms import Transform
 
@@ -254,7 +255,8 @@ def _touch(entry: Mapping[str, Any]) -> Touch:
     steps = []
     for item in entry["steps"]:
         ((kind, options),) = item.items()
-        steps.append(_record(Step, {"kind": kind, **options}))
+        defaults = {"speed": TURNING_SPEED} if kind == "turn" else {}
+        steps.append(_record(Step, {"kind": kind, **defaults, **options}))
     return _record(Touch, {**entry, "steps": steps})
 
 

@@ -13,7 +13,8 @@ class Step:
 
     ``press`` to ``depth``, ``shear`` by ``by``, ``reverse`` (the last shear backwards): in steps of ``step`` at mean
     ``speed``, each followed by ``settle`` seconds and a capture. ``dwell``: ``time`` seconds with ``captures``
-    pictures. ``retreat``: out of the gel.
+    pictures. ``turn``: in free air, well above the gel, to the rotation vector ``to`` at ``speed`` (rad/s), then
+    ``settle`` seconds and a capture. ``retreat``: out of the gel, and back to the touch's own orientation.
     """
 
     kind: str
@@ -24,6 +25,7 @@ class Step:
     settle: float = 0.15
     time: float = 0.0
     captures: int = 2
+    to: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
