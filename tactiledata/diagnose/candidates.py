@@ -48,7 +48,7 @@ class Carrier:
 def carriers(residuals: Residuals) -> list[Carrier]:
     """Shared parameters whose value is known, by shares; and every component, by its unit."""
     listed = []
-    for place in residuals.shared:
+    for place in residuals.tested:
         parameter = residuals.parameters[place]
         if np.isfinite(parameter.value) and parameter.value != 0 and np.any(residuals.slopes[:, :, place]):
             listed.append(Carrier(parameter.name, residuals.slopes[:, :, place] * parameter.value, "1"))

@@ -79,7 +79,7 @@ def series_of(projection: Projection, order_by: str) -> list[Series]:
     place = np.add.reduceat(residuals.covariates[order_by].values, residuals.starts) / residuals.counts
     order = np.argsort(place, kind="stable")
     listed = []
-    for k, number in enumerate(residuals.shared):
+    for k, number in enumerate(residuals.tested):
         score = np.add.reduceat(
             np.einsum("nk,nk->n", projection.directions[:, :, k], projection.score), residuals.starts
         )

@@ -12,9 +12,12 @@ from tactiledata.diagnose.residuals import Residuals
 Indices = NDArray[np.int64]
 
 KNOWN = {
+    ("phase", "free air", "approach"): "approach",
     ("phase", "free air", None): "contact onset",
+    ("phase", "approach", None): "contact onset",
     ("phase", None, "dwell"): "dwell start",
     ("contact", "stick", "slip"): "slip onset",
+    ("phase", None, "reverse"): "shear reversal",
     ("phase", None, "leave"): "reversal",
     ("phase", None, "free air"): "separation",
 }

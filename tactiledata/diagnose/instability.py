@@ -107,7 +107,7 @@ def instability(
 
 def _pairs(projection: Projection, tested: int | None) -> list[_Pair]:
     residuals, pairs = projection.residuals, []
-    for place in range(projection.directions.shape[2])[:tested]:
+    for place in range(len(residuals.tested))[:tested]:
         weights = projection.information(place)
         for name, covariate in residuals.covariates.items():
             places = cuts(covariate.values, weights)

@@ -24,7 +24,7 @@ def leading_drifts(
     A scale that drifts with speed makes the offset drift with speed, too, and everything that goes with speed: those
     echoes are gone once the scale may follow the speed.
     """
-    tested = projection.directions.shape[2]
+    tested = len(projection.residuals.tested)
     found: list[Drift] = []
     fields = {}
     left = drifts

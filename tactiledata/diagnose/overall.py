@@ -44,16 +44,16 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
     """
     residuals.need_units("a common offset")
     projection = project(residuals)
-    if not projection.directions.shape[2]:
+    if not residuals.tested:
         return ()
-    found = [_alone(residuals, place) for place in residuals.shared]
+    found = [_alone(residuals, place) for place in residuals.tested]
     thrown = signs(residuals.unit_count, draws, seed)
     observed = np.array([abs(float(one.statistic[0])) for one in found])
     drawn = np.stack([np.abs(one.flipped(thrown)[:, 0]) for one in found], axis=1)
     p_values = family_wise(observed, drawn)
     listed = [
         Offset(moved.parameter.name, float(p), moved, f"{moved.words} throughout ({p_words(float(p))})")
-        for moved, p in zip(refitted(projection), p_values, strict=True)
+        for moved, p in zip(refitted(projection)[: len(found)], p_values, strict=True)
     ]
     return tuple(sorted(listed, key=lambda one: (one.p, -one.change.sharpness)))
 

@@ -74,7 +74,7 @@ def region_maps(
     if min(len(x), len(y)) < 2:
         return ()
     kernels = _kernels(place_x, place_y, x, y)
-    found = [contributions(projection, place, kernels) for place in range(projection.directions.shape[2])]
+    found = [contributions(projection, place, kernels) for place in range(len(residuals.tested))]
     if not found:
         return ()
     thrown = signs(residuals.unit_count, draws, seed)

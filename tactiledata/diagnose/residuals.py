@@ -47,12 +47,16 @@ class Parameter:
     own_deviation : float, optional
         Each trajectory has a value of its own, normal with this standard deviation (``inf``: any); ``None``: all
         share one.
+    is_tested : bool
+        Whether locators ask if it drifts. Numbers that a fit has and nobody doubts, as errors of the simulation
+        itself, are refitted and never asked.
     """
 
     name: str
     unit: str = "1"
     value: float = float("nan")
     own_deviation: float | None = None
+    is_tested: bool = True
 
 
 @dataclass(frozen=True)
@@ -149,9 +153,15 @@ class Residuals:
         return int(self.unit_of_trajectory.max(initial=-1)) + 1
 
     @property
+    def tested(self) -> tuple[int, ...]:
+        """Places of the parameters that all trajectories share and locators ask about."""
+        return tuple(place for place, one in enumerate(self.parameters) if one.own_deviation is None and one.is_tested)
+
+    @property
     def shared(self) -> tuple[int, ...]:
-        """Places of the parameters that all trajectories share."""
-        return tuple(place for place, one in enumerate(self.parameters) if one.own_deviation is None)
+        """Places of the parameters that all trajectories share, those that are tested first."""
+        others = (place for place, one in enumerate(self.parameters) if one.own_deviation is None and not one.is_tested)
+        return (*self.tested, *others)
 
     def by_unit(self, per_frame: Array) -> Array:
         """Sums (u, …) over the units of exchange of what each frame holds (n, …)."""

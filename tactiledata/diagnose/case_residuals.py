@@ -1,0 +1,125 @@
+"""What a fit to touches leaves, as residuals that locators can be asked about."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.case_covariates import case_covariates, contacts, phases
+from tactiledata.diagnose.gate import NoiseModel
+from tactiledata.diagnose.joint_fit import JointFit
+from tactiledata.diagnose.locate import Located, LocateOptions, locate
+from tactiledata.diagnose.residuals import Names, Parameter, Residuals
+from tactiledata.diagnose.sign_flips import DRAWS
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.nuisance.offsets import PRIOR
+
+Array = NDArray[np.float64]
+
+COMPONENTS = ("fx", "fy", "fz", "tx", "ty", "tz")
+UNITS = ("N", "N", "N", "N mm", "N mm", "N mm")
+TO_UNIT = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
+"""N and N m into these units."""
+
+
+def known_rows(white: WhitenedCases, predicted: Array) -> NDArray[np.bool_]:
+    """Rows (N,) with a measured wrench, and a simulated one (N, 6)."""
+    return (white.weights > 0) & np.isfinite(predicted).all(axis=1)
+
+
+def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
+    """Whitened residuals of a fit, frames that were not measured or not simulated left out.
+
+    E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset is
+    marginalised under its prior; its zero is, already, by the whitening. What the simulation itself may be off, by a
+    factor on all forces of an indenter, along its law and in sticking shear, and the numbers of effects are refitted
+    with E, nu and mu and never asked: a simulator that errs so is no news.
+
+    Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
+    """
+    cases, model = white.cases, fit.model
+    answers = contacts(cases, model.material, model.offsets)
+    rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
+    # the noise was widened for neighbours that resemble one another; a value's own variance is to be 1
+    single = np.sqrt(np.array([case.noise.inflation for case in cases.cases]))[white.trajectory, None]
+    parameters, fields = _parameters(white, fit)
+    deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
+    return Residuals(
+        (fit.residual + fit.own * fit.by_row) * single,
+        COMPONENTS,
+        white.trajectory.astype(np.int64),
+        case_covariates(cases, answers),
+        _labels(white, np.concatenate([answer.sliding for answer in answers])),
+        parameters,
+        np.stack(fields, axis=2) * single[:, :, None],
+        units=UNITS,
+        deviations=deviations,
+    ).part(rows)
+
+
+def case_noise(white: WhitenedCases) -> NoiseModel:
+    """The noise of such residuals, for the gate."""
+    inflation = float(np.mean([case.noise.inflation for case in white.cases.cases]))
+    return NoiseModel((inflation - 1.0) / (inflation + 1.0))
+
+
+def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> Located:
+    """Where recordings and a fit to them differ.
+
+    Raises
+    ------
+    TactileDataError
+        Too few trajectories.
+    """
+    return locate(case_residuals(white, fit), LocateOptions(noise=case_noise(white), seed=seed, draws=draws))
+
+
+def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, ...], list[Array]]:
+    """Parameters and whitened changes (N, 6) over each."""
+    gel, model = fit.model.material, fit.model
+    low, high = (end[:3] for end in model.bounds)
+    here = model.vector[:3]
+    is_free = (here > low + 1e-6) & (here < high - 1e-6)
+    modulus = gel.youngs_modulus * 1e-3
+    by_log = fit.shared[:, :, 0]
+    listed = [
+        Parameter("E", "kPa", modulus, is_tested=bool(is_free[0])),
+        Parameter("nu", "1", gel.poisson_ratio, is_tested=bool(is_free[1])),
+        Parameter("mu", "1", gel.friction, is_tested=bool(is_free[2])),
+        Parameter("contact offset", "mm", own_deviation=1e3 * PRIOR),
+    ]
+    fields = [by_log / modulus, fit.shared[:, :, 1], fit.shared[:, :, 2], fit.own / (1e3 * PRIOR)]
+    for place, one in enumerate(model.coordinates):
+        name = f"{model.settings[one.place].effect} {one.parameter.name}"
+        listed.append(Parameter(name, one.parameter.unit, is_tested=False))
+        fields.append(fit.shared[:, :, 3 + place])
+    # a factor on an indenter's forces is a modulus of its own: the very field of E, so that E beside it is no question
+    owner = white.indenter[white.trajectory]
+    kinds = int(white.indenter.max()) + 1
+    for kind in range(kinds):
+        listed.append(Parameter(f"forces of indenter {kind}", is_tested=False))
+        fields.append(by_log * (owner == kind)[:, None])
+    for place in range(len(model.errors) - kinds):
+        listed.append(Parameter(f"error of the simulation {place}", is_tested=False))
+        fields.append(fit.shared[:, :, 3 + len(model.coordinates) + kinds + place])
+    return tuple(listed), fields
+
+
+def _labels(white: WhitenedCases, slides: NDArray[np.bool_]) -> dict[str, Names]:
+    """Labels (N,); a name that says what another one says already is left out."""
+    cases = white.cases.cases
+    by_trajectory = {
+        "indenter": white.cases.indenters,
+        "sensor": tuple(case.touch.sensor for case in cases),
+        "mount": tuple(case.touch.mount for case in cases),
+    }
+    labels: dict[str, Names] = {}
+    seen: set[tuple[int, ...]] = set()
+    for name, texts in by_trajectory.items():
+        partition = tuple(texts.index(text) for text in texts)
+        if len(set(partition)) > 1 and partition not in seen:
+            seen.add(partition)
+            labels[name] = np.array(texts)[white.trajectory]
+    labels["phase"] = np.concatenate([phases(case) for case in cases])
+    labels["contact"] = np.where(slides, "slip", "stick")
+    return labels
