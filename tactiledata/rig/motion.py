@@ -92,8 +92,8 @@ class _Recorder:
 
     def __init__(self, start: Array) -> None:
         self.times = [0.0]
-        self.positions = [start]
-        self.turns = [np.zeros(3)]
+        self.positions: list[Array] = [start]
+        self.turns: list[Array] = [np.zeros(3)]
         self.captures: list[float] = []
         self.phases: list[tuple[float, float, str]] = []
 
