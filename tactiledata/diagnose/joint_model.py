@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.diagnose.effect_signatures import deviation_of
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.parameter import Parameter
@@ -78,6 +78,8 @@ class JointModel:
     offsets : (t,) m
     errors : (e,)
         Numerical errors, in their standard deviations.
+    box : Bounds
+        In which E, nu and mu stay.
     """
 
     material: GelMaterial
@@ -85,6 +87,7 @@ class JointModel:
     coordinates: tuple[Coordinate, ...]
     offsets: Array
     errors: Array
+    box: Bounds = BOUNDS["wide"]
 
     @property
     def vector(self) -> Array:
@@ -96,11 +99,10 @@ class JointModel:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Least and largest value of each entry of the vector."""
-        wide = find_bounds("wide")
         ends = [one.bounds for one in self.coordinates]
         free = np.full(len(self.errors), np.inf)
-        low = [np.log(wide.low[0]), *wide.low[1:], *(low for low, _ in ends), *-free]
-        high = [np.log(wide.high[0]), *wide.high[1:], *(high for _, high in ends), *free]
+        low = [np.log(self.box.low[0]), *self.box.low[1:], *(low for low, _ in ends), *-free]
+        high = [np.log(self.box.high[0]), *self.box.high[1:], *(high for _, high in ends), *free]
         return np.array(low), np.array(high)
 
     def at(self, vector: Array, offsets: Array) -> JointModel:
@@ -121,6 +123,7 @@ def joint_model(
     trajectories: int,
     errors: int,
     kept: Sequence[frozenset[str]] | None = None,
+    box: Bounds = BOUNDS["wide"],
 ) -> JointModel:
     """A model of effects at their nulls or elsewhere.
 
@@ -139,7 +142,7 @@ def joint_model(
                 is_free = kept is None or parameter.name in kept[place]
             if is_free:
                 coordinates.append(Coordinate(place, parameter))
-    return JointModel(material, settings, tuple(coordinates), np.zeros(trajectories), np.zeros(errors))
+    return JointModel(material, settings, tuple(coordinates), np.zeros(trajectories), np.zeros(errors), box)
 
 
 def _in_bounds(name: str, values: dict[str, float]) -> dict[str, float]:

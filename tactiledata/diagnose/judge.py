@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.diagnose.effect_signatures import MATERIAL
 from tactiledata.diagnose.evidence_scale import EvidenceScale
 from tactiledata.diagnose.grouped_prediction import HeldOut
@@ -135,10 +134,9 @@ def _signature(base: JointFit, fit: JointFit, residual: Array) -> float:
 def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[3:]
     implausible, at_bounds = [], []
-    wide = find_bounds("wide")
-    gel = fit.model.material
+    gel, box = fit.model.material, fit.model.box
     for symbol, value, low, high in zip(
-        MATERIAL, (gel.youngs_modulus, gel.poisson_ratio, gel.friction), wide.low, wide.high, strict=True
+        MATERIAL, (gel.youngs_modulus, gel.poisson_ratio, gel.friction), box.low, box.high, strict=True
     ):
         if min(value - low, high - value) < AT_BOUND * (high - low):
             at_bounds.append(symbol)

@@ -141,7 +141,8 @@ def name_effects(
 
 def _plain_fit(white: WhitenedCases, material: GelMaterial) -> JointFit:
     numerical = white.numerical(material)
-    return joint_fit(white, numerical, joint_model(material, [], len(white.starts), numerical.shape[2]))
+    model = joint_model(material, [], len(white.starts), numerical.shape[2], box=white.cases.box)
+    return joint_fit(white, numerical, model)
 
 
 def _huber(residual: Array, turn: float = 2.0) -> Array:
@@ -228,6 +229,7 @@ class Refits:
 
     def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit:
         plain = self.base.model
-        model = joint_model(plain.material, start, len(self.white.starts), self.numerical.shape[2], list(kept))
+        errors = self.numerical.shape[2]
+        model = joint_model(plain.material, start, len(self.white.starts), errors, list(kept), plain.box)
         model = model.at(np.concatenate([model.vector[: 3 + len(model.coordinates)], plain.errors]), plain.offsets)
         return joint_fit(self.white, self.numerical, model)

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.effects.response import BaseResponse
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.effects.simulator import with_effects
@@ -81,10 +82,13 @@ class CaseSet:
     ----------
     cases : sequence of TouchCase
     base : BaseFamily
+    box : Bounds
+        Of the materials that the base answers for.
     """
 
     cases: Sequence[TouchCase]
     base: BaseFamily
+    box: Bounds = BOUNDS["wide"]
 
     @property
     def counts(self) -> Indices:
