@@ -62,7 +62,7 @@ class BallOnLayer:
             # the factor is that of linear pads with stiffer uppermost cells, within a third
             normal = normal * (1.0 + 0.3 * gel.skin / np.maximum(a, 0.5 * gel.skin))
         spring = 8.0 * material.shear_modulus * a / (2.0 - material.poisson_ratio)
-        shear, sliding = _stick_and_slip(centre, spring, material.friction * friction * normal)
+        shear, sliding = stick_and_slip(centre, spring, material.friction * friction * normal)
         force = np.column_stack([shear, normal])
         place = np.column_stack([centre, -pressed])
         touching = pressed > 0
@@ -70,7 +70,7 @@ class BallOnLayer:
         return ContactResponse(wrench, np.pi * a**2, centre, depth, sliding & touching)
 
 
-def _stick_and_slip(centre: Array, spring: Array, limit: Array) -> tuple[Array, NDArray[np.bool_]]:
+def stick_and_slip(centre: Array, spring: Array, limit: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Shear forces (n, 2) on a ball held by springs (n,) N/m up to limits (n,) N, and when it slides."""
     force = np.zeros_like(centre)
     sliding = np.zeros(len(centre), dtype=bool)
