@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,10 @@ from tactiledata.gel.engines import Mechanics, make_engine
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.pad import PadMesh
+
+if TYPE_CHECKING:
+    from tactiledata.gel.fem import FemEngine
+    from tactiledata.gel.flex import FlexEngine
 
 Array = NDArray[np.float64]
 Tell = Callable[..., None]
@@ -78,20 +83,39 @@ def play_at(
 
 def play_batch(batch: Batch) -> list[Play]:
     """The plays of a batch, in its order."""
-    paths = [
-        play_path(touch, batch.mesh.digest, batch.mechanics, batch.ratio, batch.friction) for touch in batch.touches
-    ]
+    return played_or_kept(
+        batch.touches,
+        GelMaterial(1.0, batch.ratio, batch.friction),
+        batch.mesh.digest,
+        batch.mechanics,
+        lambda: make_engine(batch.mesh, batch.ratio, batch.mechanics),
+    )
+
+
+def played_or_kept(
+    touches: Sequence[GelTouch],
+    material: GelMaterial,
+    mesh_digest: str,
+    mechanics: str,
+    engine: Callable[[], FemEngine | FlexEngine],
+) -> list[Play]:
+    """The plays of touches: those that are kept are read, the others played and kept.
+
+    Parameters
+    ----------
+    mesh_digest, mechanics : str
+        Of what plays them; other names have other places on disk.
+    engine : callable
+        Makes it, where anything is to be played.
+    """
+    ratio, friction = material.poisson_ratio, material.friction
+    paths = [play_path(touch, mesh_digest, mechanics, ratio, friction) for touch in touches]
     plays = {number: play for number, path in enumerate(paths) if (play := load_play(path)) is not None}
     missing = [number for number in range(len(paths)) if number not in plays]
-    for place, play in _played(batch, [batch.touches[number] for number in missing]):
-        plays[missing[place]] = play
-        keep_play(paths[missing[place]], play)
+    if missing:
+        made = engine()
+        for place, history in made.play([touches[number] for number in missing], material, keep="none"):
+            play = Play(history.wrench, history.status, history.pressed @ made.surface.patch_areas)
+            plays[missing[place]] = play
+            keep_play(paths[missing[place]], play)
     return [plays[number] for number in range(len(paths))]
-
-
-def _played(batch: Batch, touches: Sequence[GelTouch]) -> Iterator[tuple[int, Play]]:
-    if not touches:
-        return
-    engine = make_engine(batch.mesh, batch.ratio, batch.mechanics)
-    for number, history in engine.play(touches, GelMaterial(1.0, batch.ratio, batch.friction), keep="none"):
-        yield number, Play(history.wrench, history.status, history.pressed @ engine.surface.patch_areas)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,14 @@ from numpy.typing import NDArray
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.player import Batch, play_batch, play_nodes
+from tactiledata.calibrate.player import play_nodes
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute.local import LocalScheduler
+from tactiledata.diagnose.gel_variant_plays import VariantBatch, play_variant
 from tactiledata.diagnose.gel_variants import surface_height
 from tactiledata.diagnose.touch_plays import TouchPlays
-from tactiledata.gel.engines import Mechanics
+from tactiledata.effects.response import GelVariant
+from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.history import FrameStatus, GelTouch
 from tactiledata.gel.pad import PadMesh
 
@@ -24,33 +28,65 @@ Tell = Callable[..., None]
 SHIFT = 5e-5
 """m: paths are played this much to either side along x and y."""
 KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
+MOST_LOST = 0.1
+"""Share of the frames that a variant may fail to solve; one that fails in more is given up, not the frames."""
 
 
 def play_touches(
     mesh: PadMesh,
-    mechanics: Mechanics,
+    fidelity: Fidelity,
     touches: Sequence[MeasuredTouch],
     bounds: Bounds,
     workers: int = 1,
     tell: Tell = lambda done, total, what="": None,
+    variants: Sequence[GelVariant] = (),
 ) -> list[TouchPlays]:
     """The plays of each touch; frames that one of them could not solve are NaN in all.
 
-    Those without a shift are the calibration's own, and are read from disk where it was run.
+    Those without shift and variant are the calibration's own, and are read from disk where it was run.
+
+    Parameters
+    ----------
+    variants : sequence of GelVariant
+        Those that fail in more than ``MOST_LOST`` of the frames are not among what is returned.
     """
     plan = ResponsePlan.of(bounds)
-    nodes = play_nodes(mesh, mechanics, touches, list(plan.nodes()), workers, tell)
     nu_middle, mu_middle = plan.middle
     pair = plan.ratios[nu_middle], plan.frictions[mu_middle]
     moved = [
-        [_moved(touch.touch, axis, side * SHIFT) for touch in touches] for axis in range(2) for side in (-1.0, 1.0)
+        tuple(_moved(touch.touch, axis, side * SHIFT) for touch in touches) for axis in range(2) for side in (-1.0, 1.0)
     ]
-    shifted = play_batch(Batch(mesh, mechanics, *pair, tuple(touch for group in moved for touch in group)))
-    count = len(touches)
+    plain = tuple(touch.touch for touch in touches)
+    batches = [VariantBatch(mesh, fidelity, *pair, GelVariant(), group) for group in moved]
+    batches += [VariantBatch(mesh, fidelity, *pair, variant, plain) for variant in variants]
+    of_nodes = len(plan.ratios) * len(plan.frictions)
+
+    def told(done: int, _: int, what: str = "") -> None:
+        tell(done, of_nodes + len(batches), what)
+
+    nodes = play_nodes(mesh, fidelity, touches, list(plan.nodes()), workers, told)
+    others = []
+    for outcome in LocalScheduler(workers).outcomes(play_variant, batches):
+        if outcome.error is not None:
+            raise outcome.error
+        others.append(outcome.result or [])
+        tell(of_nodes + len(others), of_nodes + len(batches), _words(len(others), len(moved)))
+    shifted, varied = others[: len(moved)], dict(zip(variants, others[len(moved) :], strict=True))
+    kept = solvable(varied, nodes[Node(*pair, 0.0)])
+    join = partial(_touch_plays, plan, mesh)
     return [
-        _touch_plays(plan, {node: nodes[node][k] for node in nodes}, shifted[k::count], touch, mesh)
+        join(
+            {node: nodes[node][k] for node in nodes},
+            [group[k] for group in shifted],
+            {variant: plays[k] for variant, plays in kept.items()},
+            touch,
+        )
         for k, touch in enumerate(touches)
     ]
+
+
+def _words(done: int, moved: int) -> str:
+    return "moved along the gel" if done <= moved else "gels and indenters that differ"
 
 
 def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
@@ -59,12 +95,28 @@ def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
     return GelTouch(touch.indenter, poses)
 
 
+def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> dict[GelVariant, list[Play]]:
+    """Those of the variants that solve nearly all frames that the nominal gel solves."""
+    solved = np.concatenate([np.isin(play.status, KNOWN) for play in plain])
+    kept = {}
+    for variant, plays in varied.items():
+        lost = solved & ~np.concatenate([np.isin(play.status, KNOWN) for play in plays])
+        if lost.sum() <= MOST_LOST * solved.sum():
+            kept[variant] = plays
+    return kept
+
+
 def _touch_plays(
-    plan: ResponsePlan, plays: dict[Node, Play], shifted: Sequence[Play], touch: MeasuredTouch, mesh: PadMesh
+    plan: ResponsePlan,
+    mesh: PadMesh,
+    plays: dict[Node, Play],
+    shifted: Sequence[Play],
+    varied: Mapping[GelVariant, Play],
+    touch: MeasuredTouch,
 ) -> TouchPlays:
     """``shifted``: along -x, x, -y and y."""
     unknown = np.zeros(len(touch.seconds), dtype=bool)
-    for play in (*plays.values(), *shifted):
+    for play in (*plays.values(), *shifted, *varied.values()):
         unknown |= ~np.isin(play.status, KNOWN)
 
     def columns(play: Play) -> Array:
@@ -77,6 +129,7 @@ def _touch_plays(
         return [(more - less) / (2 * plan.offset), (more + less - 2 * none) / (2 * plan.offset**2)]
 
     nu_middle, mu_middle = plan.middle
+    middle = columns(plays[Node(plan.ratios[nu_middle], plan.frictions[mu_middle], 0.0)])
     left, right, down, up = (columns(play) for play in shifted)
     return TouchPlays(
         plan,
@@ -85,4 +138,5 @@ def _touch_plays(
         np.array([bend(plan.ratios[nu_middle], friction) for friction in plan.frictions]),
         np.stack([right - left, up - down]) / (2 * SHIFT),
         np.where(unknown, np.nan, surface_height(mesh, np.nan_to_num(touch.touch.poses[:, :2, 3]))),
+        {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
     )

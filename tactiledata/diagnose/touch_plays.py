@@ -56,6 +56,23 @@ class TouchPlays:
     height: Array
     variants: Mapping[GelVariant, Array] = field(default_factory=dict)
 
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Frames (n,) that every play has solved, or found nothing that touches."""
+        return np.asarray(np.isfinite(self.level).all(axis=(0, 1, 3)))
+
+    def part(self, rows: NDArray[np.bool_]) -> TouchPlays:
+        """Those of some of the frames (n,)."""
+        return TouchPlays(
+            self.plan,
+            self.level[:, :, rows],
+            self.by_ratio[:, :, rows],
+            self.by_friction[:, :, rows],
+            self.by_shift[:, rows],
+            self.height[rows],
+            {variant: difference[rows] for variant, difference in self.variants.items()},
+        )
+
     def at(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
         """Columns (n, 7) at one nu, and at a mu, an offset and a shift of each frame."""
         mu_middle = self.plan.middle[1]

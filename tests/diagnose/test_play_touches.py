@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.diagnose.play_touches import play_touches
+from tactiledata.diagnose.gel_variant_plays import variants_of
+from tactiledata.diagnose.play_touches import play_touches, solvable
 from tactiledata.diagnose.touch_plays import PlayedFamily
+from tactiledata.effects.response import GelVariant
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelTouch
+from tactiledata.gel.history import FrameStatus, GelTouch
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.structured_pad import GridPlan, structured_pad
 from tactiledata.indenters.sphere import Sphere
@@ -71,3 +74,54 @@ def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
     (plays,) = play_touches(PAD, "linear", [touch], find_bounds("paper"))
     assert np.isnan(plays.level[:, :, 3]).all()
     assert np.isfinite(plays.level[:, :, [1, 2, 4]]).all()
+
+
+def test_variants_are_played_and_kept(tmp_path, monkeypatch):
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
+    touch = measured((0.0, 0.0))
+    variants = variants_of(["thickness", "mount_offset", "skin"])
+    assert len(variants) == 6
+
+    def differences():
+        (plays,) = play_touches(PAD, "linear", [touch], find_bounds("paper"), variants=variants)
+        return plays.variants
+
+    first = differences()
+    thinner, thicker = GelVariant(thickness=0.85), GelVariant(thickness=1.15)
+    smaller, larger = GelVariant(indenter_scale=0.97), GelVariant(indenter_scale=1.03)
+    for softer, stiffer in ((thicker, thinner), (smaller, larger), (GelVariant(), GelVariant(skin=6e-4))):
+        less = first.get(softer, np.zeros((FRAMES, 6)))
+        assert (first[stiffer][2:, 2] > less[2:, 2]).all()
+    assert not first[thinner][0].any()
+    files = set(tmp_path.rglob("*.npz"))
+    again = differences()
+    assert files == set(tmp_path.rglob("*.npz"))
+    assert all(np.array_equal(first[variant], again[variant]) for variant in variants)
+
+
+def test_a_variant_that_cannot_be_solved_costs_no_frames():
+    def play(unsolved):
+        status = np.full(20, FrameStatus.SOLVED, dtype=np.int8)
+        status[:unsolved] = FrameStatus.NOT_CONVERGED
+        return Play(np.zeros((20, 6)), status, np.zeros(20))
+
+    varied = {
+        GelVariant(thickness=0.5): [play(5)],
+        GelVariant(thickness=0.9): [play(2)],
+        GelVariant(skin=1e-4): [play(3)],
+    }
+    assert list(solvable(varied, [play(0)])) == [GelVariant(thickness=0.9)]
+    # what the nominal gel cannot solve either does not count
+    assert len(solvable(varied, [play(5)])) == 3
+
+
+def test_a_part_is_the_same_frames(played):
+    touches, (first, _) = played
+    rows = np.array([True, False, True, True, True, False, True, True])
+    touch = touches[0]
+    whole = Touch(touch.seconds, touch.touch.poses, touch.touch.indenter, MATERIAL, DIGIT.gel)
+    part = Touch(touch.seconds[rows], touch.touch.poses[rows], touch.touch.indenter, MATERIAL, DIGIT.gel)
+    nothing = np.zeros(FRAMES), np.zeros((FRAMES, 2)), np.ones(FRAMES)
+    expected = PlayedFamily([whole], [first])(MATERIAL)(whole).respond(*nothing).wrench[rows]
+    found = PlayedFamily([part], [first.part(rows)])(MATERIAL)(part).respond(*(one[rows] for one in nothing))
+    assert np.array_equal(found.wrench, expected)
