@@ -39,21 +39,28 @@ def held_out(cases: WhitenedCases, fit: JointFit, seed: int = 0) -> HeldOut:
     The effects' numbers and E, nu, mu move; what is of one trajectory or one indenter only is left to its prior.
     """
     count = len(cases.starts)
-    dealt = np.random.default_rng(seed).permutation(np.arange(count) % min(FOLDS, count))
+    dealt = folds_of(count, seed)
     by_trajectory = np.zeros(count)
-    parts = _Parts.of(cases, fit)
+    refits = LinearRefits.of(cases, fit)
     for fold in range(int(dealt.max()) + 1):
-        for one, cost in parts.costs(dealt == fold, together=False).items():
+        for one, cost in refits.costs(dealt == fold, together=False).items():
             by_trajectory[one] = cost
     kinds = int(cases.indenter.max()) + 1
     by_indenter = np.array(
-        [sum(parts.costs(cases.indenter == kind, together=True).values()) for kind in range(kinds)] if kinds > 1 else []
+        [sum(refits.costs(cases.indenter == kind, together=True).values()) for kind in range(kinds)]
+        if kinds > 1
+        else []
     )
     return HeldOut(by_trajectory, by_indenter)
 
 
+def folds_of(count: int, seed: int = 0) -> Indices:
+    """Fold (t,) of each of so many trajectories."""
+    return np.random.default_rng(seed).permutation(np.arange(count) % min(FOLDS, count))
+
+
 @dataclass(frozen=True)
-class _Parts:
+class LinearRefits:
     """What each trajectory tells: normal equations of its own, to be summed over those that are fitted."""
 
     cases: WhitenedCases
@@ -63,7 +70,8 @@ class _Parts:
     undone: Array
 
     @staticmethod
-    def of(cases: WhitenedCases, fit: JointFit) -> _Parts:
+    def of(cases: WhitenedCases, fit: JointFit) -> LinearRefits:
+        """Of a fit to these trajectories."""
         undone = fit.residual + fit.own * fit.by_row
         metric = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
         weighed = metric.without_own(fit.shared)
@@ -71,16 +79,20 @@ class _Parts:
             np.einsum("nkp,nkq->pq", fit.shared[rows], weighed[rows], optimize=True) for rows in _rows(cases)
         ])  # fmt: skip
         told = np.add.reduceat(np.einsum("nkp,nk->np", weighed, undone), fit.starts, axis=0)
-        return _Parts(cases, fit, gram, told, undone)
+        return LinearRefits(cases, fit, gram, told, undone)
 
-    def costs(self, out: NDArray[np.bool_], together: bool) -> dict[int, float]:
-        """Of each trajectory held out, or of all of them as one under the first one's number."""
+    def change_without(self, out: NDArray[np.bool_]) -> Array:
+        """By how much the vector (q,) moves where some trajectories (t,) are not fitted, in the fit's linearisation."""
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
         gram = self.gram[~out].sum(axis=0) + np.diag(fit.precision)
         low, high = (end - fit.model.vector for end in fit.model.bounds)
-        change = bounded_change(gram, self.told[~out].sum(axis=0) - prior, low, high)
-        left = self.undone - fit.shared @ change
+        return bounded_change(gram, self.told[~out].sum(axis=0) - prior, low, high)
+
+    def costs(self, out: NDArray[np.bool_], together: bool) -> dict[int, float]:
+        """Of each trajectory held out, or of all of them as one under the first one's number."""
+        fit = self.fit
+        left = self.undone - fit.shared @ self.change_without(out)
         first_error = len(fit.precision) - len(fit.model.errors)
         numbers = np.flatnonzero(out)
         groups = [numbers] if together else [np.array([number]) for number in numbers]

@@ -236,7 +236,8 @@ class _Work:
         starts = self.cases.starts
         squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", slopes.own, slopes.own), starts)
         by_row = self.cases.trajectory
-        pull = state.residual - slopes.own * _inside(slopes.own, state.residual, starts, squares, own_now)[by_row, None]
+        pulled = offset_steps(slopes.own, state.residual, starts, squares, own_now)
+        pull = state.residual - slopes.own * pulled[by_row, None]
         gradient = np.einsum("nkq,nk->q", slopes.shared, pull) - precision * (vector - self.centre(model))
         gram = about.products(slopes.shared, slopes.shared) + np.diag(precision)
         free = np.array([place not in self.held for place in range(len(vector))])
@@ -247,13 +248,22 @@ class _Work:
         damped = gram + damping * np.diag(np.diag(gram))
         moved = vector + bounded_change(damped, gradient, nearest - vector, farthest - vector, free)
         left = state.residual - slopes.shared @ (moved - vector)
-        own = own_now + _inside(slopes.own, left, starts, squares, own_now)
+        own = own_now + offset_steps(slopes.own, left, starts, squares, own_now)
         own = np.clip(own, -FARTHEST / PRIOR, FARTHEST / PRIOR)
         left = left - slopes.own * (own - own_now)[by_row, None]
         reached = (left**2).sum() + precision @ (moved - self.centre(model)) ** 2 + (own**2).sum()
         return model.at(moved, own * PRIOR), state.cost - float(reached)
 
 
-def _inside(own: Array, residual: Array, starts: NDArray[np.int64], squares: Array, now: Array) -> Array:
-    """By how much each trajectory's offset (t,) should move, in its standard deviations."""
+def offset_steps(own: Array, residual: Array, starts: NDArray[np.int64], squares: Array, now: Array) -> Array:
+    """By how much each trajectory's offset (t,) should move, in its standard deviations.
+
+    Parameters
+    ----------
+    own, residual : (N, 6)
+    squares : (t,)
+        One more than the sum of those of ``own``.
+    now : (t,)
+        Where the offsets stand.
+    """
     return (np.add.reduceat(np.einsum("nk,nk->n", own, residual), starts) - now) / squares

@@ -53,11 +53,16 @@ def is_logarithmic(values: Array) -> bool:
 
 
 def slope(values: Array, weights: Array) -> tuple[Array, float, float]:
-    """An instrument (n, 1) that goes from 0 to 1 between two values of the covariate, and those values."""
+    """An instrument (n, 1) that goes from 0 to 1 between two values of the covariate, and those values.
+
+    It is 0 where most of the frames that say anything have one value.
+    """
     low, high = weighed_quantiles(values, weights, np.array([LOW, HIGH]))
     scale = np.log if is_logarithmic(values[weights > 0]) and (values > 0).all() else np.asarray
     ends = scale(np.array([low, high]))
-    return ((scale(values) - ends[0]) / max(float(ends[1] - ends[0]), 1e-300))[:, None], float(low), float(high)
+    if not ends[1] > ends[0]:
+        return np.zeros((len(values), 1)), float(low), float(high)
+    return ((scale(values) - ends[0]) / (ends[1] - ends[0]))[:, None], float(low), float(high)
 
 
 def levels(texts: Names) -> tuple[list[str], Array]:

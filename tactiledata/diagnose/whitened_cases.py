@@ -113,15 +113,26 @@ class WhitenedCases:
         return np.stack([case.noise.whitened(np.eye(6)) for case in self.cases.cases])[self.trajectory]
 
     @cached_property
-    def _tare(self) -> Array:
+    def tare(self) -> Array:
+        """Variances (t,) of the zeros, over that of one reading."""
         return tare_variance(np.array([case.free_samples for case in self.cases.cases]))
 
     def white(self, rows: Array) -> Array:
         """Wrenches (N, 6) or (N, 6, c) in units of their noise; rows that are not finite count for nothing."""
         field = np.nan_to_num(rows.reshape(len(rows), 6, -1))
         white = np.einsum("nic,nij->njc", field, self._whitening) * self.weights[:, None, None]
-        flat = without_tare(white.reshape(len(rows), -1), self.starts, self._tare, self.weights)
+        flat = without_tare(white.reshape(len(rows), -1), self.starts, self.tare, self.weights)
         return flat.reshape(rows.shape)
+
+    def part(self, chosen: NDArray[np.bool_]) -> WhitenedCases:
+        """Some of the trajectories (t,)."""
+        kept = [case for case, is_kept in zip(self.cases.cases, chosen, strict=True) if is_kept]
+        return replace(self, cases=replace(self.cases, cases=kept), trust=self.trust[chosen[self.trajectory]])
+
+    def in_newtons(self, white: Array) -> Array:
+        """Whitened rows (N, 6) as wrenches, N and N m, the zeros of trajectories apart; 0 where nothing is known."""
+        raw = np.einsum("nj,nji->ni", white, np.linalg.inv(self._whitening))
+        return np.divide(raw, self.weights[:, None], out=np.zeros_like(raw), where=self.weights[:, None] > 0)
 
     def residual(self, predicted: Array) -> Array:
         """Measured less predicted (N, 6), whitened."""
@@ -129,6 +140,10 @@ class WhitenedCases:
 
     def numerical(self, material: GelMaterial) -> Array:
         """Whitened wrenches (N, 6, i + 2), one standard deviation each: an error per indenter, of law, of shear."""
+        return self.white(self.numerical_wrenches(material))
+
+    def numerical_wrenches(self, material: GelMaterial) -> Array:
+        """The same as they are, N and N m."""
         plain = np.nan_to_num(self.cases.play(material, []))
         owner = self.indenter[self.trajectory]
         count = int(self.indenter.max()) + 1
@@ -140,5 +155,4 @@ class WhitenedCases:
         across = np.hypot(plain[:, 0], plain[:, 1])
         slips = across >= 0.98 * material.friction * np.abs(plain[:, 2])
         shear = plain * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]) * (~slips)[:, None] * self.errors.shear
-        columns = np.concatenate([shapes, law[:, :, None], shear[:, :, None]], axis=2)
-        return self.white(columns)
+        return np.concatenate([shapes, law[:, :, None], shear[:, :, None]], axis=2)

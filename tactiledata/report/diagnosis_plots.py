@@ -86,20 +86,22 @@ class MapPicture:
     stands_out: NDArray[np.bool_]
 
 
-def draw_dependences(panels: Sequence[Dependence]) -> Figure:
-    """One panel for each pair of parameter and covariate."""
+def draw_dependences(
+    panels: Sequence[Dependence], names: tuple[str, str] = ("as predicted", "with the formula")
+) -> Figure:
+    """One panel for each pair of parameter and covariate; ``names``: of before and after."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     figure, axes = _grid(len(panels))
     for axis, panel in zip(axes, panels, strict=False):
         axis.errorbar(
             panel.places, panel.before, panel.before_error, color=BEFORE, marker="o", markersize=3, linewidth=1,
-            label="as predicted",
+            label=names[0],
         )  # fmt: skip
         if panel.after is not None:
             axis.errorbar(
                 panel.places, panel.after, panel.after_error, color=AFTER, marker="s", markersize=3, linewidth=1,
-                label="with the formula",
+                label=names[1],
             )  # fmt: skip
         axis.axhline(0.0, color="black", linewidth=0.6)
         if panel.is_logarithmic:
@@ -118,19 +120,24 @@ def draw_events(pictures: Sequence[EventPicture]) -> Figure:
     """Means over trajectories with bands of two standard errors."""
     figure, axes = _grid(len(pictures))
     for axis, picture in zip(axes, pictures, strict=False):
-        for column, name in enumerate(picture.names):
-            mean, error = picture.mean[:, column], 2 * picture.error[:, column]
-            colour = COLOURS[column % len(COLOURS)]
-            axis.fill_between(picture.frames, mean - error, mean + error, color=colour, alpha=0.15, linewidth=0)
-            axis.plot(picture.frames, mean, color=colour, marker=".", linewidth=1, label=name)
-        axis.axvline(-0.5, color="black", linewidth=0.6, linestyle=":")
-        axis.axhline(0.0, color="black", linewidth=0.6)
-        axis.set_title(picture.title, fontsize=9)
-        axis.set_xlabel("frames after it", fontsize=8)
-        axis.set_ylabel("times the noise", fontsize=8)
-        axis.legend(fontsize=7, frameon=False, ncols=2)
-        axis.tick_params(labelsize=7)
+        event_panel(axis, picture)
     return figure
+
+
+def event_panel(axis: Axes, picture: EventPicture) -> None:
+    """Means of each component about one event."""
+    for column, name in enumerate(picture.names):
+        mean, error = picture.mean[:, column], 2 * picture.error[:, column]
+        colour = COLOURS[column % len(COLOURS)]
+        axis.fill_between(picture.frames, mean - error, mean + error, color=colour, alpha=0.15, linewidth=0)
+        axis.plot(picture.frames, mean, color=colour, marker=".", linewidth=1, label=name)
+    axis.axvline(-0.5, color="black", linewidth=0.6, linestyle=":")
+    axis.axhline(0.0, color="black", linewidth=0.6)
+    axis.set_title(picture.title, fontsize=9)
+    axis.set_xlabel("frames after it", fontsize=8)
+    axis.set_ylabel("times the noise", fontsize=8)
+    axis.legend(fontsize=7, frameon=False, ncols=2)
+    axis.tick_params(labelsize=7)
 
 
 def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[float]) -> Figure:
@@ -170,8 +177,12 @@ def draw_map(picture: MapPicture) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5, 4), layout="constrained")
-    axis = figure.subplots()
-    limit = float(np.nanmax(np.abs(picture.values), initial=1e-300))
+    map_panel(figure, figure.subplots(), picture, float(np.nanmax(np.abs(picture.values), initial=1e-300)))
+    return figure
+
+
+def map_panel(figure: Figure, axis: Axes, picture: MapPicture, limit: float) -> None:
+    """A map whose colours reach from ``-limit`` to ``limit``."""
     drawn = axis.pcolormesh(
         picture.x, picture.y, picture.values, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="nearest"
     )
@@ -184,7 +195,6 @@ def draw_map(picture: MapPicture) -> Figure:
     axis.set_ylabel(picture.up, fontsize=8)
     axis.tick_params(labelsize=7)
     axis.set_aspect("equal")
-    return figure
 
 
 def _grid(count: int) -> tuple[Figure, list[Axes]]:

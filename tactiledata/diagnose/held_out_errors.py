@@ -1,0 +1,137 @@
+"""Errors of force and torque on what a fit has not seen, before and after, beside what noise alone leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.case_residuals import known_rows
+from tactiledata.diagnose.gap import Gap, gap_closed
+from tactiledata.diagnose.grouped_prediction import folds_of
+from tactiledata.diagnose.held_out_wrenches import held_out_wrenches, zero_shares
+from tactiledata.diagnose.joint_fit import JointFit
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+
+Array = NDArray[np.float64]
+
+FORCE, TORQUE = slice(0, 3), slice(3, 6)
+NOISE_DRAWS = 8
+NOISE_DOUBT = 0.02
+"""Share of the floor by which an error must exceed it for a gap to be worth a number."""
+
+
+@dataclass(frozen=True)
+class HeldOutErrors:
+    """Before: the plain simulation. After: with the effects.
+
+    Parameters
+    ----------
+    unseen : str
+        "trajectories", "indenters" or "sensors": what was held out.
+    groups : int
+        Of them; trajectories in five folds, the others each in its turn.
+    force : Gap
+        N, root mean square of the three components.
+    torque : Gap
+        N mm, of the torque about the gel's origin.
+    paper : (before, after, floor)
+        N, the SPLIT paper's loss: the mean over trajectories of the mean of | |F measured| - |F simulated| |.
+    before, after : (N, 6) N, N m
+        Wrenches; NaN where not simulated.
+    by_trajectory : (t,)
+        Root mean square of the force before, N.
+    """
+
+    unseen: str
+    groups: int
+    force: Gap
+    torque: Gap
+    paper: tuple[float, float, float]
+    before: Array
+    after: Array
+    by_trajectory: Array
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether there is a way to go at all, beyond what the noise is known to."""
+        return self.force.before > (1.0 + NOISE_DOUBT) * self.force.floor
+
+    @property
+    def change(self) -> float:
+        """Of the force error, as a share of what it was."""
+        return self.force.after / self.force.before - 1.0
+
+
+def held_out_errors(white: WhitenedCases, fits: Sequence[JointFit], numerical: Array, seed: int) -> list[HeldOutErrors]:
+    """Of trajectories, and of indenters and sensors where there are at least two.
+
+    Parameters
+    ----------
+    fits : the plain one, and that with effects
+    numerical : (N, 6, e) N, N m
+        As in `held_out_wrenches`.
+    """
+    sensors = np.unique([case.touch.sensor for case in white.cases.cases], return_inverse=True)[1]
+    schemes = {
+        "trajectories": folds_of(len(white.starts), seed),
+        "indenters": white.indenter,
+        "sensors": sensors.astype(np.int64),
+    }
+    found = []
+    for unseen, groups in schemes.items():
+        if len(np.unique(groups)) < 2:
+            continue
+        before, after = (held_out_wrenches(white, fit, groups, numerical) for fit in fits)
+        count = len(groups) if unseen == "trajectories" else len(np.unique(groups))
+        found.append(_errors(white, unseen, count, before, after, seed))
+    return found
+
+
+def _errors(white: WhitenedCases, unseen: str, count: int, before: Array, after: Array, seed: int) -> HeldOutErrors:
+    rows = known_rows(white, before) & known_rows(white, after)
+    frames = np.add.reduceat(rows.astype(np.float64), white.starts)
+    floors = _noise(white, frames)
+
+    def squares(predicted: Array, part: slice) -> Array:
+        off = np.where(rows[:, None], white.measured - predicted, 0.0)[:, part]
+        return np.add.reduceat((off**2).sum(axis=1), white.starts)
+
+    def gap(part: slice, unit: float) -> Gap:
+        floor = float(np.sqrt((floors[rows][:, part] ** 2).mean()))
+        first, second = (unit**2 * squares(one, part) for one in (before, after))
+        return gap_closed(first, second, 3.0 * frames, unit * floor, seed)
+
+    norm = np.linalg.norm(white.measured[:, FORCE], axis=1)
+
+    def paper(measured: Array, predicted: Array) -> float:
+        apart = np.where(rows, np.abs(measured - np.linalg.norm(predicted[:, FORCE], axis=1)), 0.0)
+        means = np.add.reduceat(apart, white.starts) / np.maximum(frames, 1.0)
+        return float(means[frames > 0].mean())
+
+    chance = np.random.default_rng(seed)
+    noisy = [after[:, FORCE] + floors[:, FORCE] * chance.normal(size=(len(after), 3)) for _ in range(NOISE_DRAWS)]
+    floor = float(np.mean([paper(np.linalg.norm(one, axis=1), after) for one in noisy]))
+    by_trajectory = np.sqrt(squares(before, FORCE) / np.maximum(3.0 * frames, 1.0))
+    losses = paper(norm, before), paper(norm, after), floor
+    return HeldOutErrors(unseen, count, gap(FORCE, 1.0), gap(TORQUE, 1e3), losses, before, after, by_trajectory)
+
+
+def _noise(white: WhitenedCases, frames: Array) -> Array:
+    """What noise alone leaves (N, 6), N and N m, once each trajectory has taken its offset and its zero from itself.
+
+    Parameters
+    ----------
+    frames : (t,)
+        That are known of each trajectory.
+    """
+    cases = white.cases.cases
+    inflation = np.array([case.noise.inflation for case in cases])
+    zeros = inflation * zero_shares(white)
+    # the offset is one number beside the three components of force, of which it takes most
+    taken = zeros[:, None] + np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]) / 3.0
+    left = np.sqrt(np.maximum(1.0 - taken / np.maximum(frames, 1.0)[:, None], 0.0))
+    deviations = np.stack([case.noise.deviations for case in cases]) * left
+    return deviations[white.trajectory]

@@ -1,0 +1,198 @@
+"""Pictures of a named effect: candidates, movement of the gel's numbers, errors, events, maps and trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.report.diagnosis_plots import AFTER, BEFORE, EventPicture, MapPicture, event_panel, map_panel
+from tactiledata.report.plots import AXIS_COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+GREY = "#8a929a"
+Interval = tuple[float, float, float]
+"""Low end, value, high end."""
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A number before and after.
+
+    Parameters
+    ----------
+    title : str
+        With its unit.
+    before : Interval
+    after : Interval, optional
+    """
+
+    title: str
+    before: Interval
+    after: Interval | None
+
+
+@dataclass(frozen=True)
+class ErrorPanel:
+    """Errors of one kind on s sets that were held out.
+
+    Parameters
+    ----------
+    title : str
+        With the unit.
+    names : s names
+    bars : dict, what -> s values; NaN where there is none
+    floor : s values
+    """
+
+    title: str
+    names: Sequence[str]
+    bars: dict[str, Sequence[float]]
+    floor: Sequence[float]
+
+
+@dataclass(frozen=True)
+class OverlayPicture:
+    """Forces of one trajectory.
+
+    Parameters
+    ----------
+    title : str
+    seconds : (n,)
+    measured : (n, 3) N
+    simulated : dict, what -> (n, 3) N
+    """
+
+    title: str
+    seconds: Array
+    measured: Array
+    simulated: dict[str, Array]
+
+
+def draw_ladder(names: Sequence[str], gains: Sequence[float], errors: Sequence[float], claim: float) -> Figure:
+    """Held-out gains with two standard errors, and what they must exceed."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 0.32 * len(names) + 1.0), layout="constrained")
+    axis = figure.subplots()
+    places = np.arange(len(names))
+    axis.errorbar(gains, places, xerr=2 * np.asarray(errors), fmt="o", color=AFTER, markersize=4, linewidth=1)
+    axis.axvline(0.0, color="black", linewidth=0.6)
+    axis.axvline(claim, color=BEFORE, linewidth=0.8, linestyle="--", label=f"needed for a claim: {claim:g}")
+    axis.set_yticks(places, names, fontsize=8)
+    axis.set_ylim(len(names) - 0.5, -0.5)
+    axis.set_xscale("symlog", linthresh=max(10.0, claim))
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.set_xlabel("gain on trajectories held out, log-likelihood", fontsize=8)
+    axis.tick_params(axis="x", labelsize=7)
+    axis.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def draw_movement(numbers: Sequence[Moved]) -> Figure:
+    """One panel a number: before, after, and an arrow between them."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(3.0 * len(numbers), 1.5), layout="constrained")
+    axes = figure.subplots(1, len(numbers), squeeze=False)[0]
+    for axis, number in zip(axes, numbers, strict=True):
+        rows = [("plain", number.before, BEFORE)]
+        if number.after is not None:
+            rows.append(("with it", number.after, AFTER))
+        for place, (_, (low, value, high), colour) in enumerate(rows):
+            axis.plot([low, high], [place, place], color=colour, linewidth=2)
+            axis.plot(value, place, "o", color=colour, markersize=6)
+        if number.after is not None:
+            ends = {"xy": (number.after[1], 0.9), "xytext": (number.before[1], 0.1)}
+            axis.annotate("", **ends, arrowprops={"arrowstyle": "->", "color": "black", "linewidth": 1})
+        axis.set_yticks(range(len(rows)), [name for name, _, _ in rows], fontsize=8)
+        axis.set_ylim(len(rows) - 0.5, -0.5)
+        axis.margins(x=0.15)
+        axis.set_title(number.title, fontsize=9)
+        axis.tick_params(axis="x", labelsize=7)
+        axis.locator_params(axis="x", nbins=5)
+    return figure
+
+
+def draw_held_out(panels: Sequence[ErrorPanel]) -> Figure:
+    """Bars of errors by what was held out; ticks show what noise alone gives."""
+    from matplotlib.figure import Figure
+
+    sets, kinds = len(panels[0].names), len(panels[0].bars)
+    figure = Figure(figsize=(12, 0.3 * sets * (kinds + 1) + 1.2), layout="constrained")
+    axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
+    colours = dict(zip(panels[0].bars, (BEFORE, AFTER, GREY), strict=False))
+    for axis, panel in zip(axes, panels, strict=True):
+        for row, (what, values) in enumerate(panel.bars.items()):
+            places = np.arange(sets) * (kinds + 1.0) + row
+            axis.barh(places, np.nan_to_num(values), color=colours[what], height=0.85, label=what)
+        for number, floor in enumerate(panel.floor):
+            ends = np.array([-0.5, kinds - 0.5]) + number * (kinds + 1.0)
+            axis.plot([floor, floor], ends, color="black", linewidth=1.2, label="noise alone" if number == 0 else None)
+        axis.set_title(panel.title, fontsize=9)
+        axis.tick_params(labelsize=7)
+    middle = np.arange(sets) * (kinds + 1.0) + (kinds - 1) / 2
+    axes[0].set_yticks(middle, panels[0].names, fontsize=8)
+    axes[0].invert_yaxis()
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    return figure
+
+
+def draw_event_pairs(pairs: Sequence[tuple[EventPicture, EventPicture | None]]) -> Figure:
+    """Means about each event, plain on the left and with the effects on the right."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 2.6 * len(pairs)), layout="constrained")
+    axes = figure.subplots(len(pairs), 2, squeeze=False, sharey="row")
+    for row, pair in enumerate(pairs):
+        for axis, picture in zip(axes[row], pair, strict=True):
+            if picture is None:
+                axis.set_axis_off()
+            else:
+                event_panel(axis, picture)
+    return figure
+
+
+def draw_map_pair(pictures: Sequence[MapPicture]) -> Figure:
+    """Maps side by side, one scale of colours for all."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5 * len(pictures), 4), layout="constrained")
+    limit = max(float(np.nanmax(np.abs(one.values), initial=1e-300)) for one in pictures)
+    for axis, picture in zip(figure.subplots(1, len(pictures), squeeze=False)[0], pictures, strict=True):
+        map_panel(figure, axis, picture, limit)
+    return figure
+
+
+def draw_overlays(pictures: Sequence[OverlayPicture]) -> Figure:
+    """A row a trajectory, a column a component: measured points, simulated lines."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12, 2.3 * len(pictures) + 0.3), layout="constrained")
+    axes = figure.subplots(len(pictures), 3, squeeze=False)
+    for row, picture in enumerate(pictures):
+        for column, name in enumerate(AXIS_COLOURS):
+            _overlay(axes[row, column], picture, column)
+            axes[row, column].set_ylabel(f"{name[0].upper()}{name[1]}, N", fontsize=8)
+        axes[row, 0].set_title(picture.title, fontsize=9, loc="left")
+    for axis in axes[-1]:
+        axis.set_xlabel("seconds", fontsize=8)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    return figure
+
+
+def _overlay(axis: Axes, picture: OverlayPicture, column: int) -> None:
+    axis.plot(picture.seconds, picture.measured[:, column], ".", color="black", markersize=4, label="measured")
+    for (what, force), colour, dashes in zip(picture.simulated.items(), (BEFORE, AFTER), ("--", "-"), strict=False):
+        axis.plot(picture.seconds, force[:, column], dashes, color=colour, linewidth=1.1, label=what)
+    axis.tick_params(labelsize=7)
