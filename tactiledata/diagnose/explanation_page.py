@@ -7,29 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from tactiledata.diagnose.dependence import dependence
 from tactiledata.diagnose.explain import Explanation
-from tactiledata.diagnose.findings import findings
 from tactiledata.diagnose.instability import Drift
-from tactiledata.diagnose.ladder import is_logarithmic
-from tactiledata.diagnose.locate import LEVEL, Located
-from tactiledata.diagnose.projection import Projection, project
-from tactiledata.diagnose.wording import percent, rounded
-from tactiledata.report.diagnosis_plots import (
-    Dependence,
-    EventPicture,
-    MapPicture,
-    draw_dependences,
-    draw_errors,
-    draw_events,
-    draw_map,
-    draw_shares,
+from tactiledata.diagnose.locate import Located
+from tactiledata.diagnose.page_parts import (
+    dependence_panel,
+    event_picture,
+    locators_section,
+    map_picture,
+    shares_section,
 )
+from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.wording import percent, rounded
+from tactiledata.report.diagnosis_plots import draw_dependences, draw_errors, draw_events, draw_map
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 
 MOST_PANELS = 6
-MOST_BARS = 24
 
 
 def explanation_page(
@@ -42,17 +36,10 @@ def explanation_page(
     errors : rows of ``component, unit, before, after``
     notes : what was left out
     """
-    sections = [_locators(explanation.located), *_formula(explanation, errors), *_pictures(explanation)]
+    sections = [locators_section(explanation.located), *_formula(explanation, errors), *_pictures(explanation)]
     if notes:
         sections.append(Section("What was left out", [("warning", note) for note in notes]))
     return render_page(title, explanation.sentences(), sections, footer)
-
-
-def _locators(located: Located) -> Section:
-    rows = [(name, f"{p:.3g}", "yes" if p <= LEVEL else "no") for name, p in located.p.items()]
-    said = [("", f"{one['locator']}: {one['words']}") for one in findings(located)]
-    text = "p-values hold for all locators together: where nothing is missing, one page in twenty says yes anywhere."
-    return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)
 
 
 def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list[Section]:
@@ -100,29 +87,20 @@ def _pictures(explanation: Explanation) -> list[Section]:
     if form is not None and form.terms:
         after = project(located.projection.residuals.with_fields(form.fields))
     sections = []
-    panels = [_panel(located.projection, after, drift) for drift in _drawn(located)]
+    panels = [dependence_panel(located.projection, after, drift) for drift in _drawn(located)]
     if panels:
         picture = Picture(png_bytes(draw_dependences(panels)), "What each part of the data alone says of a parameter.")
         sections.append(Section("Dependences", pictures=[picture]))
-    pictures = [
-        EventPicture(one.event, one.frames, one.mean, one.deviation, located.projection.residuals.components)
-        for one in located.events[:MOST_PANELS]
-    ]
+    components = located.projection.residuals.components
+    pictures = [event_picture(one, components) for one in located.events[:MOST_PANELS]]
     if pictures:
         picture = Picture(png_bytes(draw_events(pictures)), "Means over groups, the mean before the event taken off.")
         sections.append(Section("About events", pictures=[picture]))
-    cells = sorted(located.energy.cells, key=lambda cell: cell.of_values - cell.share)[:MOST_BARS]
-    if cells:
-        drawn = draw_shares([c.words for c in cells], [c.share for c in cells], [c.of_values for c in cells])
-        picture = Picture(png_bytes(drawn), "Shares of the squared residual; ticks show an even spread.")
-        sections.append(Section("Where the squares sit", [("", located.energy.words)], pictures=[picture]))
+    shares = shares_section(located)
+    sections += [shares] if shares is not None else []
     if located.maps:
         first = located.maps[0]
-        mapped = MapPicture(
-            first.parameter, f"x, {first.unit}", f"y, {first.unit}", first.change.parameter.unit, first.x, first.y,
-            first.departure, np.abs(first.statistic) > first.band,
-        )  # fmt: skip
-        picture = Picture(png_bytes(draw_map(mapped)), "Dots: outside the band of chance.")
+        picture = Picture(png_bytes(draw_map(map_picture(first))), "Dots: outside the band of chance.")
         sections.append(Section("Map", [("", first.words)], pictures=[picture]))
     return sections
 
@@ -131,23 +109,3 @@ def _drawn(located: Located) -> list[Drift]:
     """The drifts over covariates, the strongest first, those over labels left out."""
     covariates = located.projection.residuals.covariates
     return [drift for drift in located.drifts if drift.covariate in covariates][:MOST_PANELS]
-
-
-def _panel(projection: Projection, after: Projection | None, drift: Drift) -> Dependence:
-    residuals = projection.residuals
-    covariate = residuals.covariates[drift.covariate]
-    scale, unit = 1.0, drift.change.parameter.unit
-    if drift.change.is_relative:
-        scale, unit = 100.0 / abs(drift.change.parameter.value), "%"
-    one = dependence(projection, drift.parameter, drift.covariate)
-    other = None if after is None else dependence(after, drift.parameter, drift.covariate)
-    return Dependence(
-        f"{drift.parameter}, {unit}",
-        f"{drift.covariate}, {covariate.unit}",
-        is_logarithmic(covariate.values),
-        one.places,
-        scale * one.departures,
-        scale * one.errors,
-        None if other is None else scale * other.departures,
-        None if other is None else scale * other.errors,
-    )
