@@ -80,7 +80,7 @@ def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
     touch = case.touch
     in_contact = np.where(case.free_air, 0.0, 1.0)
     return {
-        "seconds": (touch.seconds - touch.seconds[0], "s"),
+        "time": (touch.seconds - touch.seconds[0], "s"),
         "time step": (touch.time_steps, "s"),
         "lateral speed": (1e3 * touch.lateral_speed, "mm/s"),
         "shear travel": (1e3 * np.cumsum(np.nan_to_num(touch.lateral_steps) * in_contact), "mm"),
@@ -103,7 +103,7 @@ def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Arr
 def _of_rig(case: TouchCase) -> dict[str, tuple[Array, str]]:
     touch, told = case.touch, {}
     if touch.powered is not None:
-        told["minutes"] = (touch.powered / 60.0, "min")
+        told["time since power-on"] = (touch.powered / 60.0, "min")
     if touch.gravity is not None:
         size = np.linalg.norm(touch.gravity, axis=1)
         tilt = np.arccos(np.clip(-touch.gravity[:, 2] / np.maximum(size, 1e-300), -1.0, 1.0))

@@ -60,6 +60,11 @@ class HeldOutErrors:
         return self.force.before > (1.0 + NOISE_DOUBT) * self.force.floor
 
     @property
+    def has_torque_gap(self) -> bool:
+        """The same of the torque."""
+        return self.torque.before > (1.0 + NOISE_DOUBT) * self.torque.floor
+
+    @property
     def change(self) -> float:
         """Of the force error, as a share of what it was."""
         return self.force.after / self.force.before - 1.0
@@ -112,26 +117,28 @@ def _errors(white: WhitenedCases, unseen: str, count: int, before: Array, after:
         return float(means[frames > 0].mean())
 
     chance = np.random.default_rng(seed)
-    noisy = [after[:, FORCE] + floors[:, FORCE] * chance.normal(size=(len(after), 3)) for _ in range(NOISE_DRAWS)]
+    # the whole of what the offset takes is taken along the force, so that its norm has less left than a component
+    radial = _noise(white, frames, offsets=1.0)[:, FORCE]
+    noisy = [after[:, FORCE] + radial * chance.normal(size=(len(after), 3)) for _ in range(NOISE_DRAWS)]
     floor = float(np.mean([paper(np.linalg.norm(one, axis=1), after) for one in noisy]))
     by_trajectory = np.sqrt(squares(before, FORCE) / np.maximum(3.0 * frames, 1.0))
     losses = paper(norm, before), paper(norm, after), floor
     return HeldOutErrors(unseen, count, gap(FORCE, 1.0), gap(TORQUE, 1e3), losses, before, after, by_trajectory)
 
 
-def _noise(white: WhitenedCases, frames: Array) -> Array:
+def _noise(white: WhitenedCases, frames: Array, offsets: float = 1.0 / 3.0) -> Array:
     """What noise alone leaves (N, 6), N and N m, once each trajectory has taken its offset and its zero from itself.
 
     Parameters
     ----------
     frames : (t,)
         That are known of each trajectory.
+    offsets : float
+        Numbers that the contact offset takes from a component of force: it is one beside three of them.
     """
     cases = white.cases.cases
     inflation = np.array([case.noise.inflation for case in cases])
-    zeros = inflation * zero_shares(white)
-    # the offset is one number beside the three components of force, of which it takes most
-    taken = zeros[:, None] + np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]) / 3.0
+    taken = (inflation * zero_shares(white))[:, None] + offsets * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     left = np.sqrt(np.maximum(1.0 - taken / np.maximum(frames, 1.0)[:, None], 0.0))
     deviations = np.stack([case.noise.deviations for case in cases]) * left
     return deviations[white.trajectory]

@@ -19,10 +19,10 @@ from tactiledata.report.plots import png_bytes
 MOST_BARS = 24
 
 
-def locators_section(located: Located) -> Section:
-    """p-values and findings of all locators."""
+def locators_section(located: Located, most: int = 10) -> Section:
+    """p-values of all locators, and at most so many findings of each."""
     rows = [(name, f"{p:.3g}", "yes" if p <= LEVEL else "no") for name, p in located.p.items()]
-    said = [("", f"{one['locator']}: {one['words']}") for one in findings(located)]
+    said = [("", f"{one['locator']}: {one['words']}") for one in findings(located, most)]
     text = "p-values hold for all locators together: where nothing is missing, one page in twenty says yes anywhere."
     return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)
 

@@ -83,9 +83,15 @@ class Shown:
         )
         for leading in self.located.leading:
             # a label that tells the same story as a covariate is no axis; the covariate is
-            for pair in [(leading.parameter, name) for name in (leading.covariate, *leading.alike)]:
-                if pair in before and pair in after and before[pair].p <= LEVEL:
-                    return before[pair], after[pair]
+            pairs = [(leading.parameter, name) for name in (leading.covariate, *leading.alike)]
+            sloped = [
+                pair
+                for pair in pairs
+                if pair in before and pair in after and before[pair].p <= LEVEL and before[pair].change.sharpness > 1.0
+            ]
+            if sloped:
+                best = max(sloped, key=lambda pair: before[pair].change.sharpness)
+                return before[best], after[best]
         return None
 
 

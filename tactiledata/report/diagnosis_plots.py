@@ -135,6 +135,7 @@ def event_panel(axis: Axes, picture: EventPicture) -> None:
     axis.axhline(0.0, color="black", linewidth=0.6)
     axis.set_title(picture.title, fontsize=9)
     axis.set_xlabel("frames after it", fontsize=8)
+    axis.locator_params(axis="x", integer=True)
     axis.set_ylabel("times the noise", fontsize=8)
     axis.legend(fontsize=7, frameon=False, ncols=2)
     axis.tick_params(labelsize=7)

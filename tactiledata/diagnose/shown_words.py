@@ -1,0 +1,96 @@
+"""What an effect does for unseen data, in plain sentences."""
+
+from __future__ import annotations
+
+import math
+
+from tactiledata.diagnose.gap import Gap
+from tactiledata.diagnose.held_out_errors import HeldOutErrors
+from tactiledata.diagnose.locate import LEVEL
+from tactiledata.diagnose.residuals import joined_names
+from tactiledata.diagnose.show import Shown
+from tactiledata.diagnose.wording import p_words, percent, rounded
+from tactiledata.effects import EFFECTS
+
+
+def shown_sentences(shown: Shown) -> list[str]:
+    """What is gained, where it is gained, and what is left; without a claim, that none would help."""
+    said = [_gained(shown.hardest)] if shown.names else _unclaimed(shown)
+    if shown.flattened is not None:
+        said.append(_flattened(shown))
+    if shown.left_over is not None:
+        said.append(_left_over(shown))
+    said.append(_ceiling(shown))
+    if shown.stretched:
+        listed = [f"{name} by {rounded(abs(size))}" for name, size in shown.stretched.items()]
+        said.append(
+            "The plain fit blames the simulation itself beyond what it is known to err, in standard deviations: "
+            f"{joined_names(listed)}. A wrong radius, a wrong thickness or an effect may hide there."
+        )
+    return said
+
+
+def gap_words(gap: Gap, has_gap: bool) -> str:
+    """``"82 % (70 % to 90 %)"``, or a dash where there is nothing to close."""
+    if not has_gap or not math.isfinite(gap.closed):
+        return "-"
+    closed, low, high = (percent(min(end, 1.0)) for end in (gap.closed, *gap.interval))
+    return f"{closed} ({low} to {high})"
+
+
+def same_digits(*values: float, digits: int = 2) -> tuple[str, ...]:
+    """Numbers with as many decimals as the smallest needs."""
+    least = min((abs(value) for value in values if value), default=1.0)
+    places = min(max(0, digits - 1 - math.floor(math.log10(least))), 4)
+    return tuple(f"{value:.{places}f}" for value in values)
+
+
+def _gained(errors: HeldOutErrors) -> str:
+    before, after, floor = same_digits(errors.force.before, errors.force.after, errors.force.floor)
+    verb = "falls" if errors.force.after <= errors.force.before else "rises"
+    said = f"On {errors.unseen} that it has not seen the force error {verb} from {before} to {after} N; "
+    if not errors.has_gap:
+        return f"{said}noise alone gives {floor} N, so that there was hardly a gap to close."
+    return f"{said}noise alone gives {floor} N: {gap_words(errors.force, True)} of the gap."
+
+
+def _unclaimed(shown: Shown) -> list[str]:
+    errors = shown.of_trajectories
+    before, floor = same_digits(errors.force.before, errors.force.floor)
+    said = [
+        f"On trajectories that it has not seen the plain simulation errs by {before} N; noise alone gives {floor} N."
+    ]
+    if shown.tried:
+        titles = joined_names([EFFECTS[name]().title for name in shown.tried])
+        changes = [f"{_signed(one.change)} on {one.unseen}" for one in shown.errors]
+        said.append(f"The nearest candidate, {titles}, would change that error by {joined_names(changes)}.")
+    return said
+
+
+def _signed(share: float) -> str:
+    return f"{100 * share:+.1f} %".replace("-", "−")
+
+
+def _flattened(shown: Shown) -> str:
+    assert shown.flattened is not None
+    before, after = shown.flattened
+    first = before.words.split(" (p ")[0]
+    now = after.change.words.removeprefix(f"{after.parameter} ")
+    begin = "Once sloped, now flat" if after.p > LEVEL else "Sloped still"
+    return f"{begin}: in the plain simulation {first}; with the effect it {now} ({p_words(after.p)})."
+
+
+def _left_over(shown: Shown) -> str:
+    assert shown.left_over is not None
+    if not shown.left_over.is_structured:
+        return "With it no locator finds structure any more."
+    return f"Structure is left with it. {shown.left_over.sentences()[0]}"
+
+
+def _ceiling(shown: Shown) -> str:
+    errors = shown.of_trajectories
+    if shown.ceiling_force >= errors.force.before:
+        return "A black box, boosted trees on all covariates, finds nothing that helps on trajectories held out."
+    reached, after = same_digits(shown.ceiling_force, errors.force.after)
+    said = f"A black box, boosted trees on all covariates, reaches {reached} N on trajectories held out"
+    return f"{said}, where the effect reaches {after} N." if shown.names else f"{said}."
