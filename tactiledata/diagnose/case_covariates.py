@@ -80,7 +80,7 @@ def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
     touch = case.touch
     in_contact = np.where(case.free_air, 0.0, 1.0)
     return {
-        "time": (touch.seconds - touch.seconds[0], "s"),
+        "seconds": (touch.seconds - touch.seconds[0], "s"),
         "time step": (touch.time_steps, "s"),
         "lateral speed": (1e3 * touch.lateral_speed, "mm/s"),
         "shear travel": (1e3 * np.cumsum(np.nan_to_num(touch.lateral_steps) * in_contact), "mm"),

@@ -96,7 +96,11 @@ class Shown:
 
 
 def show(
-    naming: Naming, seed: int = 0, progress: Callable[[str], None] = lambda text: None, located: Located | None = None
+    naming: Naming,
+    seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+    located: Located | None = None,
+    left_over: Located | None = None,
 ) -> Shown:
     """The plain simulation and the best fit on trajectories, indenters and sensors that were held out.
 
@@ -105,8 +109,8 @@ def show(
 
     Parameters
     ----------
-    located : Located, optional
-        Of the plain fit, where it is known already.
+    located, left_over : Located, optional
+        Of the plain fit and of that with the effects, where they are known already.
 
     Raises
     ------
@@ -125,8 +129,9 @@ def show(
     errors = held_out_errors(white, (base, after), numerical, seed)
     progress("the ceiling")
     ceiling = black_box(located.projection, seed)
-    left_over = None
-    if names:
+    if not names:
+        left_over = None
+    elif left_over is None:
         progress("what is left")
         left_over = locate_touches(white, after, seed)
     return Shown(
