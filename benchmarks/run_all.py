@@ -17,6 +17,7 @@ BENCHMARKS = (
     "linear_error.py",
     "replay_memory.py",
     "calibration_worlds.py",
+    "naming_worlds.py",
 )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,26 +76,34 @@ class TouchPlays:
 
     def at(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
         """Columns (n, 7) at one nu, and at a mu, an offset and a shift of each frame."""
-        mu_middle = self.plan.middle[1]
         weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
-        level = _each(PchipInterpolator(self.plan.frictions, np.tensordot(weights, self.level, axes=1)), frictions)
-        bends = PchipInterpolator(self.plan.frictions, self.by_friction.transpose(0, 2, 1, 3))
+        by_node, bends = self._at_frictions(frictions)
+        level = np.tensordot(weights, by_node, axes=([0], [1]))
         slope, curvature = (
             np.tensordot(weights, self.by_ratio, axes=1)
-            + _each(bends, frictions).transpose(1, 0, 2)
-            - self.by_friction[mu_middle]
+            + bends.transpose(1, 0, 2)
+            - self.by_friction[self.plan.middle[1]]
         )
         z = offset[:, None]
         columns: Array = level + z * (slope + z * curvature) + np.einsum("na,ank->nk", shift, self.by_shift)
         return columns
 
+    @cached_property
+    def _cubics(self) -> Array:
+        """Coefficients (4, n_mu - 1, n, n_nu + 2, 7) over the friction: of the level at each nu, of the two bends."""
+        values = np.concatenate([self.level.transpose(1, 2, 0, 3), self.by_friction.transpose(0, 2, 1, 3)], axis=2)
+        coefficients: Array = PchipInterpolator(self.plan.frictions, values).c
+        return coefficients
 
-def _each(over_friction: PchipInterpolator, frictions: Array) -> Array:
-    """Row i of the interpolated rows at the i-th friction: (n, ...)."""
-    low, high = over_friction.x[0], over_friction.x[-1]
-    wanted, place = np.unique(np.clip(frictions, low, high), return_inverse=True)
-    rows: Array = over_friction(wanted)[place, np.arange(len(frictions))]
-    return rows
+    def _at_frictions(self, frictions: Array) -> tuple[Array, Array]:
+        """Level (n, n_nu, 7) and bends (n, 2, 7), each row at its own friction (n,)."""
+        nodes = np.asarray(self.plan.frictions)
+        wanted = np.clip(frictions, nodes[0], nodes[-1])
+        place = np.clip(np.searchsorted(nodes, wanted, side="right") - 1, 0, len(nodes) - 2)
+        third, second, first, none = self._cubics[:, place, np.arange(len(wanted))]
+        x = (wanted - nodes[place])[:, None, None]
+        values = ((third * x + second) * x + first) * x + none
+        return values[:, :-2], values[:, -2:]
 
 
 @dataclass(frozen=True)

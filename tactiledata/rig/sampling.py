@@ -37,8 +37,11 @@ def sample(stage: Stage, name: str, index: int, performance: Performance) -> Tap
     """The tape of one log."""
     scenario = stage.scenario
     rng = np.random.default_rng([scenario.seed, SAMPLING, index])
-    tares = _tare_times(scenario, performance)
-    signals = {"tcp": _tcp(scenario, performance, rng), "wrench": _wrench(scenario, performance, index, tares, rng)}
+    tares = tare_times(scenario, performance)
+    signals = {
+        "tcp": _tcp(scenario, performance, rng),
+        "wrench": wrench_samples(scenario, performance, index, tares, rng),
+    }
     if scenario.streams.joints > 0:
         signals["joints"] = _joints(scenario, performance, rng)
     if scenario.streams.arm_wrench > 0:
@@ -85,7 +88,8 @@ def _times(performance: Performance, rate: float, jitter: float, rng: np.random.
     return imperfections.sampling_times(performance.start_ns, performance.end_ns, rate, jitter, rng)
 
 
-def _tare_times(scenario: Scenario, performance: Performance) -> list[int]:
+def tare_times(scenario: Scenario, performance: Performance) -> list[int]:
+    """When the force sensor is set to zero, ns of the host clock."""
     setup = scenario.recordings.tare
     if setup == "log":
         return [performance.start_ns + TARE_DELAY_NS]
@@ -105,9 +109,10 @@ def load_on_ft(scenario: Scenario, performance: Performance, host_ns: NDArray[np
     return contact + move_wrench(weight, ft_from_tcp) + hidden_loads(scenario, performance, host_ns)
 
 
-def _wrench(
+def wrench_samples(
     scenario: Scenario, performance: Performance, index: int, tares: list[int], rng: np.random.Generator
 ) -> Samples:
+    """What the force sensor says (n, 6) over a whole log, N and N m, in its own frame."""
     setup, streams, clock = scenario.imperfections, scenario.streams, scenario.clock("wrench")
     host = _times(performance, streams.wrench, clock.jitter, rng)
     seconds = (host - performance.start_ns) * 1e-9

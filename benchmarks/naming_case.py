@@ -1,0 +1,230 @@
+"""Cases for naming missing physics: touches that the rig's layer solver answered, as a store would tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from naming_plan import Plan
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.measured import SETTLED
+from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.records import Stamps
+from tactiledata.contract.take import StoredSignal
+from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
+from tactiledata.effects.touch import Touch
+from tactiledata.gel.history import GelTouch
+from tactiledata.gel.material import GelMaterial
+from tactiledata.ingest.align import align
+from tactiledata.ingest.contact import contact_wrench
+from tactiledata.ingest.tare import component_noise, touch_threshold, touching
+from tactiledata.nuisance.noise import noise_at_rest
+from tactiledata.rig import ur5e
+from tactiledata.rig.contact import TouchSetup, contact_times
+from tactiledata.rig.contact_bank import BankedContact, ContactBank
+from tactiledata.rig.describe import describe
+from tactiledata.rig.hidden_base import HiddenEffect
+from tactiledata.rig.motion import Path as TouchPath
+from tactiledata.rig.play import Performance, Play, Solve, Stage
+from tactiledata.rig.record import BETWEEN_LOGS_NS
+from tactiledata.rig.sampling import SAMPLING, tare_times, wrench_samples
+from tactiledata.rig.scenario import Gel, Scenario, load_scenario
+from tactiledata.transforms import matrix_poses
+from tactiledata.units import SIGNAL_COLUMNS, signal_units
+
+Array = NDArray[np.float64]
+Times = NDArray[np.int64]
+
+BESIDE = 2e-3
+"""m within which an earlier touch counts as one of the same place."""
+CLEAR = 1e-4
+"""m over the gel, as commanded, from which a frame is free air."""
+
+
+@dataclass(frozen=True)
+class Log:
+    """One unit's touches in time, and what the log says of itself."""
+
+    stage: Stage
+    index: int
+    performance: Performance
+
+    @property
+    def description(self) -> LogDescription:
+        """As the log would state it."""
+        serials = list(dict.fromkeys(play.touch.sensor for play in self.performance.plays))
+        tares = tare_times(self.stage.scenario, self.performance)
+        return LogDescription.checked(describe(self.stage, self.performance, serials, tares), "the rig")
+
+
+def play_logs(scenario: Scenario, solve: Solve) -> list[Log]:
+    """Each unit's touches, in the scenario's order: an indenter may be mounted again."""
+    stage = Stage(scenario, solve)
+    logs = []
+    for index, serial in enumerate(scenario.sensors):
+        touches = [touch for touch in scenario.trajectories if touch.sensor == serial]
+        start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
+        logs.append(Log(stage, index, stage.perform(touches, index, start_ns)))
+    return logs
+
+
+def unfelt(gel: Gel, setup: TouchSetup, path: TouchPath | None, missed: Array | None) -> BankedContact:
+    """A touch's path without forces."""
+    path = path or setup.plan(lambda _: setup.thickness)
+    count = len(contact_times(path))
+    return BankedContact(path, missed, np.zeros((count, 6)), np.zeros(count, dtype=bool), 0)
+
+
+def frame_times(play: Play) -> Times:
+    """When frames are taken, ns of the host clock: as the rig does, in the air, and on the way along and out."""
+    path = play.path
+    moving = [
+        (start + end) / 2
+        for start, end, here, there in zip(path.times, path.times[1:], path.positions, path.positions[1:], strict=False)
+        if here[2] > 0 and (there[2] <= 0 or (here[2] == there[2] and np.linalg.norm(there - here) > 1e-9))
+    ]
+    seconds = np.unique(np.round([0.2, *path.captures, *moving[-3:], path.duration - 0.2], 6))
+    return play.start_ns + np.rint(seconds * 1e9).astype(np.int64)
+
+
+def told_touches(log: Log, plan: Plan) -> list[Touch]:
+    """What a store tells of each touch: poses as commanded, gravity, joints, what the place went through before."""
+    performance, scenario = log.performance, log.stage.scenario
+    robot = scenario.robot
+    found: list[Touch] = []
+    for play, (_, mounted) in zip(performance.plays, performance.poses, strict=True):
+        host = frame_times(play)
+        tcp = performance.tcp(host)
+        base_from_gel = tcp @ robot.tcp_from_gel.matrix
+        poses = np.linalg.inv(base_from_gel) @ mounted.matrix
+        seconds = (host - performance.start_ns) * 1e-9
+        commanded = play.path.at((host - play.start_ns) * 1e-9)[:, 2]
+        earlier = [other for other in found if _is_beside(other, play)]
+        touch = Touch(
+            seconds=seconds,
+            poses=poses,
+            indenter=log.stage.indenters[play.touch.indenter],
+            material=plan.truth,
+            geometry=plan.geometry,
+            sensor=play.touch.sensor,
+            indenter_name=play.touch.indenter,
+            mount=f"{play.touch.indenter} {log.index}.{play.mount}",
+            gravity=-9.80665 * base_from_gel[:, 2, :3],
+            joints=ur5e.inverse(tcp @ robot.flange_from_tcp.inverse().matrix),
+            powered=seconds + scenario.recordings.powered,
+            earlier_depth=np.full(len(host), max((-float(one.tips[:, 2].min()) for one in earlier), default=0.0)),
+            earlier_contacts=np.full(len(host), float(len(earlier))),
+            tare=(commanded < -CLEAR) & (seconds < seconds[int(np.argmax(commanded))]),
+        )
+        found.append(touch)
+    return found
+
+
+def _is_beside(other: Touch, play: Play) -> bool:
+    away = other.tips[:, :2] - np.asarray(play.touch.position)
+    return bool(np.linalg.norm(away, axis=1).min() < BESIDE)
+
+
+def to_play(touches: Sequence[Touch]) -> list[MeasuredTouch]:
+    """The same for the gel engine."""
+    return [
+        MeasuredTouch(
+            f"{number}", f"{number}", touch.sensor, touch.indenter_name, GelTouch(touch.indenter, touch.poses),
+            np.zeros((len(touch), 6)), touch.seconds - touch.seconds[0], 40.0,
+        )
+        for number, touch in enumerate(touches)
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Maker:
+    """Makes cases of a plan.
+
+    Parameters
+    ----------
+    plan : Plan
+    bank : ContactBank
+    touches : list of Touch
+        As told, of all logs.
+    rows : list of (n,) bool
+        Frames of each that are used.
+    """
+
+    plan: Plan
+    bank: ContactBank
+    touches: list[Touch]
+    rows: list[NDArray[np.bool_]]
+
+    @staticmethod
+    def of(plan: Plan, folder: Path) -> Maker:
+        """Its touches laid out; nothing is solved."""
+        scenario = load_scenario(plan.scenario(0, plan.truth, []))
+        logs = play_logs(scenario, unfelt)
+        told = [touch for log in logs for touch in told_touches(log, plan)]
+        rows = [np.ones(len(touch), dtype=bool) for touch in told]
+        return Maker(plan, ContactBank(folder, plan.pitch, logs[0].stage.indenters), told, rows)
+
+    def keeping(self, rows: list[NDArray[np.bool_]]) -> Maker:
+        """The same with some of the frames: those that the gel engine could solve."""
+        return replace(self, touches=[_part(*pair) for pair in zip(self.touches, rows, strict=True)], rows=rows)
+
+    def measured(
+        self, seed: int, material: GelMaterial, hidden: list[dict[str, Any]], more: tuple[HiddenEffect, ...] = ()
+    ) -> list[tuple[Array, Array]]:
+        """Contact wrenches at the frames (n, 6), and samples in free air before the touch (m, 6), of each touch."""
+        scenario = load_scenario(self.plan.scenario(seed, material, hidden))
+        scenario = replace(scenario, hidden=(*scenario.hidden, *more))
+        stored = [pair for log in play_logs(scenario, self.bank.contact) for pair in _as_stored(log)]
+        return [(wrench[rows], free) for (wrench, free), rows in zip(stored, self.rows, strict=True)]
+
+    def cases(self, measured: Sequence[tuple[Array, Array]], base: BaseFamily) -> CaseSet:
+        """The trajectories of a case, with their noise as a calibration estimates it."""
+        stretches = [free for _, free in measured]
+        steps = np.concatenate([np.diff(touch.seconds) for touch in self.touches])
+        noise = noise_at_rest(stretches, max(1, round(100.0 * float(np.median(steps)))))
+        assert noise is not None
+        return CaseSet(
+            [
+                TouchCase(touch, wrench, noise, touch.tips[:, 2] > CLEAR, float(len(free)), f"t{number}")
+                for number, (touch, (wrench, free)) in enumerate(zip(self.touches, measured, strict=True))
+            ],
+            base,
+            self.plan.bounds,
+        )
+
+
+def _part(touch: Touch, rows: NDArray[np.bool_]) -> Touch:
+    values = {field.name: getattr(touch, field.name) for field in fields(touch)}
+    return Touch(**{key: one[rows] if isinstance(one, np.ndarray) else one for key, one in values.items()})
+
+
+def _as_stored(log: Log) -> list[tuple[Array, Array]]:
+    """Readings through what a store does with them: weight off, zero of each touch, gel frame, at the frames."""
+    scenario, performance = log.stage.scenario, log.performance
+    chance = np.random.default_rng([scenario.seed, SAMPLING, log.index])
+    samples = wrench_samples(scenario, performance, log.index, tare_times(scenario, performance), chance)
+    wrench = _stored("wrench", samples.stamp_ns, samples.values, "ft")
+    tcp = _stored("tcp", samples.host_ns, matrix_poses(performance.tcp(samples.host_ns)), "base")
+    spans = [(play.touch.name, play.start_ns, play.end_ns) for play in performance.plays]
+    contact = contact_wrench(log.description, wrench, tcp, spans).signal
+    found = []
+    for play in performance.plays:
+        rows = slice(*np.searchsorted(contact.t_ns, [play.start_ns, play.end_ns]))
+        found.append((align(contact, frame_times(play)).values, _before_touch(contact.values[rows])))
+    return found
+
+
+def _stored(name: str, t_ns: Times, values: Array, frame: str) -> StoredSignal:
+    columns = SIGNAL_COLUMNS[name]
+    return StoredSignal(t_ns, np.asarray(values), columns, signal_units(columns), frame, Stamps(t_ns))
+
+
+def _before_touch(values: Array) -> Array:
+    threshold = touch_threshold(component_noise(values))
+    contact = np.flatnonzero(touching(np.linalg.norm(values[:, :3], axis=1), threshold))
+    return values[: int(SETTLED * (int(contact[0]) if len(contact) else len(values)))]

@@ -1,0 +1,146 @@
+"""Plans of touches for development worlds: what the arm is told, the same in every case of a plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tactiledata.calibrate.bounds import LARGEST_NU, Bounds
+from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.pad import PadMesh
+from tactiledata.gel.structured_pad import GridPlan, pad_mesh, structured_pad
+from tactiledata.replay.geometry import gel_geometry
+from tactiledata.rig.scenario import Gel
+from tactiledata.sensors.base import GelGeometry
+
+INDENTERS: dict[str, dict[str, Any]] = {
+    "ball3": {"shape": "sphere", "radius": 0.003},
+    "ball5": {"shape": "sphere", "radius": 0.005},
+    "ball8": {"shape": "sphere", "radius": 0.008},
+    "punch": {"shape": "cylinder_flat", "radius": 0.0025},
+    "bar": {"shape": "cylinder_side", "radius": 0.003, "width": 0.006},
+}
+DEPTHS = {"ball3": (5.5e-4, 8e-4), "ball5": (5.5e-4, 8e-4), "ball8": (5e-4, 7e-4), "punch": (4e-4, 6e-4),
+          "bar": (4.5e-4, 6.5e-4)}  # fmt: skip
+TILTS = {"punch": 0.03, "bar": 0.04}
+ROUNDS = {"D20542": (3, 1), "D20571": (2, 1)}
+"""By unit: how often each indenter is mounted, and touches of each mounting."""
+SPEEDS = (3e-4, 1e-3, 3e-3)
+ENOUGH = 40.0
+"""N: no touch of a plan comes near, so that no path depends on what the gel answers."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Touches, and a gel that they are made with.
+
+    Parameters
+    ----------
+    number : int
+    is_quick : bool
+        Few touches, and a coarse pad of small strain.
+    """
+
+    number: int
+    is_quick: bool = False
+
+    @property
+    def truth(self) -> GelMaterial:
+        """The gel's nu and mu; each case draws its own E about the one given."""
+        chance = np.random.default_rng([self.number, 51])
+        return GelMaterial(0.9e6, round(chance.uniform(0.465, 0.485), 3), round(chance.uniform(0.55, 0.7), 2))
+
+    @property
+    def bounds(self) -> Bounds:
+        """Where the gel is played: friction from what a slow slide has left to what a held contact has grown to."""
+        return Bounds("naming", (2e5, 0.45, 0.4), (4e6, LARGEST_NU, 0.85), (0.4, 0.6, 0.85))
+
+    @property
+    def pitch(self) -> float:
+        """m, of the rig's layer."""
+        return 8e-4 if self.is_quick else 4e-4
+
+    @property
+    def mesh(self) -> PadMesh:
+        """The pad that is fitted, as a log of the rig describes it."""
+        if self.is_quick:
+            layers = (0.0, 0.5, 0.8, 1.0)
+            return structured_pad("coarse", self.geometry, GridPlan(7, 9, 0.8e-3, (2.4e-3, 2.4e-3), layers))
+        return pad_mesh("digit", self.geometry)
+
+    @property
+    def geometry(self) -> GelGeometry:
+        """Of the rig's flat gel."""
+        gel = Gel()
+        facts = {"outline": gel.outline, "thickness": gel.thickness, "edge_thickness": gel.thickness}
+        found = gel_geometry({"model": "digit", "gel": facts})
+        assert found is not None
+        return found
+
+    @property
+    def touches(self) -> list[dict[str, Any]]:
+        """In the order in which they are played, one unit after the other."""
+        chance = np.random.default_rng([self.number, 52])
+        told = []
+        for sensor, (mounts, each) in ROUNDS.items():
+            for mount in range(mounts):
+                for indenter in INDENTERS:
+                    for number in range(each):
+                        touch = _touch(chance, indenter)
+                        told.append({"name": f"{sensor}-{mount}-{indenter}-{number}", "sensor": sensor, **touch})
+        return told[:5] + told[-5:] if self.is_quick else told
+
+    def scenario(self, seed: int, material: GelMaterial, hidden: list[dict[str, Any]]) -> dict[str, Any]:
+        """The document of a world of this plan."""
+        return {
+            "format": "tactiledata-scenario/1",
+            "title": f"naming, plan {self.number}",
+            "seed": seed,
+            "sensors": {serial: {"background": "digit-bg-0"} for serial in ROUNDS},
+            "indenters": INDENTERS,
+            "material": {
+                "youngs_modulus": material.youngs_modulus,
+                "poisson_ratio": material.poisson_ratio,
+                "friction": material.friction,
+            },
+            "contact": "layer",
+            "contact_pitch": self.pitch,
+            "streams": {"joints": 0, "tcp": 125, "wrench": 100, "arm_wrench": 0},
+            "imperfections": {"pose_repeatability": 3e-5, "remount": 2e-5, "force_drift": 0.02},
+            "recordings": {"tare": "log", "pause": 2.0, "powered": 60},
+            "trajectories": self.touches,
+            "hidden": hidden,
+        }
+
+
+def _touch(chance: np.random.Generator, indenter: str) -> dict[str, Any]:
+    """Press and dwell, mostly shear, dwell and shear back, then out in two parts."""
+    deepest = float(chance.uniform(*DEPTHS[indenter]))
+    speed = float(chance.choice(SPEEDS))
+    settle = float(chance.uniform(0.08, 0.15))
+    moving = {"speed": speed, "settle": settle}
+    dwell = float(np.exp(chance.uniform(0.0, np.log(4.0))))
+    steps: list[dict[str, Any]] = [
+        {"press": {"depth": deepest, "step": deepest / 4, **moving}},
+        {"dwell": {"time": dwell, "captures": 3}},
+    ]
+    if chance.random() < 0.75:
+        length, way = float(chance.uniform(6e-4, 1.4e-3)), float(chance.uniform(0.0, 2 * np.pi))
+        by = [length * float(np.cos(way)), length * float(np.sin(way))]
+        steps.append({"shear": {"by": by, "step": length / 3, **moving}})
+        steps.append({"dwell": {"time": dwell / 2, "captures": 1}})
+        if chance.random() < 0.75:
+            steps.append({"reverse": {"step": length / 2, **moving}})
+    steps.append({"press": {"depth": 0.55 * deepest, "step": deepest, **moving}})
+    steps.append({"retreat": {"speed": speed}})
+    tilt, toward = chance.uniform(0.0, TILTS.get(indenter, 0.1)), chance.uniform(0.0, 2 * np.pi)
+    return {
+        "indenter": indenter,
+        "steps": steps,
+        "position": [float(chance.uniform(-2.5e-3, 2.5e-3)), float(chance.uniform(-4e-3, 4e-3))],
+        "tilt": [float(tilt * np.cos(toward)), float(tilt * np.sin(toward))],
+        "yaw": float(chance.uniform(-1.2, 1.2)),
+        "force_limit": ENOUGH,
+    }

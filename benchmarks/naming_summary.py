@@ -1,0 +1,83 @@
+"""What the cases of `naming_worlds` come to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+Case = dict[str, Any]
+CLAIMS = ("named", "one of a set")
+QUIET = ("nothing is missing", "below detection")
+VISIBLE = 3.0
+
+
+def outcome(case: Case) -> str:
+    """``named``, ``in the set``, ``one of two``, ``undetectable`` (said so), ``missed``, ``unnamed`` or ``wrong``."""
+    truth = set(case["truth"])
+    claimed = case["verdict"] in CLAIMS
+    if claimed and truth and truth <= set(case["names"]):
+        return "named"
+    if claimed and truth and truth <= set(case["set"]):
+        return "in the set"
+    if claimed and truth & set(case["set"]):
+        return "one of two"
+    if claimed:
+        return "wrong"
+    if case["verdict"] in QUIET:
+        return "undetectable" if truth and truth <= set(case["undetectable"]) else "missed"
+    return "unnamed"
+
+
+def summary(cases: Sequence[Case]) -> str:
+    """Everything, in lines."""
+    lines = []
+    nulls = [case for case in cases if case["kind"] == "nulls"]
+    if nulls:
+        said = [case for case in nulls if case["verdict"] != "nothing is missing"]
+        lines.append(f"\nnulls: {len(nulls)}, answers other than 'nothing is missing': {len(said)}")
+        lines += [f"    {case['case']}: {case['verdict']} {case['set'] or case['nearest']}" for case in said]
+        gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]
+        ends = np.quantile(gains, [0.5, 0.95, 1.0]).round(1)
+        lines.append(f"    largest held-out gain of a null: median {ends[0]}, 95 % {ends[1]}, most {ends[2]}")
+        left = np.quantile([case["dispersion"] for case in nulls], [0.5, 0.95]).round(2)
+        lines.append(f"    mean square left of held-out trajectories: median {left[0]}, 95 % {left[1]}")
+    for kind in ("effects", "pairs", "outside", "metadata"):
+        lines += _kind(kind, [case for case in cases if case["kind"] == kind])
+    lines += _material(cases)
+    if cases:
+        lines.append(f"\nseconds a case: median {np.median([case['seconds'] for case in cases]):.0f}")
+    return "\n".join(lines)
+
+
+def _kind(kind: str, cases: Sequence[Case]) -> list[str]:
+    if not cases:
+        return []
+    found = [outcome(case) for case in cases]
+    counts = ", ".join(f"{name} {found.count(name)}" for name in dict.fromkeys(found))
+    sizes = [len(case["set"]) for case in cases if case["verdict"] in CLAIMS]
+    size = f"; mean set {np.mean(sizes):.2f}" if sizes else ""
+    lines = [f"\n{kind}: {len(cases)}: {counts}{size}"]
+    for case, one in zip(cases, found, strict=True):
+        said = ", ".join(case["set"]) or f"nearest {' + '.join(case['nearest']) or '-'}"
+        lines.append(f"    {case['case']}: {one} ({case['verdict']}: {said}; signal {case['signal']:.0f})")
+    return lines
+
+
+def _material(cases: Sequence[Case]) -> list[str]:
+    """Errors of E, nu, mu of single effects that were claimed rightly, and of nulls."""
+    lines = []
+    for what, chosen in (
+        ("nulls", [case for case in cases if case["kind"] == "nulls"]),
+        ("effects named or in the set", [
+            case for case in cases if case["kind"] == "effects" and outcome(case) in ("named", "in the set")
+        ]),
+    ):  # fmt: skip
+        if not chosen:
+            continue
+        truth = np.array([list(case["material"].values()) for case in chosen])
+        off = [100 * np.abs(np.array([case[when] for case in chosen]) / truth - 1) for when in ("before", "after")]
+        before, after = (np.median(one, axis=0).round(1) for one in off)
+        lines.append(f"\n|error| of E, nu, mu in %, median of {what}: before {before}, after {after}")
+    return lines

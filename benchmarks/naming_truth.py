@@ -1,0 +1,81 @@
+"""What the rig's hidden effects are called in the catalogue, and worlds of two, or of none, of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from tactiledata.rig.contact import TouchSetup
+from tactiledata.rig.footprint import GelGrid, footprint
+from tactiledata.rig.hidden_base import HiddenEffect, Parameters, TouchFacts
+
+TITLES = {
+    "relaxation": "relaxation",
+    "mullins": "mullins",
+    "stiffening": "strain_stiffening",
+    "thickness": "thickness",
+    "dome": "dome",
+    "adhesion": "adhesion",
+    "shear_strength": "area_friction",
+    "rate_friction": "rate_friction",
+    "ageing_friction": "static_friction",
+    "partial_slip": "partial_slip",
+    "arm_compliance": "arm_compliance",
+    "stem_bending": "stem_bending",
+    "ft_drift": "sensor_drift",
+    "cross_talk": "gain_crosstalk",
+    "tool_weight": "tool_weight",
+    "cable_drag": "cable_drag",
+    "frame_rotation": "frame_rotation",
+    "lag": "lag",
+    "clock_skew": "clock_skew",
+    "indenter_mount": "mount_offset",
+    "warm_up": "heating",
+    "wear": "wear",
+    "delamination": "soft_region",
+    "pad_edge": "pad_edge",
+    "skin": "skin",
+    "dead_band": "quantisation",
+    "saturation": "clipping",
+    "inertia": "inertia",
+}
+OUTSIDE = ("joint_backlash", "drainage", "anisotropy", "warm_relaxation")
+PAIRS = (
+    ("relaxation", "frame_rotation"),
+    ("rate_friction", "tool_weight"),
+    ("relaxation", "ft_drift"),
+    ("arm_compliance", "rate_friction"),
+    ("cross_talk", "relaxation"),
+    ("warm_up", "lag"),
+)
+
+
+@dataclass(frozen=True)
+class WrongRadius(HiddenEffect):
+    """One indenter is larger than the log says.
+
+    Parameters
+    ----------
+    indenter : str
+    share : float
+        Of its radius.
+    """
+
+    NUMBER: ClassVar[str] = "20"
+    ACTS: ClassVar[str] = "pose"
+    SOURCE: ClassVar[str] = "a wrong entry in a log"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {}
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    indenter: str = ""
+    share: float = 0.0
+
+    def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
+        """See `HiddenEffect.prepared`."""
+        if facts.touch.indenter != self.indenter:
+            return setup
+        stated: Any = setup.indenter
+        real = replace(stated, radius=stated.radius * (1 + self.share))
+        grid = GelGrid.of(facts.scenario.sensors[facts.touch.sensor].gel)
+        print_ = footprint(real, setup.rotation, facts.touch.position, grid)
+        return replace(setup, indenter=real, print_=print_)
