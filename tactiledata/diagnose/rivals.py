@@ -1,0 +1,142 @@
+"""Which explanations are still in the running, and which of them are to be told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactiledata.diagnose.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.joint_model import joint_model
+from tactiledata.diagnose.name_effects import Naming
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.setting import EffectSetting
+
+NOTHING = "nothing"
+CLAIMED = ("named", "one of a set")
+HALF = 0.5
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One explanation.
+
+    Parameters
+    ----------
+    name : str
+        Effects, joined by `` + ``; ``NOTHING`` for the plain simulation.
+    fit : JointFit
+        In the recorded data.
+    """
+
+    name: str
+    fit: JointFit
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two explanations, by their places among all.
+
+    Parameters
+    ----------
+    first, second : int
+    both_ways : bool
+        Whether either may be true; only the first where the second hardly differs from nothing.
+    known : float
+        How far (in noise, squared) the recorded data really keep them apart, where that is less than they could.
+    """
+
+    first: int
+    second: int
+    both_ways: bool = True
+    known: float = float("inf")
+
+    @property
+    def ways(self) -> tuple[tuple[int, int], ...]:
+        """(what is true, what is refitted to it)."""
+        there = (self.first, self.second)
+        return (there, there[::-1]) if self.both_ways else (there,)
+
+
+@dataclass(frozen=True)
+class Rivals:
+    """Explanations, and which of them are to be told apart."""
+
+    members: tuple[Rival, ...]
+    pairs: tuple[Pair, ...]
+
+    @staticmethod
+    def among(members: Sequence[Rival], supports: Sequence[float] | None = None) -> Rivals:
+        """Each against each, the best supported first.
+
+        Parameters
+        ----------
+        supports : descending
+            What each has gained in log-likelihood: one with less than half of another's is no truth beside it, only a
+            wrong name for it.
+        """
+        places = [(i, j) for i in range(len(members)) for j in range(i + 1, len(members))]
+        if supports is None:
+            return Rivals(tuple(members), tuple(Pair(i, j) for i, j in places))
+        gained = list(supports)
+        pairs = [Pair(i, j, gained[j] >= HALF * gained[i], 2.0 * abs(gained[i] - gained[j])) for i, j in places]
+        return Rivals(tuple(members), tuple(pairs))
+
+
+def rivals_of(naming: Naming, most: int = 4) -> Rivals:
+    """What an answer leaves open.
+
+    Of a set, the named effect and its ties; of a name alone, it and what came nearest; of an abstention, the strongest
+    few; where nothing is missing, what could be there and not show, each at the end of its plausible range, against
+    nothing.
+    """
+    decision = naming.decision
+    if decision.verdict == "nothing is missing":
+        return _unseen(naming)
+    ranked = sorted(naming.judged, key=lambda one: -one.gain)
+    if decision.verdict in CLAIMED and decision.best is not None:
+        tied = {tie.name for tie in decision.ties}
+        others = [one for one in ranked if one.label in tied]
+        if not others:
+            others = [one for one in ranked if one is not decision.best and one.gain > 0][:1]
+        ranked = [decision.best, *others]
+    else:
+        ranked = [one for one in ranked if len(one.names) == 1]
+    found = [Rival(one.label, one.fit) for one in ranked]
+    supports = [one.gain for one in ranked]
+    if len(found) < 2 and decision.verdict not in CLAIMED:
+        promising = [one for one in naming.screened if one.effect not in {rival.name for rival in found}][:most]
+        found += [_screened(naming, one.effect, one.starts[0]) for one in promising]
+        supports += [one.evidence for one in promising]
+    return Rivals.among(found[:most], supports[:most])
+
+
+def _screened(naming: Naming, effect: str, values: dict[str, float]) -> Rival:
+    """An effect that was not refitted, as its first-order score has it."""
+    base = naming.base.model
+    errors = len(base.errors)
+    model = joint_model(base.material, [(effect, values)], len(base.offsets), errors, box=base.box)
+    model = replace(model, offsets=base.offsets, errors=base.errors)
+    return Rival(effect, joint_fit(naming.cases, naming.cases.numerical(base.material), model, rounds=0))
+
+
+def _unseen(naming: Naming) -> Rivals:
+    plain = Rival(NOTHING, naming.base)
+    known = naming.identifiable
+    members = [plain]
+    for effect in known.undetectable:
+        places = [place for place, name in enumerate(known.effects) if name == effect]
+        strength = known.strengths[places[int(np.argmax(known.reach[places]))]]
+        parameter = next(one for one in EFFECTS[effect]().parameters if one.name == strength)
+        members.append(_at_its_strongest(naming, effect, {strength: max(parameter.plausible, key=abs)}))
+    return Rivals(tuple(members), tuple(Pair(place, 0, False) for place in range(1, len(members))))
+
+
+def _at_its_strongest(naming: Naming, effect: str, values: dict[str, float]) -> Rival:
+    base, cases = naming.base, naming.cases
+    setting = EffectSetting(effect, values)
+    model = replace(base.model, settings=(setting,), coordinates=())
+    plays = [cases.cases.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
+    change = cases.white(plays[0] - plays[1])
+    return Rival(effect, replace(base, model=model, residual=base.residual - change, effect_change=change))

@@ -1,0 +1,194 @@
+"""The trial that is proposed: the right one for planted ties, none for two names of one thing, one that plays."""
+
+import dataclasses
+import json
+
+import jsonschema
+import numpy as np
+import pytest
+from tied_worlds import START, effect, fitted, recorded
+
+from tactiledata.contract.schema import load_schema
+from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.next_trial import SEPARATED, propose_trials, ranked_trials
+from tactiledata.diagnose.next_trial_words import next_trial_sentences, next_trials_document
+from tactiledata.diagnose.rivals import NOTHING, Pair, Rival, Rivals, rivals_of
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.trial_bench import TrialBench
+from tactiledata.diagnose.trial_cases import trial_cases
+from tactiledata.diagnose.trial_distance import Recorded, TrialRows, error_probability, square_with
+from tactiledata.diagnose.trial_kinds import TRIALS, hold, slides
+from tactiledata.diagnose.trial_scenario import trial_scenario
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.rig.record import record
+from tactiledata.rig.scenario import load_scenario
+
+
+def proposals(cases, starts, both_ways=True, trials=TRIALS):
+    """For explanations fitted from starts, the first of them true."""
+    members = tuple(
+        Rival(start[0] if start else NOTHING, fit) for start, fit in zip(starts, fitted(cases, starts), strict=True)
+    )
+    bench = TrialBench.of(cases, START)
+    return ranked_trials(Rivals(members, (Pair(0, 1, both_ways),)), WhitenedCases.of(cases), bench, trials=trials)
+
+
+@pytest.fixture(scope="module")
+def sluggish():
+    """Relaxation in touches without a dwell, and a lag that would do nearly as well."""
+    cases = recorded(effect("relaxation", share=0.12, time=8.0), touches=6, pace=3.0)
+    return proposals(cases, [("relaxation", {"share": 0.06, "time": 5.0}), ("lag", {"delay": 0.01})], both_ways=False)
+
+
+def test_a_dwell_tells_relaxation_from_lag(sluggish):
+    """What goes on at zero motion is no lag: the long dwell is first, and settles it."""
+    best = sluggish[0]
+    assert best.trial.name == "hold"
+    (apart,) = best.separations
+    assert apart.error_before > 0.1
+    assert apart.error_after < 1e-3
+    assert best.separates == best.separations
+    assert best.gain == max(one.gain for one in sluggish)
+
+
+def test_slides_tell_rates_from_rest():
+    """Friction that follows speed and friction that follows rest: slides at three speeds, then holds before slides."""
+    cases = recorded(effect("rate_friction", beta=0.2), touches=6, slide=3e-3)
+    found = proposals(cases, [("rate_friction", {"beta": 0.1}), ("static_friction", {"excess": 0.1})], both_ways=False)
+    assert [one.trial.name for one in found[:2]] == ["slides", "hold_then_slide"]
+    assert found[0].separations[0].error_after < 1e-3
+    others = [one.separations[0] for one in found[2:]]
+    assert all(one.after < one.before + 0.5 for one in others)
+
+
+def test_turns_in_free_air_tell_weight_from_drift():
+    """Only where gravity goes around the two differ; no press tells them apart."""
+    cases = recorded(effect("tool_weight", mass=0.03), touches=6, turned=True)
+    found = proposals(cases, [("tool_weight", {"mass": 0.02}), ("sensor_drift", {"fx": 0.1})], both_ways=False)
+    assert found[0].trial.name == "turns"
+    assert found[0].separations[0].error_after < 1e-3
+    assert all(one.gain < 0.01 for one in found[1:])
+
+
+def test_two_names_of_one_thing_are_told_apart_by_no_trial():
+    """The same effect, fitted from two starts: the chance to confuse them stays, and is said to."""
+    cases = recorded(effect("relaxation", share=0.1, time=1.0), touches=8)
+    starts = [("relaxation", {"share": 0.05, "time": 3.0}), ("relaxation", {"share": 0.02, "time": 0.3})]
+    found = proposals(cases, starts)
+    assert all(one.separations[0].error_after > 0.4 for one in found)
+    assert not any(one.separates for one in found)
+    said = next_trial_sentences(found)
+    assert said[0].startswith("None of the trials tells viscoelastic relaxation from viscoelastic relaxation")
+
+
+def test_thickness_beside_poissons_ratio_stays_open():
+    """E and nu imitate another thickness: no trial claims to settle it, and E that never slid is no news of it."""
+    cases = recorded(effect("thickness", error=-0.1), touches=8)
+    found = proposals(cases, [("thickness", {"error": -0.05}), None])
+    assert all(one.separations[0].error_after > SEPARATED for one in found)
+    assert next_trial_sentences(found)[0].startswith("None of the trials would show")
+
+
+def test_distances_are_those_of_a_joint_fit_of_all_data():
+    """A refit to recorded and new data at once, to the truth without noise, leaves what was reckoned beforehand."""
+    cases = recorded(effect("rate_friction", beta=0.15), touches=6, slide=3e-3)
+    truth, other = fitted(cases, [("rate_friction", {"beta": 0.1}), None])
+    bench = TrialBench.of(cases, START)
+    trial = trial_cases(slides(bench), bench)
+    rows = TrialRows.of(trial, WhitenedCases.of(cases))
+    left = rows.residual(rows.model(truth, rows.vector(truth)))
+    reckoned = square_with(rows, Recorded(truth, other), left)
+
+    settings = truth.model.settings
+    told = cases.play(truth.model.material, settings, truth.model.offsets)
+    new = trial.play(truth.model.material, settings)
+    both = [*cases.cases, *trial.cases]
+    wrench = np.split(np.concatenate([told, new]), np.cumsum([len(case.touch) for case in both])[:-1])
+    played = [dataclasses.replace(case, measured=rows) for case, rows in zip(both, wrench, strict=True)]
+    (plain,) = fitted(CaseSet(played, cases.base), [None])
+    assert reckoned == pytest.approx(plain.cost, rel=0.15)
+
+
+def test_more_data_never_bring_two_nearer(sluggish):
+    """Whatever the trial, distances grow and chances fall."""
+    for one in sluggish:
+        assert all(each.after >= each.before for each in one.separations)
+        assert one.gain >= 0.0
+    assert error_probability(0.0) == 0.5
+    assert error_probability(4.0) == pytest.approx(0.1587, abs=1e-4)
+
+
+def test_the_best_proposal_is_recorded_by_the_rig(sluggish, tmp_path):
+    """Its scenario is valid, plays, and the log holds the dwell; two runs of the planner give the same document."""
+    best = sluggish[0]
+    document = trial_scenario(best.trial, best.bench)
+    assert document == trial_scenario(hold(best.bench), best.bench)
+    document["images"] = {"capture": "video", "rate": 0.1}
+    path = tmp_path / "next.json"
+    path.write_text(json.dumps(document))
+    (log,) = record(load_scenario(path), tmp_path / "out", "folder")
+    truth = json.loads((tmp_path / "out" / "truth" / f"{log.name}.json").read_text())
+    phases = truth["trajectories"]["hold-1"]["phases"]
+    held = [(start, end) for start, end, name in phases if name == "dwell"]
+    assert (held[-1][1] - held[0][0]) * 1e-9 == pytest.approx(60.0, abs=1e-3)
+
+
+@pytest.fixture(scope="module")
+def named():
+    cases = recorded(effect("relaxation", share=0.12, time=0.4), touches=10)
+    return name_effects(cases, START, NamingOptions(effects=("relaxation", "lag"), profile=False, pairs=False))
+
+
+def test_a_naming_is_followed_by_a_document(named):
+    """What an answer leaves open is planned for, and the document fits its schema."""
+    found = propose_trials(named)
+    assert {one.trial.name for one in found} == {make.__name__ for make in TRIALS}
+    document = json.loads(json.dumps(next_trials_document(found)))
+    schema = load_schema("diagnosis")
+    jsonschema.validate(document, {"$ref": "#/$defs/next_trials", "$defs": schema["$defs"]})
+    assert document["in_closed_form"]
+    assert all(entry["scenario"]["title"] == entry["title"] for entry in document["proposals"])
+    assert [one.separations for one in propose_trials(named)] == [one.separations for one in found]
+
+
+def test_what_could_be_there_unseen_is_sought():
+    """Where nothing is missing: a ball's adhesion is hidden by the noise, and a flat punch would show it."""
+    options = NamingOptions(effects=("adhesion", "rate_friction"), profile=False)
+    naming = name_effects(recorded(touches=10), START, options)
+    assert naming.decision.verdict == "nothing is missing"
+    rivals = rivals_of(naming)
+    assert rivals.members[0].name == NOTHING
+    assert {one.name for one in rivals.members[1:]} == set(naming.identifiable.undetectable)
+    (place,) = [place for place, pair in enumerate(rivals.pairs) if rivals.members[pair.first].name == "adhesion"]
+    found = propose_trials(naming)
+    shown = {one.trial.name: one.separations[place].after for one in found}
+    assert max(shown, key=shown.get) == "flat_punch"
+    assert shown["flat_punch"] > 5.0 > 2.0 > shown["three_radii"]
+    assert any(line.startswith("Press a flat punch") and "adhesion" in line for line in next_trial_sentences(found))
+
+
+def test_what_the_data_say_counts_where_it_is_less_than_was_planned():
+    """Two that should differ, and hardly do in what was really measured, are not called told apart."""
+    cases = recorded(effect("rate_friction", beta=0.2), touches=8, slide=3e-3)
+    members = [
+        Rival(fit.names[0], fit)
+        for fit in fitted(cases, [("rate_friction", {"beta": 0.1}), ("static_friction", {"excess": 0.1})])
+    ]
+    bench, white = TrialBench.of(cases, START), WhitenedCases.of(cases)
+    surprised, told = (
+        ranked_trials(Rivals.among(members, supports), white, bench, trials=[slides])[0].separations[0]
+        for supports in ((20.0, 19.5), (20.0, 0.0))
+    )
+    assert surprised.before == pytest.approx(1.0)
+    assert surprised.before < told.before
+    assert surprised.after < told.after
+
+
+def test_where_nothing_is_left_there_is_no_trial(named):
+    """One explanation alone needs none."""
+    alone = dataclasses.replace(named, judged=named.judged[:1], screened=[])
+    alone = dataclasses.replace(
+        alone, decision=dataclasses.replace(alone.decision, best=alone.judged[0], ties=(), verdict="named")
+    )
+    assert propose_trials(alone) == []
+    assert next_trials_document([])["proposals"] == []
