@@ -132,8 +132,7 @@ def drawn_in_turn(touches: Sequence[PlannedTouch], seed: int) -> list[PlannedTou
 def _measured(store: Store, planned: PlannedTouch, wrench: Array, free_samples: int) -> MeasuredTouch:
     rows = np.arange(*planned.frames)
     t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])[rows]
-    count = len(rows)
-    kept = np.arange(count) if count <= MOST_FRAMES else np.unique(np.linspace(0, count - 1, MOST_FRAMES).astype(int))
+    kept = kept_rows(len(rows))
     whole = planned.gel_touch(store, 0.0)
     return MeasuredTouch(
         planned.uid,
@@ -145,6 +144,13 @@ def _measured(store: Store, planned: PlannedTouch, wrench: Array, free_samples: 
         (t_ns - t_ns[0])[kept] / 1e9,
         float(free_samples),
     )
+
+
+def kept_rows(count: int) -> NDArray[np.int64]:
+    """Which of a trajectory's frames are played: all, or ``MOST_FRAMES`` at even distances."""
+    if count <= MOST_FRAMES:
+        return np.arange(count)
+    return np.unique(np.linspace(0, count - 1, MOST_FRAMES).astype(np.int64))
 
 
 def _stated_noise() -> WrenchNoise:

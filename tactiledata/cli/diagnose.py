@@ -1,13 +1,19 @@
-"""`diagnose`: where prediction and observation differ, and which formula explains it."""
+"""`diagnose`: where simulation and recordings differ, what physics was left out, and how much better it then fits."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import typer
 
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.cli.working_store import working_store
+
+TABLES = (".csv", ".tsv", ".parquet")
+STEPS = 30
+"""About so many steps follow the plays."""
 
 
 def register(app: typer.Typer) -> None:
@@ -16,30 +22,49 @@ def register(app: typer.Typer) -> None:
 
 
 def diagnose(
-    table: Path = typer.Argument(
-        ..., help="A table: .csv, .tsv or .parquet; docs/diagnose-table.md names its columns."
+    source: str = typer.Argument(
+        None, help="A store (*.zarr), or a table (.csv, .tsv, .parquet); left out: the only store in the folder."
     ),
-    columns: Path = typer.Option(None, "--columns", help="A YAML file that says what the columns mean."),
-    group: str = typer.Option(None, "--group", help="Column that says which rows were recorded in one go."),
     out: Path = typer.Option(None, "--out", help="Folder for report.html and diagnosis.json."),
-    gate: bool = typer.Option(False, "--gate", help="Exit 1 where structure is found."),
-    seed: int = typer.Option(0, "--seed", help="Another seed throws other chances."),
+    gate: bool = typer.Option(False, "--gate", help="Exit 1 where physics is missing."),
+    seed: int = typer.Option(0, "--seed", help="Another seed draws other trajectories, and throws other chances."),
+    trajectories: int = typer.Option(60, "--trajectories", help="Store: so many are drawn from it."),
+    sensor: str = typer.Option(None, "--sensor", help="Store: only trajectories of this sensor."),
+    indenter: str = typer.Option(None, "--indenter", help="Store: only those of these indenters: ball3,ball5."),
+    effects: str = typer.Option(None, "--effects", help="Store: only these candidates: lag,relaxation."),
+    pairs: bool = typer.Option(True, "--pairs/--no-pairs", help="Store: whether two effects at once are tried."),
+    fidelity: str = typer.Option("finite-strain", "--fidelity", help="Store: finite-strain, or linear: a preview."),
+    bounds: str = typer.Option("paper", "--bounds", help="Store: paper, or wide: E 200 to 4000 kPa, mu 0.2 to 1.5."),
+    shore_a: float = typer.Option(24.5, "--shore-a", help="Store: the gel's Shore A hardness: where fits start."),
+    indenters: Path = typer.Option(None, "--indenters", help="Store: folder of the mesh files that recordings name."),
+    workers: int = typer.Option(1, "--workers", min=1, help="Store: local processes that play touches."),
+    columns: Path = typer.Option(None, "--columns", help="Table: a YAML file that says what the columns mean."),
+    group: str = typer.Option(None, "--group", help="Table: column that says which rows were recorded in one go."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Where predictions and observations differ. On what it depends, and in which formula; chance is ruled out.
+    """Where simulation and recordings differ, what physics was left out, and how much better it fits with it.
 
-    Example: tactiledata diagnose table.csv --out diagnosis
+    Example: tactiledata diagnose ds.zarr --out diagnosis
     """
-    from tactiledata.contract.schema import read_document
-    from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
+    if source is not None and (Path(source).suffix in TABLES or Path(source).is_file()):
+        document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
+    else:
+        from tactiledata.diagnose.store_options import DiagnosisOptions
 
-    meant = None
-    if columns is not None:
-        with wrong_document_is_wrong_usage():
-            meant = read_document(columns, "columns")
-    with progress("diagnosing", quiet=as_json) as tell:
-        read, explanation, document = diagnose_table(table, meant, group, seed, tell)
-    written = [] if out is None else write_diagnosis(out, table.name, read, explanation, document)
+        options = DiagnosisOptions(
+            trajectories=trajectories,
+            fidelity=fidelity,  # type: ignore[arg-type]
+            bounds=bounds,
+            shore_a=shore_a,
+            sensor=sensor,
+            indenters=_names(indenter),
+            effects=_names(effects),
+            pairs=pairs,
+            seed=seed,
+            workers=workers,
+            indenter_folder=indenters,
+        )
+        document, written, is_found = _store(working_store(source), out, options, as_json)
     if as_json:
         emit(document)
     else:
@@ -49,5 +74,50 @@ def diagnose(
             say(f"note: {note}")
         if written:
             say(f"written: {', '.join(str(path) for path in written)}")
-    if gate and explanation.located.is_structured:
+    if gate and is_found:
         raise typer.Exit(1)
+
+
+def _names(listed: str | None) -> tuple[str, ...]:
+    return tuple(name.strip() for name in (listed or "").split(",") if name.strip())
+
+
+def _table(
+    path: Path, out: Path | None, seed: int, columns: Path | None, group: str | None, quiet: bool
+) -> tuple[dict[str, Any], list[Path], bool]:
+    from tactiledata.contract.schema import read_document
+    from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
+
+    meant = None
+    if columns is not None:
+        with wrong_document_is_wrong_usage():
+            meant = read_document(columns, "columns")
+    with progress("diagnosing", quiet=quiet) as tell:
+        read, explanation, document = diagnose_table(path, meant, group, seed, tell)
+    written = [] if out is None else list(write_diagnosis(out, path.name, read, explanation, document))
+    return document, written, explanation.located.is_structured
+
+
+def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[dict[str, Any], list[Path], bool]:
+    from tactiledata.cli.explain import damage_explains
+    from tactiledata.diagnose.diagnose_store import diagnose_store
+    from tactiledata.diagnose.store_document import store_document, write_store_diagnosis
+    from tactiledata.store.reader import Store
+
+    with damage_explains(location), progress("diagnosing", quiet=quiet) as tell:
+        steps: list[str] = []
+        plays = [1]
+
+        def playing(done: int, total: int, what: str = "") -> None:
+            plays[0] = total
+            tell(done, total + STEPS, what)
+
+        def thinking(what: str) -> None:
+            steps.append(what)
+            tell(plays[0] + min(len(steps), STEPS - 1), plays[0] + STEPS, what)
+
+        done = diagnose_store(Store.open(location), options, playing, thinking)
+        tell(plays[0] + STEPS, plays[0] + STEPS, "done")
+    document = store_document(done)
+    written = [] if out is None else write_store_diagnosis(out, Path(location).name, done, document)
+    return document, written, done.answer.is_missing

@@ -35,7 +35,7 @@ def table_document(table: Table, explanation: Explanation, digest: str, seed: in
         "sentences": explanation.sentences(),
         "located": located_document(explanation.located),
         "left_over": None if explanation.left_over is None else located_document(explanation.left_over),
-        "open_form": _form(explanation),
+        "open_form": form_document(explanation),
         "gap": _gap(explanation),
         "errors": errors(table, explanation),
         "ceiling": {"explained": explanation.ceiling.explained},
@@ -68,7 +68,8 @@ def errors(table: Table, explanation: Explanation) -> list[dict[str, Any]]:
     return listed
 
 
-def _form(explanation: Explanation) -> dict[str, Any] | None:
+def form_document(explanation: Explanation) -> dict[str, Any] | None:
+    """The part ``open_form``; ``None`` where nothing was found to be explained."""
     form = explanation.form
     if form is None:
         return None

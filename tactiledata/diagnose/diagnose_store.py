@@ -1,0 +1,98 @@
+"""`diagnose STORE`: read, play, name, locate, show, and what to record next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from tactiledata.diagnose.answer import Answer
+from tactiledata.diagnose.case_residuals import case_noise, case_residuals
+from tactiledata.diagnose.explain import Explanation, explain
+from tactiledata.diagnose.learning_library import need_learning_library
+from tactiledata.diagnose.locate import LocateOptions
+from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
+from tactiledata.diagnose.next_trial import Proposal, propose_trials
+from tactiledata.diagnose.show import Shown, show
+from tactiledata.diagnose.store_cases import StoreCases, store_cases
+from tactiledata.diagnose.store_options import DiagnosisOptions
+from tactiledata.store.reader import Store
+
+Tell = Callable[..., None]
+Verdict = Literal["nothing found", "explained", "partly explained", "not explained"]
+
+
+@dataclass(frozen=True)
+class StoreDiagnosis:
+    """What a store's recordings say of their simulation.
+
+    Parameters
+    ----------
+    store : str, digest of the store
+    options : DiagnosisOptions
+    played : StoreCases
+    naming : Naming
+    shown : Shown
+    formula : Explanation, optional
+        By a formula, of what no known effect explains.
+    proposals : list of Proposal
+        What to record next.
+    """
+
+    store: str
+    options: DiagnosisOptions
+    played: StoreCases
+    naming: Naming
+    shown: Shown
+    formula: Explanation | None
+    proposals: list[Proposal]
+
+    @property
+    def answer(self) -> Answer:
+        """What is said."""
+        return Answer(self.naming)
+
+    @property
+    def verdict(self) -> Verdict:
+        """In two words, the same as a table's."""
+        if not self.answer.is_missing:
+            return "nothing found"
+        if self.answer.names:
+            return "partly explained" if self.naming.decision.is_more_left else "explained"
+        return "not explained"
+
+
+def diagnose_store(
+    store: Store,
+    options: DiagnosisOptions,
+    playing: Tell = lambda done, total, what="": None,
+    thinking: Callable[[str], None] = lambda what: None,
+) -> StoreDiagnosis:
+    """What the simulation of a store's touches lacks.
+
+    Parameters
+    ----------
+    playing : callable
+        Told how many of the plays are done.
+    thinking : callable
+        Told what is done with them.
+
+    Raises
+    ------
+    TactileDataError
+        Too few trajectories can be used, the message counts the reasons; or scikit-learn is not installed.
+    """
+    need_learning_library()
+    played = store_cases(store, options.calibration(), playing)
+    wanted = tuple(name for name in played.effects if not options.effects or name in options.effects)
+    asked = NamingOptions(effects=wanted, pairs=options.pairs, seed=options.seed)
+    naming = name_effects(played.cases, played.start, asked, thinking)
+    shown = show(naming, options.seed, thinking)
+    formula = None
+    if Answer(naming).is_missing and not shown.names:
+        thinking("looking for a formula")
+        residuals = case_residuals(naming.cases, naming.base)
+        formula = explain(residuals, LocateOptions(noise=case_noise(naming.cases), seed=options.seed), "seconds")
+    thinking("what to record next")
+    proposals = propose_trials(naming)
+    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals)

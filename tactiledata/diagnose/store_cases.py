@@ -1,0 +1,166 @@
+"""The touches of a store, played by the gel at all that effects may ask, as cases for a diagnosis."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
+from tactiledata.calibrate.measured import Measured, kept_rows, read_measured
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
+from tactiledata.diagnose.play_touches import play_touches
+from tactiledata.diagnose.store_facts import StoreFacts
+from tactiledata.diagnose.touch_case import FEWEST_FRAMES, CaseSet, TouchCase
+from tactiledata.diagnose.touch_plays import PlayedFamily, TouchPlays
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.touch import Touch
+from tactiledata.errors import TactileDataError
+from tactiledata.gel.material import GelMaterial
+from tactiledata.nuisance.noise import WrenchNoise
+from tactiledata.replay.plan import PlannedTouch, plan_replay
+from tactiledata.sensors.base import GelGeometry
+from tactiledata.store.reader import Store
+
+Array = NDArray[np.float64]
+Tell = Callable[..., None]
+
+FREE_AIR = 1e-4
+"""m: a tip higher than this above the gel touches nothing, whatever its offset."""
+
+
+@dataclass(frozen=True)
+class StoreCases:
+    """What a store gives to a diagnosis.
+
+    Parameters
+    ----------
+    cases : CaseSet
+    start : GelMaterial
+        Where fits begin.
+    effects : tuple of str
+        Candidates that this gel can be asked for.
+    not_played : dict, effect -> reason
+    left_out : dict, reason -> number of trajectories
+    frames_lost : int
+        Of trajectories that take part: without pose or wrench, or not solved.
+    geometry : GelGeometry
+    """
+
+    cases: CaseSet
+    start: GelMaterial
+    effects: tuple[str, ...]
+    not_played: dict[str, str]
+    left_out: dict[str, int]
+    frames_lost: int
+    geometry: GelGeometry
+
+
+def store_cases(
+    store: Store, options: CalibrationOptions, tell: Tell = lambda done, total, what="": None
+) -> StoreCases:
+    """The trajectories of a store that options ask for.
+
+    Raises
+    ------
+    TactileDataError
+        Nothing can be used; the message counts the reasons.
+    """
+    measured = read_measured(store, options)
+    if measured.mesh is None or not measured.touches:
+        raise nothing_usable(measured.left_out)
+    plan = plan_replay(store, options.pads, options.indenter_folder)
+    planned = {touch.uid: touch for touch in plan.touches}
+    geometry = plan.pads[planned[measured.touches[0].uid].pad].geometry
+    box = find_bounds(options.bounds)
+    wanted = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
+    plays = play_touches(measured.mesh, options.fidelity, measured.touches, box, options.workers, tell, variants=wanted)
+    start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
+    make = _CaseMaker(measured, StoreFacts(store, plan.touches), start, geometry)
+    left_out = Counter(measured.left_out)
+    cases, kept = [], []
+    for touch, played in zip(measured.touches, plays, strict=True):
+        case, part = make.case(touch, planned[touch.uid], played)
+        if len(case.touch) < FEWEST_FRAMES or not part.level.any():
+            left_out["fewer than 3 frames that are known and that the gel could be pressed to, or no contact"] += 1
+            continue
+        cases.append(case)
+        kept.append(part)
+    if not cases:
+        raise nothing_usable(dict(left_out))
+    not_played = _not_played(kept[0], options)
+    effects = tuple(name for name in EFFECTS if name not in not_played)
+    family = PlayedFamily([case.touch for case in cases], kept)
+    lost = sum(len(touch.seconds) for touch in measured.touches) - sum(len(case.touch) for case in cases)
+    return StoreCases(CaseSet(cases, family, box), start, effects, not_played, dict(left_out), lost, geometry)
+
+
+def nothing_usable(left_out: dict[str, int]) -> TactileDataError:
+    """Nothing can be diagnosed, and why."""
+    reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items())) or "the store holds none"
+    return TactileDataError(
+        f"no trajectory can be diagnosed ({reasons})",
+        "trajectories with poses, a known indenter and a contact wrench in the gel frame",
+        "See docs/calibration.md, What a recording must hold.",
+        left_out=left_out,
+    )
+
+
+def _not_played(plays: TouchPlays, options: CalibrationOptions) -> dict[str, str]:
+    """Effects that need plays which are not there."""
+    why = (
+        "the gel could not be solved with it in more than a tenth of the frames"
+        if options.fidelity == "finite-strain"
+        else "the gel plays it at --fidelity finite-strain only"
+    )
+    return {
+        name: why
+        for name in EFFECTS
+        if any(variant not in plays.variants for variant in design_variants(EFFECTS[name]()))
+    }
+
+
+@dataclass(frozen=True)
+class _CaseMaker:
+    measured: Measured
+    facts: StoreFacts
+    material: GelMaterial
+    geometry: GelGeometry
+
+    def case(self, touch: MeasuredTouch, planned: PlannedTouch, plays: TouchPlays) -> tuple[TouchCase, TouchPlays]:
+        """A trajectory's frames whose pose is known and that all plays have solved, and their plays."""
+        rows = np.arange(*planned.frames)[kept_rows(planned.frames[1] - planned.frames[0])]
+        known = plays.known & np.isfinite(touch.wrench).all(axis=1)
+        known[1:] &= np.diff(touch.seconds) > 0
+        if not known.any():
+            known = np.zeros(len(rows), dtype=bool)
+        part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
+        height = part.height - poses[:, 2, 3]
+        earlier = self.facts.earlier(planned, poses[:, :2, 3], rows) if len(rows) else (None, None)
+        at = Touch(
+            touch.seconds[known],
+            poses,
+            touch.touch.indenter,
+            self.material,
+            self.geometry,
+            sensor=touch.sensor,
+            indenter_name=touch.indenter,
+            mount=self.facts.mount(planned),
+            gravity=self.facts.gravity(planned, rows),
+            joints=self.facts.joints(rows),
+            powered=self.facts.powered(planned, rows) if len(rows) else None,
+            earlier_depth=earlier[0],
+            earlier_contacts=earlier[1],
+        )
+        case = TouchCase(at, touch.wrench[known], self.noise, height < -FREE_AIR, touch.free_samples, touch.name)
+        return case, part
+
+    @property
+    def noise(self) -> WrenchNoise:
+        return self.measured.noise

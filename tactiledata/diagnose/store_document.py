@@ -1,0 +1,111 @@
+"""The diagnosis of a store as a document and a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.provenance import provenance
+from tactiledata.contract.schema import check_document
+from tactiledata.diagnose.case_residuals import COMPONENTS, TO_UNIT, UNITS
+from tactiledata.diagnose.diagnose_store import StoreDiagnosis
+from tactiledata.diagnose.naming_document import naming_document
+from tactiledata.diagnose.naming_page import naming_page
+from tactiledata.diagnose.next_trial_words import next_trial_sentences, next_trials_document
+from tactiledata.diagnose.shown_words import shown_sentences
+from tactiledata.diagnose.table_document import FORMAT, form_document
+from tactiledata.effects import EFFECTS
+
+MOST_TRIALS = 3
+MOST_LOCATED = 4
+
+
+def sentences_of(done: StoreDiagnosis) -> list[str]:
+    """For people, the plainest first."""
+    said = list(done.answer.sentences)
+    if done.answer.is_missing:
+        said += done.shown.located.sentences()[:MOST_LOCATED]
+        if done.formula is not None and done.formula.form is not None and done.formula.form.terms:
+            said.append(f"A formula for it: {done.formula.form.words}.")
+        said += shown_sentences(done.shown)
+    return [*said, *next_trial_sentences(done.proposals)[:MOST_TRIALS]]
+
+
+def notes_of(done: StoreDiagnosis) -> list[str]:
+    """What was left out, and why."""
+    played = done.played
+    noted = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
+    if played.frames_lost:
+        noted.append(f"{played.frames_lost} frames without pose or wrench, or too deep for the gel, take no part")
+    by_reason: dict[str, list[str]] = {}
+    for name, reason in played.not_played.items():
+        by_reason.setdefault(reason, []).append(EFFECTS[name]().title)
+    for name in done.naming.not_tried:
+        needed = " and ".join(_TOLD.get(each, each) for each in EFFECTS[name].needs)
+        by_reason.setdefault(f"the recordings do not tell {needed}", []).append(EFFECTS[name]().title)
+    return noted + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
+
+
+_TOLD = {
+    "joints": "the joints' angles",
+    "gravity": "how the sensor is turned",
+    "powered": "when the sensor was switched on (power_on_ns in log.yaml)",
+    "selection": "a range of forces to which they were cut",
+    "earlier_depth": "what was done to the gel before",
+    "earlier_contacts": "what was done to the gel before",
+}
+
+
+def store_document(done: StoreDiagnosis) -> dict[str, Any]:
+    """``diagnosis.json`` (schemas/diagnosis.json); the same for the same store, options and seed."""
+    white = done.naming.cases
+    noise = done.played.cases.cases[0].noise.deviations * TO_UNIT
+    formula = done.formula
+    document = {
+        "format": FORMAT,
+        "source": {
+            "kind": "store",
+            "groups": len(white.starts),
+            "rows": len(white.measured),
+            "components": [
+                {"name": name, "unit": unit, "noise": float(size)}
+                for name, unit, size in zip(COMPONENTS, UNITS, noise, strict=True)
+            ],
+        },
+        "answer": done.verdict,
+        "sentences": sentences_of(done),
+        "open_form": None if formula is None else form_document(formula),
+        "ceiling": {"explained": done.shown.ceiling.explained},
+        "next_trials": next_trials_document(done.proposals),
+        "notes": notes_of(done),
+        "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),
+        **naming_document(done.naming, done.shown.located, done.shown),
+    }
+    check_document(document, "diagnosis", "the diagnosis")
+    return document
+
+
+def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, document: dict[str, Any]) -> list[Path]:
+    """``report.html``, ``diagnosis.json``, ``effects.json`` where any is claimed, and the scenarios of next trials."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [folder / "report.html", folder / "diagnosis.json"]
+    effects = document["naming"]["effects"]
+    if effects is not None:
+        written.append(folder / "effects.json")
+        write_json_atomic(written[-1], effects)
+    trials = []
+    for proposal in document["next_trials"]["proposals"]:
+        path = folder / "next" / f"{proposal['trial']}.yaml"
+        path.parent.mkdir(exist_ok=True)
+        write_atomic(path, yaml.safe_dump(proposal["scenario"], sort_keys=False).encode())
+        written.append(path)
+        trials.append((proposal["title"], f"next/{path.name}"))
+    footer = f"{document['source']['groups']} trajectories, {document['source']['rows']} frames"
+    title = f"Diagnosis of {name}"
+    page = naming_page(title, done.naming, done.shown.located, done.shown, trials, document["notes"], footer)
+    write_atomic(written[0], page.encode())
+    write_json_atomic(written[1], document)
+    return written

@@ -1,0 +1,134 @@
+"""What a store tells of its touches beside pose and wrench: gravity, joints, time since power-on, mounts, history."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
+from tactiledata.store.reader import Store
+from tactiledata.transforms import pose_matrices
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+"""m/s^2, base frame, of an arm that stands upright."""
+SPOT = 2e-3
+"""m: touches whose deepest points lie nearer than this are of one spot."""
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A touch of a gel, at its deepest frame.
+
+    Parameters
+    ----------
+    t_ns : int
+    place : (2,) m, gel frame
+    depth : m
+    """
+
+    t_ns: int
+    place: Array
+    depth: float
+
+
+class StoreFacts:
+    """Facts of a store's trajectories, at rows of its table of frames.
+
+    Parameters
+    ----------
+    store : Store
+    touches : sequence of PlannedTouch
+        All of the store, drawn or not: what came before counts.
+    """
+
+    def __init__(self, store: Store, touches: Sequence[PlannedTouch]) -> None:
+        self._store = store
+        self._t_ns: Array = np.asarray(store.frames(["t_ns"])["t_ns"])
+        table = store.trajectories(["uid", "source"])
+        self._source = dict(zip(table["uid"].to_pylist(), table["source"].to_pylist(), strict=True))
+        self._descriptions = [
+            LogDescription(json.loads(text)) for text in store.sources(["description"])["description"].to_pylist()
+        ]
+        self._mounts = _mounts(touches, self._source)
+        self._visits = self._all_visits(touches)
+
+    def seconds(self, rows: Indices) -> Array:
+        """Since the first of the rows (n,)."""
+        return np.asarray((self._t_ns[rows] - self._t_ns[rows[0]]) / 1e9)
+
+    def gravity(self, planned: PlannedTouch, rows: Indices) -> Array | None:
+        """Acceleration (n, 3) in the gel frame, m/s^2."""
+        poses = self._values(planned.poses, rows)
+        if poses is None or planned.tcp_from_gel is None:
+            return None
+        base_from_gel = pose_matrices(poses) @ planned.tcp_from_gel
+        return np.asarray(np.einsum("nij,i->nj", base_from_gel[:, :3, :3], GRAVITY))
+
+    def joints(self, rows: Indices) -> Array | None:
+        """Angles (n, 6), rad."""
+        for name in self._store.aligned_names:
+            if name.partition("@")[0] == "joints" and self._store.meaning("aligned", name).units[0] == "rad":
+                values = self._values(name, rows)
+                if values is not None:
+                    return np.asarray(values[:, :6])
+        return None
+
+    def powered(self, planned: PlannedTouch, rows: Indices) -> Array | None:
+        """Seconds (n,) since the sensor was last switched on."""
+        stated = self._descriptions[self._source[planned.uid]].sensors.get(planned.sensor, {}).get("power_on_ns", [])
+        before = [int(moment) for moment in stated if moment <= self._t_ns[rows[0]]]
+        return np.asarray((self._t_ns[rows] - max(before)) / 1e9) if before else None
+
+    def mount(self, planned: PlannedTouch) -> str:
+        """Which mounting of the indenter."""
+        return self._mounts[planned.uid]
+
+    def earlier(self, planned: PlannedTouch, places: Array, rows: Indices) -> tuple[Array, Array]:
+        """The deepest press (n,), m, and the number of touches (n,), at places (n, 2) of this gel before this touch.
+
+        What was done to a gel before this store began is not known, and counts as nothing.
+        """
+        before = [visit for visit in self._visits.get(planned.sensor, []) if visit.t_ns < self._t_ns[rows[0]]]
+        if not before:
+            return np.zeros(len(places)), np.zeros(len(places))
+        near = np.linalg.norm(places[:, None] - np.array([one.place for one in before]), axis=2) < SPOT
+        depths = np.array([one.depth for one in before])
+        return np.where(near, depths, 0.0).max(axis=1), near.sum(axis=1).astype(float)
+
+    def _values(self, name: str, rows: Indices) -> Array | None:
+        values, gap_ns = self._store.aligned(name, rows)
+        known = np.isfinite(values).all(axis=1) & (gap_ns <= GAP_LIMIT_NS)
+        return values if known.all() else None
+
+    def _all_visits(self, touches: Sequence[PlannedTouch]) -> dict[str, list[Visit]]:
+        visits: dict[str, list[Visit]] = {}
+        for planned in touches:
+            if planned.obstacle is not None:
+                continue
+            tips = planned.gel_touch(self._store, 0.0).poses[:, :3, 3]
+            if np.isfinite(tips[:, 2]).any():
+                deepest = int(np.nanargmin(tips[:, 2]))
+                moment = int(self._t_ns[planned.frames[0]])
+                visit = Visit(moment, tips[deepest, :2], max(-float(tips[deepest, 2]), 0.0))
+                visits.setdefault(planned.sensor, []).append(visit)
+        return visits
+
+
+def _mounts(touches: Sequence[PlannedTouch], source: dict[str, int]) -> dict[str, str]:
+    """Of each trajectory: another recording or another indenter in between is another mounting."""
+    count, mounts = 0, {}
+    for before, planned in pairwise([None, *touches]):
+        assert planned is not None
+        if before is None or (source[before.uid], before.indenter) != (source[planned.uid], planned.indenter):
+            count += 1
+        mounts[planned.uid] = f"{planned.indenter} {count}"
+    return mounts
