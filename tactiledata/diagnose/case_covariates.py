@@ -45,10 +45,14 @@ def case_covariates(cases: CaseSet, answers: Sequence[ContactResponse]) -> dict[
         {**_of_motion(case), **_of_contact(case, answer), **_of_rig(case), "index": _constant(case, float(number))}
         for number, (case, answer) in enumerate(zip(cases.cases, answers, strict=True))
     ]
+    slowest = _slowest(cases)
     found = {}
     for name, (_, unit) in told[0].items():
         if all(name in one for one in told):
             values = np.concatenate([_filled(one[name][0]) for one in told])
+            if name == "lateral speed":
+                # rest counts as the slowest motion: what goes with a rate goes with its logarithm
+                values = np.maximum(values, slowest)
             if np.ptp(values) > VARIES * np.abs(values).max():
                 found[name] = Covariate(values, unit)
     return found
@@ -76,12 +80,20 @@ def phases(case: TouchCase) -> Names:
     return named
 
 
+def _slowest(cases: CaseSet) -> float:
+    """The slowest shear, mm/s, but for a few frames."""
+    shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in cases.cases]
+    speeds = 1e3 * np.concatenate(shears)
+    speeds = speeds[speeds > 0]
+    return float(np.quantile(speeds, 0.05)) if len(speeds) else 0.0
+
+
 def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
     touch = case.touch
     in_contact = np.where(case.free_air, 0.0, 1.0)
     return {
         "seconds": (touch.seconds - touch.seconds[0], "s"),
-        "time step": (touch.time_steps, "s"),
+        "time step": (np.append(touch.time_steps[1:2], touch.time_steps[1:]), "s"),
         "lateral speed": (1e3 * touch.lateral_speed, "mm/s"),
         "shear travel": (1e3 * np.cumsum(np.nan_to_num(touch.lateral_steps) * in_contact), "mm"),
         "x": (1e3 * touch.tips[:, 0], "mm"),
@@ -108,8 +120,11 @@ def _of_rig(case: TouchCase) -> dict[str, tuple[Array, str]]:
         size = np.linalg.norm(touch.gravity, axis=1)
         tilt = np.arccos(np.clip(-touch.gravity[:, 2] / np.maximum(size, 1e-300), -1.0, 1.0))
         told["tilt"] = (np.degrees(tilt), "deg")
-        told["gravity along x"] = (touch.gravity[:, 0], "m/s^2")
-        told["gravity along y"] = (touch.gravity[:, 1], "m/s^2")
+        # a sensor that was zeroed reads the turn of a weight, not the weight
+        zeroed = case.free_air if touch.tare is None else touch.tare
+        turned = touch.gravity - touch.gravity[zeroed if zeroed.any() else slice(1)].mean(axis=0)
+        for axis, column in zip("xyz", turned.T, strict=True):
+            told[f"gravity along {axis} since the zero"] = (column, "m/s^2")
     if touch.joints is not None:
         told["last joint"] = (np.degrees(touch.joints[:, -1]), "deg")
     if touch.earlier_depth is not None:

@@ -30,10 +30,10 @@ def known_rows(white: WhitenedCases, predicted: Array) -> NDArray[np.bool_]:
 def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     """Whitened residuals of a fit, frames that were not measured or not simulated left out.
 
-    E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset is
-    marginalised under its prior; its zero is, already, by the whitening. What the simulation itself may be off, by a
-    factor on all forces of an indenter, along its law and in sticking shear, and the numbers of effects are refitted
-    with E, nu and mu and never asked: a simulator that errs so is no news.
+    E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset and
+    zeros are marginalised under their priors. What the simulation itself may be off, by a factor on all forces of an
+    indenter, along its law and in sticking shear, and the numbers of effects are refitted with E, nu and mu and never
+    asked: a simulator that errs so is no news.
 
     Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
     """
@@ -43,15 +43,19 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     # the noise was widened for neighbours that resemble one another; a value's own variance is to be 1
     single = np.sqrt(np.array([case.noise.inflation for case in cases.cases]))[white.trajectory, None]
     parameters, fields = _parameters(white, fit)
+    # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
+    slopes = white.with_zeros(np.stack(fields, axis=2))
+    zeros = (np.sqrt(white.tare)[white.trajectory] * white.weights)[:, None, None] * np.eye(6)
+    names = tuple(Parameter(f"zero of {name}", own_deviation=1.0) for name in COMPONENTS)
     deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
     return Residuals(
-        (fit.residual + fit.own * fit.by_row) * single,
+        white.with_zeros(fit.residual + fit.own * fit.by_row) * single,
         COMPONENTS,
         white.trajectory.astype(np.int64),
         case_covariates(cases, answers),
         _labels(white, np.concatenate([answer.sliding for answer in answers])),
-        parameters,
-        np.stack(fields, axis=2) * single[:, :, None],
+        (*parameters, *names),
+        np.concatenate([slopes, zeros], axis=2) * single[:, :, None],
         units=UNITS,
         deviations=deviations,
     ).part(rows)
@@ -63,6 +67,11 @@ def case_noise(white: WhitenedCases) -> NoiseModel:
     return NoiseModel((inflation - 1.0) / (inflation + 1.0))
 
 
+def locating(white: WhitenedCases, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
+    """How to locate in such residuals: their noise is known, and they are those of a fit."""
+    return LocateOptions(noise=case_noise(white), seed=seed, draws=draws, is_fitted=True)
+
+
 def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> Located:
     """Where recordings and a fit to them differ.
 
@@ -71,7 +80,7 @@ def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: in
     TactileDataError
         Too few trajectories.
     """
-    return locate(case_residuals(white, fit), LocateOptions(noise=case_noise(white), seed=seed, draws=draws))
+    return locate(case_residuals(white, fit), locating(white, seed, draws))
 
 
 def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, ...], list[Array]]:

@@ -88,6 +88,8 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
     if total <= 0:
         return EnergyShares(total / size, (), None, "The residual is no larger than the noise.")
     resamples = _resamples(residuals, seed)
+    if noise > 0 and np.quantile(resamples @ residuals.by_unit(square.sum(axis=1)), 0.025) <= 0:
+        return EnergyShares(total / size, (), None, "The residual is hardly larger than the noise.")
     conditions = list(_conditions(residuals))
 
     def cell(chosen: tuple[_Condition, ...]) -> Cell:

@@ -38,6 +38,8 @@ class LocateOptions:
         ``None`` where the size of the noise is not known: the residual's size then proves nothing.
     seed, draws : int
         Of the signs that are thrown.
+    is_fitted : bool
+        Whether the residuals are those of a fit of the shared parameters: a common offset is no question then.
     """
 
     order_by: str = "index"
@@ -45,6 +47,7 @@ class LocateOptions:
     noise: NoiseModel | None = None
     seed: int = 0
     draws: int = DRAWS
+    is_fitted: bool = False
 
 
 @dataclass(frozen=True)
@@ -132,7 +135,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     refitted = residuals.with_values(projection.score)
     opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
     air = free_air(residuals, seed, draws)
-    common = offsets(residuals, seed + 1, draws)
+    common = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
     drifts = instability(projection, seed + 2, draws)
     leading = leading_drifts(projection, drifts, seed + 8, draws)
     found_events = find_events(residuals)

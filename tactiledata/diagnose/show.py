@@ -145,6 +145,7 @@ def _ceiling_force(naming: Naming, errors: HeldOutErrors, ceiling: BlackBox) -> 
     white = naming.cases
     rows = known_rows(white, errors.before)
     whitened = np.zeros((len(rows), 6))
+    # black box and locators count in single noise, see `case_residuals`
     whitened[rows] = ceiling.predicted
     single = np.sqrt(np.array([case.noise.inflation for case in white.cases.cases]))[white.trajectory, None]
     explained = white.in_newtons(whitened / single)

@@ -129,9 +129,20 @@ class WhitenedCases:
         kept = [case for case, is_kept in zip(self.cases.cases, chosen, strict=True) if is_kept]
         return replace(self, cases=replace(self.cases, cases=kept), trust=self.trust[chosen[self.trajectory]])
 
-    def in_newtons(self, white: Array) -> Array:
-        """Whitened rows (N, 6) as wrenches, N and N m, the zeros of trajectories apart; 0 where nothing is known."""
-        raw = np.einsum("nj,nji->ni", white, np.linalg.inv(self._whitening))
+    def with_zeros(self, white: Array) -> Array:
+        """Whitened rows (N, 6) or (N, 6, c) with the trajectories' zeros in them again: each frame by itself."""
+        flat = white.reshape(len(white), -1)
+        weights = self.weights[:, None]
+        square = np.add.reduceat(self.weights**2, self.starts)
+        # `without_tare` takes a share of the weighed mean off, and leaves the rest of it
+        left = 1.0 / np.sqrt(1.0 + square * self.tare)
+        means = np.add.reduceat(flat * weights, self.starts, axis=0) / (square * left)[:, None]
+        rows = flat + weights * (means * (1.0 - left)[:, None])[self.trajectory]
+        return rows.reshape(white.shape)
+
+    def in_newtons(self, rows: Array) -> Array:
+        """Rows (N, 6) of `with_zeros` as wrenches, N and N m; 0 where nothing is known."""
+        raw = np.einsum("nj,nji->ni", rows, np.linalg.inv(self._whitening))
         return np.divide(raw, self.weights[:, None], out=np.zeros_like(raw), where=self.weights[:, None] > 0)
 
     def residual(self, predicted: Array) -> Array:

@@ -1,0 +1,134 @@
+"""Fits to touches through the locators: nulls first, then what is planted where it was planted."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from touch_worlds import PLANTS, START, World, base, null, world_cases
+
+from tactiledata.diagnose.case_covariates import phases
+from tactiledata.diagnose.case_residuals import case_noise, case_residuals, locate_touches
+from tactiledata.diagnose.joint_fit import joint_fit
+from tactiledata.diagnose.joint_model import joint_model
+from tactiledata.diagnose.overall import offsets
+from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+
+
+def plain_fit(cases):
+    white = WhitenedCases.of(cases)
+    numerical = white.numerical(START)
+    return white, joint_fit(white, numerical, joint_model(START, [], len(cases.cases), numerical.shape[2]))
+
+
+def located(world, trajectories=32, seed=0, draws=499):
+    return locate_touches(*plain_fit(world_cases(world, seed, trajectories)), seed, draws)
+
+
+@pytest.fixture(scope="module")
+def quiet():
+    return plain_fit(null(3000, trajectories=24))
+
+
+def test_nulls_are_seldom_structured():
+    """Contact laws that differ by some per cent, jitter and coloured noise: of 6 such worlds at most one alarms."""
+    alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9100, 9106)]
+    assert sum(alarms) <= 1
+
+
+@pytest.mark.slow
+def test_the_level_holds_over_many_nulls():
+    """Of 60 nulls at most 5 % and three standard errors are called structured."""
+    alarms = [located(World(), 24, seed, 499).is_structured for seed in range(9000, 9060)]
+    assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
+
+
+@pytest.mark.parametrize(
+    ("world", "parameter", "covariates"),
+    [
+        (World(rate=0.4), "mu", {"lateral speed", "time step", "seconds"}),
+        (World(relaxing=0.2), "E", {"phase", "loading rate", "seconds"}),
+    ],
+)
+def test_what_is_planted_is_located(world, parameter, covariates):
+    """Friction that follows speed makes mu drift with speed or the time that a slide takes, relaxation E with time."""
+    found = located(world, 48)
+    assert found.is_certain("drifting parameters")
+    first = found.leading[0]
+    assert first.parameter == parameter
+    assert covariates & {first.covariate, *first.alike}
+
+
+def test_contact_leaves_no_trace_in_free_air():
+    """A gel that is thinner than thought misfits in contact alone, and no zero of the sensor is blamed for it."""
+    found = located(World(thinner=0.2), 48)
+    assert not found.is_certain("free air")
+
+
+def test_a_tool_weight_shows_in_free_air():
+    """A mass that nobody took off turns with gravity before anything touches."""
+    found = located(dataclasses.replace(PLANTS["tool_weight"], mass=0.08), 48)
+    assert found.is_certain("free air")
+    assert "since the zero" in found.sentences()[0]
+
+
+def test_the_unit_is_the_noise(quiet):
+    """What a fit leaves of a null has about the variance of the noise, less what fit and weights have taken."""
+    white, fit = quiet
+    projection = project(case_residuals(white, fit))
+    assert 0.6 < (projection.left * projection.score).mean() < 1.1
+    assert case_noise(white).correlation == pytest.approx(0.4)
+
+
+def test_a_modulus_of_all_indenters_is_no_question(quiet):
+    """A factor on the forces of each indenter imitates a common one: E is asked to drift, never to stand elsewhere."""
+    overall = offsets(case_residuals(*quiet), draws=99)
+    assert next(one for one in overall if one.parameter == "E").p == 1.0
+    found = locate_touches(*quiet, draws=99)
+    assert any(one.parameter == "E" for one in found.drifts)
+    assert "a common offset" not in found.p
+
+
+def test_errors_of_the_simulation_are_never_asked(quiet):
+    """Only E, nu and mu are, and not one that stands at its bound."""
+    residuals = case_residuals(*quiet)
+    tested = [residuals.parameters[place].name for place in residuals.tested]
+    assert set(tested) <= {"E", "nu", "mu"}
+    assert {"E", "mu"} <= set(tested)
+    white, fit = quiet
+    pinned = dataclasses.replace(fit.model.material, poisson_ratio=fit.model.bounds[1][1])
+    moved = dataclasses.replace(fit, model=dataclasses.replace(fit.model, material=pinned))
+    residuals = case_residuals(white, moved)
+    assert "nu" not in [residuals.parameters[place].name for place in residuals.tested]
+
+
+def test_frames_without_a_wrench_are_left_out(quiet):
+    """Such frames are no rows; covariates that need the frame before stay finite."""
+    white, _ = quiet
+    cases = list(white.cases.cases)
+    measured = cases[3].measured.copy()
+    measured[5:7] = np.nan
+    cases[3] = dataclasses.replace(cases[3], measured=measured)
+    residuals = case_residuals(*plain_fit(CaseSet(cases, base)))
+    assert len(residuals.values) == len(white.trajectory) - 2
+    assert (residuals.trajectory == 3).sum() == len(measured) - 2
+
+
+def test_phases_follow_the_path(quiet):
+    """Down, hold, along, back, up, away."""
+    case = quiet[0].cases.cases[0]
+    depths = np.array([-0.3, -0.2, -0.1, 0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.2, -0.2, -0.3]) * 1e-3
+    ways = np.array([0, 0, 0, 0, 0, 0, 0.3, 0.6, 0.3, 0.0, 0.0, 0, 0]) * 1e-3
+    poses = np.tile(np.eye(4), (len(depths), 1, 1))
+    poses[:, 0, 3], poses[:, 2, 3] = ways, -depths
+    touch = dataclasses.replace(
+        case.touch, seconds=np.arange(len(depths)) * 0.1, poses=poses, gravity=None, powered=None, earlier_depth=None,
+        earlier_contacts=None, tare=None,
+    )  # fmt: skip
+    free = np.isin(np.arange(len(depths)), [0, 1, 11, 12])
+    moved = dataclasses.replace(case, touch=touch, measured=np.zeros((len(depths), 6)), free_air=free)
+    assert list(phases(moved)) == [
+        "free air", "free air", "approach", "press", "press", "dwell", "shear", "shear", "reverse", "reverse", "leave",
+        "free air", "free air",
+    ]  # fmt: skip

@@ -1,0 +1,127 @@
+"""What is shown on unseen data: nothing where nothing is missing, the way to the noise where something is."""
+
+import dataclasses
+import json
+
+import jsonschema
+import numpy as np
+import pytest
+from touch_worlds import FORCE_NOISE, PLANTS, START, base, null, world_cases
+
+from tactiledata.contract.schema import load_schema
+from tactiledata.diagnose.grouped_prediction import folds_of
+from tactiledata.diagnose.held_out_wrenches import held_out_wrenches
+from tactiledata.diagnose.joint_fit import joint_fit
+from tactiledata.diagnose.joint_model import joint_model
+from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.naming_document import naming_document
+from tactiledata.diagnose.naming_page import naming_page
+from tactiledata.diagnose.show import show
+from tactiledata.diagnose.shown_words import same_digits, shown_sentences
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+
+FEW = NamingOptions(effects=("relaxation", "thickness"), profile=False, pairs=False)
+
+
+def diagnosed(cases):
+    naming = name_effects(cases, START, FEW)
+    return naming, show(naming)
+
+
+@pytest.fixture(scope="module")
+def nothing():
+    return diagnosed(null(3000, trajectories=24))
+
+
+@pytest.fixture(scope="module")
+def relaxed():
+    return diagnosed(world_cases(dataclasses.replace(PLANTS["relaxation"], relaxing=0.25), 1, trajectories=32))
+
+
+def test_where_nothing_is_missing_nothing_is_shown(nothing):
+    """No effect, no gap: the plain simulation is as good as the noise, and the nearest candidate would do no harm."""
+    _, shown = nothing
+    assert shown.names == ()
+    assert shown.left_over is None
+    assert shown.flattened is None
+    for errors in shown.errors:
+        assert errors.force.before == pytest.approx(errors.force.floor, rel=0.05)
+        assert abs(errors.change) < 0.03
+    assert not any("gap" in sentence for sentence in shown_sentences(shown))
+
+
+def test_a_planted_effect_closes_the_gap(relaxed):
+    """On unseen trajectories and unseen indenters; the interval excludes none of it; nothing is left."""
+    _, shown = relaxed
+    assert shown.names == ("relaxation",)
+    assert [one.unseen for one in shown.errors] == ["trajectories", "indenters"]
+    for errors in shown.errors:
+        assert errors.has_gap
+        assert errors.force.closed > 0.6
+        assert errors.force.interval[0] > 0.3
+        assert errors.paper[1] < errors.paper[0]
+    assert shown.errors[0].force.floor == pytest.approx(FORCE_NOISE, rel=0.1)
+    said = shown_sentences(shown)
+    assert said[0].startswith("On indenters that it has not seen the force error falls from ")
+    assert shown.ceiling_force <= shown.errors[0].force.before
+
+
+def test_what_was_sloped_is_flat(relaxed):
+    """The strongest dependence of the plain simulation is certain, and with the effect it is gone."""
+    _, shown = relaxed
+    before, after = shown.flattened
+    assert before.p <= 0.05 < after.p
+    assert abs(after.change.value) < 0.5 * abs(before.change.value)
+
+
+@pytest.mark.parametrize("which", ["nothing", "relaxed"])
+def test_document_and_page_say_it(which, request):
+    """The document fits its schema; the page begins with the sentences and is the same each time."""
+    naming, shown = request.getfixturevalue(which)
+    document = json.loads(json.dumps(naming_document(naming, shown.located, shown), allow_nan=False))
+    schema = load_schema("diagnosis")
+    for part, value in document.items():
+        if value is not None:
+            jsonschema.validate(value, {**schema["properties"][part], "$defs": schema["$defs"]})
+    trials = [("Dwell for 60 s", "trials/dwell.yaml")]
+    html = naming_page("Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0")
+    places = [html.index(text) for text in (document["naming"]["sentences"][0][:40], "Where they differ",
+              "What is missing", "How the simulation behaves", "How much better", "What could be seen at all",
+              "What to record next", "What was left out")]  # fmt: skip
+    assert places == sorted(places)
+    assert "nan" not in html.split("base64")[0]
+
+
+def test_the_same_simulation_tells_what_it_has_not_seen():
+    """Without noise, and with formulas of its own, every trajectory follows from the others but for its offset."""
+    quiet = null(3000, trajectories=24)
+    offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.cases))
+    truth = dataclasses.replace(START, youngs_modulus=0.95e6, friction=0.7)
+    parts = np.split(quiet.play(truth, [], offsets), np.cumsum(quiet.counts)[:-1])
+    sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-4) for case in quiet.cases]
+    cases = CaseSet(
+        [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.cases, parts, sharp, strict=True)], base
+    )
+    white = WhitenedCases.of(cases)
+    raw = white.numerical_wrenches(START)
+    fit = joint_fit(white, white.white(raw), joint_model(START, [], len(offsets), raw.shape[2]), rounds=12)
+    for groups in (folds_of(len(offsets)), white.indenter):
+        told = held_out_wrenches(white, fit, groups, raw)
+        error = np.sqrt(((told - white.measured)[:, :3] ** 2).mean())
+        assert error < 0.01 * np.sqrt((white.measured[:, :3] ** 2).mean())
+
+
+def test_whitened_rows_return_as_newtons():
+    """Whitening loses nothing: the zeros that it takes out of a trajectory's rows are put back."""
+    white = WhitenedCases.of(null(3000, trajectories=8))
+    assert not np.allclose(white.in_newtons(white.white(white.measured)), white.measured, atol=1e-3)
+    returned = white.in_newtons(white.with_zeros(white.white(white.measured)))
+    assert np.allclose(returned, white.measured, atol=1e-9)
+
+
+def test_numbers_beside_one_another_have_the_same_digits():
+    """As many decimals as the smallest needs."""
+    assert same_digits(0.2134, 0.0931) == ("0.213", "0.093")
+    assert same_digits(12.34, 3.21) == ("12.3", "3.2")
+    assert same_digits(0.0, 0.0) == ("0.0", "0.0")
