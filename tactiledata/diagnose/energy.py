@@ -109,10 +109,14 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
 
     sharpest = cell(_sharpest(conditions, square, residuals)) if conditions else None
     what = "excess" if noise > 0 else "squared residual"
-    words = "" if sharpest is None else (
-        f"{percent(sharpest.share)} ({percent(sharpest.interval[0])} to {percent(sharpest.interval[1])}) of the {what} "
-        f"sits in {sharpest.words}, which is {percent(sharpest.of_values)} of the values"
-    )  # fmt: skip
+    words = ""
+    if sharpest is not None:
+        # where others hold less than noise, a cell may hold more than the whole
+        share, low, high = (percent(min(end, 1.0)) for end in (sharpest.share, *sharpest.interval))
+        words = (
+            f"{share} ({low} to {high}) of the {what} sits in {sharpest.words}, "
+            f"which is {percent(sharpest.of_values)} of the values"
+        )
     return EnergyShares(total / size, tuple(cell((one,)) for one in conditions), sharpest, words)
 
 

@@ -10,6 +10,7 @@ from touch_worlds import FORCE_NOISE, PLANTS, START, base, null, world_cases
 
 from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.grouped_prediction import folds_of
+from tactiledata.diagnose.held_out_errors import held_out_errors
 from tactiledata.diagnose.held_out_wrenches import held_out_wrenches
 from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
@@ -110,6 +111,23 @@ def test_the_same_simulation_tells_what_it_has_not_seen():
         told = held_out_wrenches(white, fit, groups, raw)
         error = np.sqrt(((told - white.measured)[:, :3] ** 2).mean())
         assert error < 0.01 * np.sqrt((white.measured[:, :3] ** 2).mean())
+
+
+def test_sensors_are_held_out_where_there_are_two():
+    """Each in its turn; a fit beside itself changes nothing."""
+    one = null(3000, trajectories=16)
+    cases = [
+        dataclasses.replace(case, touch=dataclasses.replace(case.touch, sensor=f"D{number % 2}"))
+        for number, case in enumerate(one.cases)
+    ]
+    white = WhitenedCases.of(CaseSet(cases, base))
+    raw = white.numerical_wrenches(START)
+    fit = joint_fit(white, white.white(raw), joint_model(START, [], len(cases), raw.shape[2]))
+    found = held_out_errors(white, (fit, fit), raw, 0)
+    assert [(errors.unseen, errors.groups) for errors in found] == [
+        ("trajectories", 16), ("indenters", 4), ("sensors", 2)
+    ]  # fmt: skip
+    assert all(errors.change == 0.0 for errors in found)
 
 
 def test_whitened_rows_return_as_newtons():
