@@ -38,6 +38,7 @@ from tactiledata.gel.material import GelMaterial
 from tactiledata.rig.hidden_base import HiddenEffect
 
 START = GelMaterial(0.9e6, 0.475, 0.65)
+QUICK_EFFECTS = ("frame_rotation", "relaxation", "lag")
 KINDS = ("nulls", "effects", "outside", "pairs", "metadata")
 
 
@@ -118,7 +119,8 @@ class Bench:
             plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, tell=_tell, variants=wanted
         )
         played = set(plays[0].variants)
-        tried = tuple(name for name in EFFECTS if played.issuperset(design_variants(EFFECTS[name]())))
+        asked = QUICK_EFFECTS if plan.is_quick else EFFECTS
+        tried = tuple(name for name in asked if played.issuperset(design_variants(EFFECTS[name]())))
         maker = maker.keeping([one.known for one in plays])
         family = PlayedFamily(maker.touches, [one.part(one.known) for one in plays])
         return Bench(plan, maker, family, tried)
