@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from tactiledata.diagnose.answer import Answer
@@ -135,7 +136,8 @@ def _scale(one: Interval) -> float:
 
 def _with_unit(one: Interval) -> str:
     unit = {"Pa": "kPa", "1": ""}.get(one.unit, one.unit)
-    return f"{one.name}, {unit}" if unit else one.name
+    name = one.name.replace("_", " ")
+    return f"{name}, {unit}" if unit else name
 
 
 def _ends(one: Interval) -> tuple[float, float, float]:
@@ -143,7 +145,10 @@ def _ends(one: Interval) -> tuple[float, float, float]:
 
 
 def _said(one: Interval) -> tuple[str, str]:
-    low, value, high = (rounded(end, 3) for end in _ends(one))
+    ends = _ends(one)
+    half = (ends[2] - ends[0]) / 2
+    places = min(max(0, 1 - math.floor(math.log10(half))), 6) if half > 0 else 3
+    low, value, high = (f"{end:.{places}f}" for end in ends)
     pinned = [" (bound)" if is_bound else "" for is_bound in (one.low_is_bound, one.high_is_bound)]
     return value, f"{low}{pinned[0]} to {high}{pinned[1]}"
 

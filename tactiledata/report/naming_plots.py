@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 GREY = "#8a929a"
+FAR = 10.0
+"""Times what a claim needs, from which on gains are drawn over their logarithm."""
 Interval = tuple[float, float, float]
 """Low end, value, high end."""
 
@@ -89,11 +91,12 @@ def draw_ladder(names: Sequence[str], gains: Sequence[float], errors: Sequence[f
     axis.axvline(claim, color=BEFORE, linewidth=0.8, linestyle="--", label=f"needed for a claim: {claim:g}")
     axis.set_yticks(places, names, fontsize=8)
     axis.set_ylim(len(names) - 0.5, -0.5)
-    axis.set_xscale("symlog", linthresh=max(10.0, claim))
-    axis.xaxis.set_major_formatter("{x:g}")
+    if max(gains, default=0.0) > FAR * claim:
+        axis.set_xscale("symlog", linthresh=claim)
+        axis.xaxis.set_major_formatter("{x:g}")
     axis.set_xlabel("gain on trajectories held out, log-likelihood", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
-    axis.legend(fontsize=7, frameon=False)
+    figure.legend(loc="outside upper right", fontsize=7, frameon=False)
     return figure
 
 
