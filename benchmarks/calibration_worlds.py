@@ -1,16 +1,17 @@
 """Calibration on recorded worlds whose truth is known: another solver presses, the gel engine is fitted.
 
-    python benchmarks/calibration_worlds.py [--quick] [--plans 4] [--truths 5] [--trajectories 10]
+    python benchmarks/calibration_worlds.py [--quick] [--plans 4] [--truths 5] [--trajectories 10] [--resume LOG]
 
 The rig records each world with its own layer solver (other discretisation, other contact), with the noise, jitter and
 offsets of a real rig, as ROS 2 MCAP; the toolkit ingests and calibrates it with both losses. A plan of touches is
 recorded under several truths: its poses are the same, so that what the engine played for one serves the others
-(TACTILEDATA_CACHE).
+(TACTILEDATA_CACHE). Worlds that an earlier run printed to LOG are not run again.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import tempfile
 import time
 from pathlib import Path
@@ -79,6 +80,31 @@ def calibrated(plan: int, truth: np.ndarray, count: int) -> dict[str, Calibratio
         }
 
 
+def line(plan: int, number: int, truth: np.ndarray, errors: list[list[float]], rest: str) -> str:
+    """A world's result; errors as shares, by loss."""
+    words = "; ".join(
+        f"{loss} " + " ".join(f"{name} {100 * off:+.1f} %" for name, off in zip(("E", "nu", "mu"), row, strict=True))
+        for loss, row in zip(LOSSES, errors, strict=True)
+    )
+    known = f"E {truth[0] / 1e3:.0f} kPa, nu {truth[1]:.3f}, mu {truth[2]:.2f}"
+    return f"plan {plan} truth {number} ({known}): {words}; {rest}"
+
+
+def printed(log: Path | None) -> dict[tuple[int, int], str]:
+    """Lines of worlds that an earlier run finished."""
+    lines = [] if log is None else log.read_text().splitlines()
+    found = [(re.match(r"plan (\d+) truth (\d+) \(", text), text) for text in lines]
+    return {(int(match[1]), int(match[2])): text for match, text in found if match}
+
+
+def told(text: str) -> tuple[np.ndarray, list[bool]]:
+    """Errors (loss, 3) as shares and what the intervals cover, of a line."""
+    errors = [float(number) / 100 for number in re.findall(r"([+-]\d+\.\d) %", text)]
+    covered = re.search(r"covered \[(.*?)\]", text)
+    assert covered is not None
+    return np.array(errors).reshape(len(LOSSES), 3), [word.strip() == "True" for word in covered[1].split(",")]
+
+
 def main() -> None:
     """Print errors by world, then of all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -86,34 +112,35 @@ def main() -> None:
     parser.add_argument("--plans", type=int, default=4)
     parser.add_argument("--truths", type=int, default=5)
     parser.add_argument("--trajectories", type=int, default=10)
+    parser.add_argument("--resume", type=Path, help="what an earlier run of the same plans printed")
     asked = parser.parse_args()
     plans, truths, count = (1, 1, 3) if asked.quick else (asked.plans, asked.truths, asked.trajectories)
+    before = printed(asked.resume)
     print(f"## {plans * truths} recorded worlds ({plans} plans, {truths} truths each), {count} trajectories")
-    errors, covered = [], []
+    lines = []
     for plan in range(plans):
         for number in range(truths):
-            truth = truth_of(plan, number)
-            began = time.perf_counter()
-            found = calibrated(plan, truth, count)
-            errors.append([found[loss].fit.parameters / truth - 1 for loss in LOSSES])
-            ends = found["vector"].fit.intervals.ends
-            covered.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
-            words = "; ".join(
-                f"{loss} "
-                + " ".join(f"{name} {100 * off:+.1f} %" for name, off in zip(("E", "nu", "mu"), row, strict=True))
-                for loss, row in zip(LOSSES, errors[-1], strict=True)
-            )
-            fitted = found["vector"].fit.losses["vector"].fitted
-            spent = time.perf_counter() - began
-            known = f"E {truth[0] / 1e3:.0f} kPa, nu {truth[1]:.3f}, mu {truth[2]:.2f}"
-            held = f"covered {covered[-1].tolist()}; residual {fitted:.2f}; {spent:.0f} s"
-            print(f"plan {plan} truth {number} ({known}): {words}; {held}", flush=True)
+            lines.append(before.get((plan, number)) or world(plan, number, count))
+            print(lines[-1], flush=True)
+    errors, covered = zip(*map(told, lines), strict=True)
     table = 100 * np.abs(np.array(errors))
     for k, loss in enumerate(LOSSES):
         middle, largest = np.median(table[:, k], axis=0), table[:, k].max(axis=0)
         print(f"{loss}: |error| of E, nu, mu in %: median {middle.round(1)}, largest {largest.round(1)}")
     shares = np.mean(covered, axis=0).round(2)
     print(f"95 % intervals of the vector loss that hold the truth, share of E, nu, mu: {shares}")
+
+
+def world(plan: int, number: int, count: int) -> str:
+    """One world, recorded and calibrated."""
+    truth, began = truth_of(plan, number), time.perf_counter()
+    found = calibrated(plan, truth, count)
+    errors = [(found[loss].fit.parameters / truth - 1).tolist() for loss in LOSSES]
+    ends = found["vector"].fit.intervals.ends
+    covered = ((ends[:, 0] <= truth) & (truth <= ends[:, 1])).tolist()
+    fitted = found["vector"].fit.losses["vector"].fitted
+    rest = f"covered {covered}; residual {fitted:.2f}; {time.perf_counter() - began:.0f} s"
+    return line(plan, number, truth, errors, rest)
 
 
 if __name__ == "__main__":
