@@ -38,6 +38,8 @@ class Identifiability:
         Signal over noise in these trajectories, after concealment, at the end of the plausible range.
     not_told : tuple of str
         Effects that depend on what the touches do not tell.
+    without_trace : tuple of str
+        Effects that change nothing in these trajectories.
     """
 
     effects: tuple[str, ...]
@@ -46,12 +48,13 @@ class Identifiability:
     confusability: Array
     reach: Array
     not_told: tuple[str, ...]
+    without_trace: tuple[str, ...] = ()
 
     @property
     def undetectable(self) -> tuple[str, ...]:
         """Effects that could be as strong as they ever are and not be seen in these trajectories."""
         seen = {name for name, reach in zip(self.effects, self.reach, strict=True) if reach >= VISIBLE}
-        return tuple(name for name in dict.fromkeys(self.effects) if name not in seen)
+        return (*(name for name in dict.fromkeys(self.effects) if name not in seen), *self.without_trace)
 
     def look_alikes(self, least: float = 0.95) -> list[tuple[str, str, float]]:
         """Pairs of different effects that can be seen and whose cosine is at least so large, the nearest first."""
@@ -99,13 +102,18 @@ def identifiability(
     cases.need_cases()
     white = WhitenedCases.of(cases, errors)
     names, not_told = playable(white, effects)
-    return identifiability_of(nuisance(white, material), effect_signatures(white, material, names), tuple(not_told))
+    signatures = effect_signatures(white, material, names)
+    return identifiability_of(nuisance(white, material), signatures, tuple(not_told), names)
 
 
 def identifiability_of(
-    metric: RandomEffects, signatures: Sequence[Signature], not_told: tuple[str, ...] = ()
+    metric: RandomEffects,
+    signatures: Sequence[Signature],
+    not_told: tuple[str, ...] = (),
+    asked: Sequence[str] = (),
 ) -> Identifiability:
-    """The same from signatures that are known already."""
+    """The same from signatures that are known already, of all effects that were ``asked`` for and left anything."""
+    left_any = {one.effect for one in signatures}
     best: dict[tuple[str, str], tuple[float, float, Array]] = {}
     for one in signatures:
         ends = {each.name: max(map(abs, each.plausible)) for each in EFFECTS[one.effect]().parameters}
@@ -126,4 +134,5 @@ def identifiability_of(
         alike,
         np.array([reach for reach, _, _ in best.values()]),
         not_told,
+        tuple(name for name in asked if name not in left_any),
     )

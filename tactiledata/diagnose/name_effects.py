@@ -135,7 +135,7 @@ def name_effects(
     before, after = (
         intervals(white, fit, numerical, decision.dispersion, chosen.profile and claimed) for fit in (base, best)
     )
-    identifiable = identifiability_of(base.metric, signatures, tuple(not_tried))
+    identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
     return Naming(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
 
 

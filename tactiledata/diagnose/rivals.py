@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.name_effects import Naming
@@ -61,7 +59,13 @@ class Pair:
 
 @dataclass(frozen=True)
 class Rivals:
-    """Explanations, and which of them are to be told apart."""
+    """Explanations, and which of them are to be told apart.
+
+    Parameters
+    ----------
+    members : tuple of Rival
+    pairs : tuple of Pair
+    """
 
     members: tuple[Rival, ...]
     pairs: tuple[Pair, ...]
@@ -126,10 +130,10 @@ def _unseen(naming: Naming) -> Rivals:
     known = naming.identifiable
     members = [plain]
     for effect in known.undetectable:
-        places = [place for place, name in enumerate(known.effects) if name == effect]
-        strength = known.strengths[places[int(np.argmax(known.reach[places]))]]
-        parameter = next(one for one in EFFECTS[effect]().parameters if one.name == strength)
-        members.append(_at_its_strongest(naming, effect, {strength: max(parameter.plausible, key=abs)}))
+        strengths = [one for one in EFFECTS[effect]().parameters if one.null is not None]
+        reach = {known.strengths[k]: known.reach[k] for k, name in enumerate(known.effects) if name == effect}
+        parameter = max(strengths, key=lambda one: reach.get(one.name, 0.0))
+        members.append(_at_its_strongest(naming, effect, {parameter.name: max(parameter.plausible, key=abs)}))
     return Rivals(tuple(members), tuple(Pair(place, 0, False) for place in range(1, len(members))))
 
 

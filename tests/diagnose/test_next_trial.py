@@ -167,6 +167,19 @@ def test_what_could_be_there_unseen_is_sought():
     assert any(line.startswith("Press a flat punch") and "adhesion" in line for line in next_trial_sentences(found))
 
 
+def test_what_leaves_no_trace_is_sought_where_it_would():
+    """At one orientation the zero takes a tool's weight: it is said not to show, and turns in free air would."""
+    options = NamingOptions(effects=("tool_weight", "lag"), profile=False)
+    naming = name_effects(recorded(touches=10), START, options)
+    assert naming.identifiable.without_trace == ("tool_weight",)
+    assert "tool_weight" in naming.identifiable.undetectable
+    best = propose_trials(naming)[0]
+    assert best.trial.name == "turns"
+    weight = next(one for one in best.separations if one.first == "tool_weight")
+    assert weight.before == pytest.approx(0.0, abs=1e-6)
+    assert weight.after > 5.0
+
+
 def test_what_the_data_say_counts_where_it_is_less_than_was_planned():
     """Two that should differ, and hardly do in what was really measured, are not called told apart."""
     cases = recorded(effect("rate_friction", beta=0.2), touches=8, slide=3e-3)
