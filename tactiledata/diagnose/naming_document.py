@@ -39,7 +39,7 @@ def shown_document(naming: Naming, shown: Shown) -> dict[str, Any]:
         "effects": list(shown.names),
         "tried": list(shown.tried),
         "sentences": shown_sentences(shown),
-        "held_out": [_errors(one) for one in shown.errors],
+        "held_out": [_errors(one, bool(shown.names)) for one in shown.errors],
         "dependence": None if shown.flattened is None else _dependence(*shown.flattened),
         "black_box": {"explained": shown.ceiling.explained, "force": shown.ceiling_force},
         "worst": [cases[number].name for number in shown.worst()],
@@ -47,13 +47,13 @@ def shown_document(naming: Naming, shown: Shown) -> dict[str, Any]:
     }
 
 
-def _errors(one: HeldOutErrors) -> dict[str, Any]:
+def _errors(one: HeldOutErrors, is_claimed: bool) -> dict[str, Any]:
     before, after, floor = one.paper
     return {
         "unseen": one.unseen,
         "groups": one.groups,
-        "force": _gap(one.force, "N", one.has_gap),
-        "torque": _gap(one.torque, "N mm", one.has_torque_gap),
+        "force": _gap(one.force, "N", is_claimed and one.has_gap),
+        "torque": _gap(one.torque, "N mm", is_claimed and one.has_torque_gap),
         "paper_loss": {"unit": "N", "before": before, "after": after, "floor": floor},
     }
 

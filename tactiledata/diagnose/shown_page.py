@@ -32,7 +32,7 @@ PLAIN, BLACK_BOX = "plain", "black box"
 def better_section(shown: Shown) -> Section:
     """Errors on what was held out, with noise and black box."""
     columns = ("unseen", "error", PLAIN, _after(shown), "noise alone", "gap closed")
-    rows = [row for one in shown.errors for row in _rows(one)]
+    rows = [row for one in shown.errors for row in _rows(one, bool(shown.names))]
     text = (
         "Each is predicted by numbers fitted to the others; contact offset and zero are the trajectory's own. Force "
         "and torque: root mean square of a component, torque about the gel's origin. Paper's loss: the mean of the "
@@ -57,13 +57,13 @@ def _after(shown: Shown) -> str:
     return "with it" if shown.names else "nearest candidate"
 
 
-def _rows(one: HeldOutErrors) -> list[tuple[str, ...]]:
+def _rows(one: HeldOutErrors, is_claimed: bool) -> list[tuple[str, ...]]:
     unseen = f"{one.groups} {one.unseen}"
     force = same_digits(one.force.before, one.force.after, one.force.floor)
     torque = same_digits(one.torque.before, one.torque.after, one.torque.floor)
     return [
-        (unseen, "force, N", *force, gap_words(one.force, one.has_gap)),
-        ("", "torque, N mm", *torque, gap_words(one.torque, one.has_torque_gap)),
+        (unseen, "force, N", *force, gap_words(one.force, is_claimed and one.has_gap)),
+        ("", "torque, N mm", *torque, gap_words(one.torque, is_claimed and one.has_torque_gap)),
         ("", "paper's loss, N", *same_digits(*one.paper), ""),
     ]
 

@@ -85,6 +85,8 @@ def test_document_and_page_say_it(which, request):
     for part, value in document.items():
         if value is not None:
             jsonschema.validate(value, {**schema["properties"][part], "$defs": schema["$defs"]})
+    closed = [errors["force"]["closed"] for errors in document["shown"]["held_out"]]
+    assert all(share is None for share in closed) if which == "nothing" else min(closed) > 0.5
     trials = [("Dwell for 60 s", "trials/dwell.yaml")]
     html = naming_page("Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0")
     places = [html.index(text) for text in (document["naming"]["sentences"][0][:40], "Where they differ",
