@@ -113,10 +113,8 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
     if sharpest is not None:
         # where others hold less than noise, a cell may hold more than the whole
         share, low, high = (percent(min(end, 1.0)) for end in (sharpest.share, *sharpest.interval))
-        words = (
-            f"{share} ({low} to {high}) of the {what} sits in {sharpest.words}, "
-            f"which is {percent(sharpest.of_values)} of the values"
-        )
+        part = f"all of the {what}" if low == "100 %" else f"{share} ({low} to {high}) of the {what}"
+        words = f"{part} sits in {sharpest.words}, which is {percent(sharpest.of_values)} of the values"
     return EnergyShares(total / size, tuple(cell((one,)) for one in conditions), sharpest, words)
 
 
