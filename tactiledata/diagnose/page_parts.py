@@ -32,7 +32,7 @@ def shares_section(located: Located) -> Section | None:
     cells = sorted(located.energy.cells, key=lambda cell: cell.of_values - cell.share)[:MOST_BARS]
     if not cells:
         return None
-    drawn = draw_shares([c.words for c in cells], [c.share for c in cells], [c.of_values for c in cells])
+    drawn = draw_shares([c.words for c in cells], [min(c.share, 1.0) for c in cells], [c.of_values for c in cells])
     picture = Picture(png_bytes(drawn), "Shares of the squared residual; ticks show an even spread.")
     return Section("Where the squares sit", [("", located.energy.words)], pictures=[picture])
 
