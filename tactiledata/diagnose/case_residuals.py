@@ -45,7 +45,7 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     parameters, fields = _parameters(white, fit)
     # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
     slopes = white.with_zeros(np.stack(fields, axis=2))
-    zeros = (np.sqrt(white.tare)[white.trajectory] * white.weights)[:, None, None] * np.eye(6)
+    zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
     names = tuple(Parameter(f"zero of {name}", own_deviation=1.0) for name in COMPONENTS)
     deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
     return Residuals(

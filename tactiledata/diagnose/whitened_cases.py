@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.gel.material import GelMaterial
-from tactiledata.nuisance.numerical import SHAPE_ERROR, frame_weights
-from tactiledata.nuisance.tare import tare_variance, without_tare
+from tactiledata.nuisance.numerical import CENTRE_SCATTER, SCATTER, SHAPE_ERROR, scatter_covariance
+from tactiledata.nuisance.tare import tare_variance, zero_power
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -32,11 +32,15 @@ class NumericalErrors:
     shape : of all forces of one indenter
     law : of forces over e times smaller ones
     shear : of shear that sticks
+    scatter : of each frame by itself, a share of its force
+    centre : m, of each frame's centre of pressure
     """
 
     shape: float = SHAPE_ERROR["finite-strain"]
     law: float = LAW_ERROR
     shear: float = SHEAR_ERROR
+    scatter: float = SCATTER
+    centre: float = CENTRE_SCATTER
 
 
 @dataclass(frozen=True)
@@ -90,13 +94,31 @@ class WhitenedCases:
         return np.concatenate([case.free_air for case in self.cases.cases])
 
     @cached_property
-    def weights(self) -> Array:
-        """Of rows (N,): 0 where nothing is known, less where the force, and so the simulation's scatter, is large."""
+    def _scattered(self) -> tuple[Array, Array]:
+        """Of rows: what a wrench is multiplied by from the right (N, 6, 6), and what a zero of the noise's size becomes
+        of it (N, 6, 6), symmetric; both 0 where nothing is known, and small where the simulation scatters much.
+        """
         known = np.isfinite(np.concatenate([case.measured for case in self.cases.cases])).all(axis=1)
-        noise = np.array([case.noise.deviations[:3].mean() for case in self.cases.cases])
-        forces = self.measured[:, :3]
-        parts = [frame_weights(forces[self.trajectory == number], float(noise[number])) for number in range(len(noise))]
-        weights: Array = np.concatenate(parts) * self.trust * known
+        trust = (self.trust * known)[:, None, None]
+        of_noise = np.stack([case.noise.whitened(np.eye(6)) for case in self.cases.cases])[self.trajectory]
+        places = np.concatenate([case.touch.tips for case in self.cases.cases])
+        scatter = scatter_covariance(self.measured[:, :3], places, self.errors.scatter, self.errors.centre)
+        values, axes = np.linalg.eigh(of_noise.transpose(0, 2, 1) @ scatter @ of_noise)
+        shrunk = (axes / np.sqrt(1.0 + np.maximum(values, 0.0))[:, None, :]) @ axes.transpose(0, 2, 1)
+        return trust * (of_noise @ shrunk), trust * shrunk
+
+    @property
+    def zero_gains(self) -> Array:
+        """Whitened change (N, 6, 6) over zeros of the size of one reading's noise."""
+        return self._scattered[1]
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of rows (N,), over all components: 0 where nothing is known, less where the simulation scatters beside the
+        noise; 1 where noise is all there is.
+        """
+        square = np.einsum("nij,nij->n", self.zero_gains, self.zero_gains)
+        weights: Array = np.sqrt(square / 6.0)
         return weights
 
     @cached_property
@@ -109,10 +131,6 @@ class WhitenedCases:
         return float(6.0 * ((self.weights > 0) / inflation[self.trajectory]).sum())
 
     @cached_property
-    def _whitening(self) -> Array:
-        return np.stack([case.noise.whitened(np.eye(6)) for case in self.cases.cases])[self.trajectory]
-
-    @cached_property
     def tare(self) -> Array:
         """Variances (t,) of the zeros, over that of one reading."""
         return tare_variance(np.array([case.free_samples for case in self.cases.cases]))
@@ -120,9 +138,8 @@ class WhitenedCases:
     def white(self, rows: Array) -> Array:
         """Wrenches (N, 6) or (N, 6, c) in units of their noise; rows that are not finite count for nothing."""
         field = np.nan_to_num(rows.reshape(len(rows), 6, -1))
-        white = np.einsum("nic,nij->njc", field, self._whitening) * self.weights[:, None, None]
-        flat = without_tare(white.reshape(len(rows), -1), self.starts, self.tare, self.weights)
-        return flat.reshape(rows.shape)
+        white = self._scattered[0].transpose(0, 2, 1) @ field
+        return zero_power(white, self.zero_gains, self.starts, self.tare, -0.5).reshape(rows.shape)
 
     def part(self, chosen: NDArray[np.bool_]) -> WhitenedCases:
         """Some of the trajectories (t,)."""
@@ -131,19 +148,15 @@ class WhitenedCases:
 
     def with_zeros(self, white: Array) -> Array:
         """Whitened rows (N, 6) or (N, 6, c) with the trajectories' zeros in them again: each frame by itself."""
-        flat = white.reshape(len(white), -1)
-        weights = self.weights[:, None]
-        square = np.add.reduceat(self.weights**2, self.starts)
-        # `without_tare` takes a share of the weighed mean off, and leaves the rest of it
-        left = 1.0 / np.sqrt(1.0 + square * self.tare)
-        means = np.add.reduceat(flat * weights, self.starts, axis=0) / (square * left)[:, None]
-        rows = flat + weights * (means * (1.0 - left)[:, None])[self.trajectory]
-        return rows.reshape(white.shape)
+        rows = white.reshape(len(white), 6, -1)
+        return zero_power(rows, self.zero_gains, self.starts, self.tare, 0.5).reshape(white.shape)
 
     def in_newtons(self, rows: Array) -> Array:
         """Rows (N, 6) of `with_zeros` as wrenches, N and N m; 0 where nothing is known."""
-        raw = np.einsum("nj,nji->ni", rows, np.linalg.inv(self._whitening))
-        return np.divide(raw, self.weights[:, None], out=np.zeros_like(raw), where=self.weights[:, None] > 0)
+        known = self.weights > 0
+        raw = np.zeros_like(rows)
+        raw[known] = np.einsum("nj,nji->ni", rows[known], np.linalg.inv(self._scattered[0][known]))
+        return raw
 
     def residual(self, predicted: Array) -> Array:
         """Measured less predicted (N, 6), whitened."""

@@ -38,6 +38,34 @@ def frame_weights(forces: Array, noise: float, scatter: float = SCATTER) -> Arra
     return 1.0 / np.sqrt(1.0 + (scatter * np.linalg.norm(forces, axis=1) / noise) ** 2)
 
 
+CENTRE_SCATTER = 5e-5
+"""m, standard deviation: by how much frame by frame the simulated centre of pressure is off; estimate."""
+
+
+def scatter_covariance(forces: Array, places: Array, scatter: float = SCATTER, centre: float = CENTRE_SCATTER) -> Array:
+    """Covariance (n, 6, 6), N and N m, of what simulated wrenches scatter, torques about the origin of the places.
+
+    A sensor on a long lever knows a force across it far better by its torque than by itself: what the simulation
+    scatters is to be held against that, too, not only against the noise of a force.
+
+    Parameters
+    ----------
+    forces : (n, 3) N
+    places : (n, 3) m
+        Of the contact.
+    scatter : share of the force, in each direction
+    centre : m
+    """
+    squares = (forces**2).sum(axis=1)
+    x, y, z = np.nan_to_num(places).T
+    nothing = np.zeros_like(x)
+    cross = np.array([[nothing, -z, y], [z, nothing, -x], [-y, x, nothing]]).transpose(2, 0, 1)
+    lever = np.concatenate([np.broadcast_to(np.eye(3), cross.shape), cross], axis=1)
+    covariance: Array = scatter**2 * squares[:, None, None] * (lever @ lever.transpose(0, 2, 1))
+    covariance[:, 3:, 3:] += (centre**2 * squares)[:, None, None] * np.eye(3)
+    return covariance
+
+
 def with_force_error(value: float, interval: tuple[float, float], share: float) -> tuple[float, float]:
     """The interval of a modulus, widened on both sides for a common error of all forces.
 

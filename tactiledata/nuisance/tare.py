@@ -37,3 +37,27 @@ def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Arr
     share = 1.0 - 1.0 / np.sqrt(1.0 + square * variance)
     means = np.add.reduceat(whitened * weights[:, None], starts, axis=0) / square[:, None]
     return whitened - weights[:, None] * np.repeat(means * share[:, None], counts, axis=0)
+
+
+def zero_power(rows: Array, gains: Array, starts: Indices, variance: Array, power: float) -> Array:
+    """Rows (n, k, c) times a power of the covariance that an unknown zero gives them, where rows differ in noise.
+
+    A zero b ~ N(0, v I), in units of the noise, is G b in the rows of a trajectory: their covariance is I + v G Gᵀ.
+    Power -1/2 marginalises it, as `without_tare` does; 1/2 undoes that.
+
+    Parameters
+    ----------
+    gains : (n, k, k)
+        G, symmetric: the identity where noise is all there is.
+    starts, variance : (t,)
+        As in `without_tare`.
+    """
+    counts = np.diff(starts, append=len(rows))
+    values, axes = np.linalg.eigh(np.add.reduceat(gains @ gains, starts))
+    small = 1e-12 * np.maximum(values.max(axis=1, keepdims=True), 1e-300)
+    size = np.maximum(values, small)
+    scale = ((1.0 + variance[:, None] * size) ** power - 1.0) / size
+    core = (axes * scale[:, None, :]) @ axes.transpose(0, 2, 1)
+    told = np.add.reduceat(gains @ rows, starts)
+    changed: Array = rows + gains @ np.repeat(core @ told, counts, axis=0)
+    return changed
