@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.case_residuals import case_noise, case_residuals
+from tactiledata.diagnose.case_residuals import case_residuals, locating
 from tactiledata.diagnose.explain import Explanation, explain
 from tactiledata.diagnose.learning_library import need_learning_library
-from tactiledata.diagnose.locate import LocateOptions
 from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
 from tactiledata.diagnose.next_trial import Proposal, propose_trials
+from tactiledata.diagnose.recording_limits import limits
 from tactiledata.diagnose.show import Shown, show
 from tactiledata.diagnose.store_cases import StoreCases, store_cases
 from tactiledata.diagnose.store_options import DiagnosisOptions
@@ -37,6 +37,8 @@ class StoreDiagnosis:
         By a formula, of what no known effect explains.
     proposals : list of Proposal
         What to record next.
+    limits : list of str
+        What these recordings cannot tell, and which would.
     """
 
     store: str
@@ -46,6 +48,7 @@ class StoreDiagnosis:
     shown: Shown
     formula: Explanation | None
     proposals: list[Proposal]
+    limits: list[str]
 
     @property
     def answer(self) -> Answer:
@@ -92,7 +95,8 @@ def diagnose_store(
     if Answer(naming).is_missing and not shown.names:
         thinking("looking for a formula")
         residuals = case_residuals(naming.cases, naming.base)
-        formula = explain(residuals, LocateOptions(noise=case_noise(naming.cases), seed=options.seed), "seconds")
+        formula = explain(residuals, locating(naming.cases, options.seed), "seconds")
     thinking("what to record next")
     proposals = propose_trials(naming)
-    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals)
+    told = limits(played.cases, naming.base.model.material)
+    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told)

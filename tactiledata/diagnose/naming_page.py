@@ -36,6 +36,7 @@ def naming_page(
     trials: Sequence[tuple[str, str]] = (),
     notes: Sequence[str] = (),
     footer: str = "",
+    further: Sequence[str] = (),
 ) -> str:
     """The page as HTML.
 
@@ -46,9 +47,10 @@ def naming_page(
     trials : sequence of (words, file)
         What to record next.
     notes : what was left out
+    further : sentences that follow those of `naming_sentences`
     """
     answer = Answer(naming)
-    sentences = [*answer.sentences, *located.sentences()[:MOST_FIRST], *shown_sentences(shown)]
+    sentences = [*naming_sentences(naming, located, shown), *further]
     shares = shares_section(located) if located.is_structured else None
     sections = [
         locators_section(located, MOST_FIRST),
@@ -64,6 +66,17 @@ def naming_page(
     if notes:
         sections.append(Section("What was left out", [("warning", note) for note in notes]))
     return render_page(title, sentences, sections, footer)
+
+
+def naming_sentences(naming: Naming, located: Located, shown: Shown) -> list[str]:
+    """What is missing, where it shows, and how much better it then fits; the plainest first."""
+    answer = Answer(naming)
+    where = located.sentences()[:MOST_FIRST]
+    if located.is_structured and not answer.is_missing:
+        where.insert(
+            0, "Some structure stands out all the same, less than any effect that could be claimed would make:"
+        )
+    return [*answer.sentences, *where, *shown_sentences(shown)]
 
 
 def title_of(names: Sequence[str]) -> str:

@@ -17,7 +17,7 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.play_touches import play_touches
 from tactiledata.diagnose.store_facts import StoreFacts
-from tactiledata.diagnose.touch_case import FEWEST_FRAMES, CaseSet, TouchCase
+from tactiledata.diagnose.touch_case import FEWEST_CASES, FEWEST_FRAMES, CaseSet, TouchCase
 from tactiledata.diagnose.touch_plays import PlayedFamily, TouchPlays
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch import Touch
@@ -70,11 +70,11 @@ def store_cases(
     Raises
     ------
     TactileDataError
-        Nothing can be used; the message counts the reasons.
+        Too few can be used; the message counts the reasons.
     """
     measured = read_measured(store, options)
-    if measured.mesh is None or not measured.touches:
-        raise nothing_usable(measured.left_out)
+    if measured.mesh is None or len(measured.touches) < FEWEST_CASES:
+        raise too_few(len(measured.touches), measured.left_out)
     plan = plan_replay(store, options.pads, options.indenter_folder)
     planned = {touch.uid: touch for touch in plan.touches}
     geometry = plan.pads[planned[measured.touches[0].uid].pad].geometry
@@ -92,8 +92,8 @@ def store_cases(
             continue
         cases.append(case)
         kept.append(part)
-    if not cases:
-        raise nothing_usable(dict(left_out))
+    if len(cases) < FEWEST_CASES:
+        raise too_few(len(cases), dict(left_out))
     not_played = _not_played(kept[0], options)
     effects = tuple(name for name in EFFECTS if name not in not_played)
     family = PlayedFamily([case.touch for case in cases], kept)
@@ -101,13 +101,14 @@ def store_cases(
     return StoreCases(CaseSet(cases, family, box), start, effects, not_played, dict(left_out), lost, geometry)
 
 
-def nothing_usable(left_out: dict[str, int]) -> TactileDataError:
+def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
     """Nothing can be diagnosed, and why."""
-    reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items())) or "the store holds none"
+    reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items()))
     return TactileDataError(
-        f"no trajectory can be diagnosed ({reasons})",
-        "trajectories with poses, a known indenter and a contact wrench in the gel frame",
-        "See docs/calibration.md, What a recording must hold.",
+        f"{count} trajectories can be diagnosed{f' ({reasons})' if reasons else ''}",
+        f"at least {FEWEST_CASES}, with poses, a known indenter and a contact wrench in the gel frame: whole "
+        "trajectories are held out, never frames",
+        "Record more of them; docs/calibration.md, What a recording must hold.",
         left_out=left_out,
     )
 

@@ -13,25 +13,23 @@ from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.case_residuals import COMPONENTS, TO_UNIT, UNITS
 from tactiledata.diagnose.diagnose_store import StoreDiagnosis
 from tactiledata.diagnose.naming_document import naming_document
-from tactiledata.diagnose.naming_page import naming_page
+from tactiledata.diagnose.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.next_trial_words import next_trial_sentences, next_trials_document
-from tactiledata.diagnose.shown_words import shown_sentences
 from tactiledata.diagnose.table_document import FORMAT, form_document
 from tactiledata.effects import EFFECTS
 
 MOST_TRIALS = 3
-MOST_LOCATED = 4
 
 
 def sentences_of(done: StoreDiagnosis) -> list[str]:
     """For people, the plainest first."""
-    said = list(done.answer.sentences)
-    if done.answer.is_missing:
-        said += done.shown.located.sentences()[:MOST_LOCATED]
-        if done.formula is not None and done.formula.form is not None and done.formula.form.terms:
-            said.append(f"A formula for it: {done.formula.form.words}.")
-        said += shown_sentences(done.shown)
-    return [*said, *next_trial_sentences(done.proposals)[:MOST_TRIALS]]
+    return [*naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
+
+
+def _further(done: StoreDiagnosis) -> list[str]:
+    form = None if done.formula is None else done.formula.form
+    said = [f"A formula for it: {form.words}."] if form is not None and form.terms else []
+    return [*said, *done.limits, *next_trial_sentences(done.proposals)[:MOST_TRIALS]]
 
 
 def notes_of(done: StoreDiagnosis) -> list[str]:
@@ -41,7 +39,10 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
     if played.frames_lost:
         noted.append(f"{played.frames_lost} frames without pose or wrench, or too deep for the gel, take no part")
     by_reason: dict[str, list[str]] = {}
+    asked = done.options.effects
     for name, reason in played.not_played.items():
+        if asked and name not in asked:
+            continue
         by_reason.setdefault(reason, []).append(EFFECTS[name]().title)
     for name in done.naming.not_tried:
         needed = " and ".join(_TOLD.get(each, each) for each in EFFECTS[name].needs)
@@ -105,7 +106,8 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
         trials.append((proposal["title"], f"next/{path.name}"))
     footer = f"{document['source']['groups']} trajectories, {document['source']['rows']} frames"
     title = f"Diagnosis of {name}"
-    page = naming_page(title, done.naming, done.shown.located, done.shown, trials, document["notes"], footer)
+    shown = done.shown
+    page = naming_page(title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done))
     write_atomic(written[0], page.encode())
     write_json_atomic(written[1], document)
     return written

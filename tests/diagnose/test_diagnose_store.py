@@ -1,0 +1,96 @@
+"""`diagnose STORE` on recorded touches, and what it says of stores that it cannot use."""
+
+import json
+import sys
+
+import pytest
+import yaml
+from recorded_touches import recorded_store
+
+from tactiledata.cli.main import run
+from tactiledata.contract.schema import check_document
+from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
+from tactiledata.effects import EFFECTS
+from tactiledata.gel import structured_pad
+from tactiledata.gel.structured_pad import GridPlan
+
+COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    return recorded_store(tmp_path_factory.mktemp("world"))
+
+
+@pytest.fixture(autouse=True)
+def coarse_and_kept(tmp_path_factory, monkeypatch):
+    monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path_factory.getbasetemp() / "cache"))
+
+
+def diagnosed(capsys, monkeypatch, *arguments):
+    """Exit code, standard output and standard error."""
+    monkeypatch.setattr(sys, "argv", ["tactiledata", "diagnose", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        run()
+    printed = capsys.readouterr()
+    return stop.value.code, printed.out, printed.err
+
+
+@pytest.mark.slow
+def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypatch):
+    """Sentences, page and document; the same bytes again; the gate."""
+    pytest.importorskip("matplotlib")
+    given = (store, "--fidelity", "linear", "--effects", "lag,relaxation,thickness,clipping", "--no-pairs")
+    code, printed, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path / "first")
+    assert code == 0
+    document = json.loads((tmp_path / "first" / "diagnosis.json").read_text())
+    check_document(document, "diagnosis", "the diagnosis")
+    assert document["source"]["kind"] == "store"
+    assert document["source"]["groups"] == 10
+    assert document["sentences"][0] in printed
+    page = (tmp_path / "first" / "report.html").read_text()
+    assert page.count("data:image/png") >= 3
+    notes = " ".join(document["notes"])
+    assert "not tried: thickness of the gel: the gel plays it at --fidelity finite-strain only" in notes
+    assert "the recordings do not tell a range of forces" in notes
+    for scenario in (tmp_path / "first").glob("next/*.yaml"):
+        check_document(yaml.safe_load(scenario.read_text()), "scenario", scenario.name)
+    code, printed, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path / "second", "--gate", "--json")
+    assert code == (0 if document["answer"] == "nothing found" else 1)
+    assert json.loads(printed) == document
+    for name in ("report.html", "diagnosis.json"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--trajectories", "5"), "at least 8"),
+        (("--effects", "lagg"), "lag"),
+        (("--fidelity", "fine"), "finite-strain or linear"),
+        (("--bounds", "narrow"), "paper, wide"),
+        (("--sensor", "D99999"), "D20542"),
+        (("--indenter", "cube"), "ball3"),
+        (("--seed", "-1"), "0 or more"),
+    ],
+)
+def test_wrong_options_are_wrong_usage(store, capsys, monkeypatch, options, words):
+    code, _, said = diagnosed(capsys, monkeypatch, store, *options)
+    assert code == 2
+    assert words in said
+    assert "Traceback" not in said
+
+
+def test_too_few_trajectories_are_told_with_what_is_needed(tmp_path, capsys, monkeypatch):
+    few = recorded_store(tmp_path, generate={"count": 3, "depth": [0.0004, 0.0005]})
+    code, _, said = diagnosed(capsys, monkeypatch, few, "--fidelity", "linear")
+    assert code == 1
+    assert "3 trajectories can be diagnosed" in said
+    assert "at least 8" in said
+
+
+def test_variants_are_those_that_effects_ask_for():
+    asked = variants_of(EFFECTS)
+    assert len(asked) == len(set(asked)) == sum(len(design_variants(EFFECTS[name]())) for name in EFFECTS)
+    assert variants_of(["lag", "relaxation"]) == ()

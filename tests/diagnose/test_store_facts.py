@@ -1,0 +1,80 @@
+"""What a store tells beside pose and wrench is what the rig did."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from recorded_touches import POWERED, recorded_store
+
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.diagnose.store_facts import StoreFacts
+from tactiledata.replay.plan import plan_replay
+from tactiledata.store.reader import Store
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    store = Store.open(recorded_store(tmp_path_factory.mktemp("world")))
+    planned = plan_replay(store, CalibrationOptions().pads).touches
+    return store, planned, StoreFacts(store, planned)
+
+
+def test_gravity_points_down_whatever_way_the_sensor_hangs(recorded):
+    _, planned, facts = recorded
+    for touch in planned:
+        rows = np.arange(*touch.frames)
+        gravity = facts.gravity(touch, rows)
+        assert np.linalg.norm(gravity, axis=1) == pytest.approx(9.81)
+        # the gel looks down on the indenters: what falls leaves it along +z
+        assert (gravity[:, 2] > 9.0).all()
+
+
+def test_joints_are_those_of_the_arm(recorded):
+    _, planned, facts = recorded
+    joints = facts.joints(np.arange(*planned[0].frames))
+    assert joints.shape[1] == 6
+    assert np.abs(joints).max() < 2 * np.pi
+
+
+def test_time_since_power_on_goes_on_over_touches(recorded):
+    _, planned, facts = recorded
+    for sensor in {touch.sensor for touch in planned}:
+        ours = [touch for touch in planned if touch.sensor == sensor]
+        starts = np.array([facts.powered(touch, np.arange(*touch.frames))[0] for touch in ours])
+        assert POWERED < starts[0] < POWERED + 10
+        assert (np.diff(starts) > 0).all()
+
+
+def test_a_mount_is_a_run_of_one_indenter(recorded):
+    _, planned, facts = recorded
+    mounts = [facts.mount(touch) for touch in planned]
+    runs = 1 + sum((a.sensor, a.indenter) != (b.sensor, b.indenter) for a, b in pairwise(planned))
+    assert len(set(mounts)) == runs
+    assert all(mount.startswith(touch.indenter) for mount, touch in zip(mounts, planned, strict=True))
+
+
+def test_history_counts_what_came_before_at_the_spot(recorded):
+    store, planned, facts = recorded
+    ours = [touch for touch in planned if touch.sensor == planned[0].sensor]
+    tips = []
+    for touch in ours:
+        rows = np.arange(*touch.frames)
+        poses = touch.gel_touch(store, 0.0).poses
+        places = poses[:, :2, 3]
+        depth, count = facts.earlier(touch, places, rows)
+        near = [np.linalg.norm(places - place, axis=1) < 2e-3 for place, _ in tips]
+        assert np.array_equal(count, np.sum(near, axis=0) if near else np.zeros(len(rows)))
+        expected = (
+            np.max([np.where(one, deep, 0) for one, (_, deep) in zip(near, tips, strict=True)], axis=0) if near else 0
+        )
+        assert depth == pytest.approx(expected)
+        deepest = int(np.argmin(poses[:, 2, 3]))
+        tips.append((places[deepest], max(-poses[deepest, 2, 3], 0.0)))
+    assert len(ours) > 2
+
+
+def test_a_store_that_does_not_say_it_is_not_asked(tmp_path):
+    path = recorded_store(tmp_path, streams={"joints": 0, "tcp": 125, "wrench": 100, "arm_wrench": 0})
+    store = Store.open(path)
+    planned = plan_replay(store, CalibrationOptions().pads).touches
+    assert StoreFacts(store, planned).joints(np.arange(*planned[0].frames)) is None
