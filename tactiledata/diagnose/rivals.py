@@ -71,20 +71,20 @@ class Rivals:
     pairs: tuple[Pair, ...]
 
     @staticmethod
-    def among(members: Sequence[Rival], supports: Sequence[float] | None = None) -> Rivals:
-        """Each against each, the best supported first.
+    def around(members: Sequence[Rival], supports: Sequence[float]) -> Rivals:
+        """The best supported against each of the others.
 
         Parameters
         ----------
         supports : descending
-            What each has gained in log-likelihood: one with less than half of another's is no truth beside it, only a
-            wrong name for it.
+            What each has gained in log-likelihood: one with less than half of the first's is no truth beside it, only a
+            wrong name for it. Nor is a part of the first.
         """
-        places = [(i, j) for i in range(len(members)) for j in range(i + 1, len(members))]
-        if supports is None:
-            return Rivals(tuple(members), tuple(Pair(i, j) for i, j in places))
-        gained = list(supports)
-        pairs = [Pair(i, j, gained[j] >= HALF * gained[i], 2.0 * abs(gained[i] - gained[j])) for i, j in places]
+        whole = set(members[0].fit.names) if members else set()
+        pairs = []
+        for place in range(1, len(members)):
+            may_be_true = supports[place] >= HALF * supports[0] and not set(members[place].fit.names) < whole
+            pairs.append(Pair(0, place, may_be_true, 2.0 * abs(supports[0] - supports[place])))
         return Rivals(tuple(members), tuple(pairs))
 
 
@@ -113,7 +113,7 @@ def rivals_of(naming: Naming, most: int = 4) -> Rivals:
         promising = [one for one in naming.screened if one.effect not in {rival.name for rival in found}][:most]
         found += [_screened(naming, one.effect, one.starts[0]) for one in promising]
         supports += [one.evidence for one in promising]
-    return Rivals.among(found[:most], supports[:most])
+    return Rivals.around(found[:most], supports[:most])
 
 
 def _screened(naming: Naming, effect: str, values: dict[str, float]) -> Rival:

@@ -189,12 +189,27 @@ def test_what_the_data_say_counts_where_it_is_less_than_was_planned():
     ]
     bench, white = TrialBench.of(cases, START), WhitenedCases.of(cases)
     surprised, told = (
-        ranked_trials(Rivals.among(members, supports), white, bench, trials=[slides])[0].separations[0]
+        ranked_trials(Rivals.around(members, supports), white, bench, trials=[slides])[0].separations[0]
         for supports in ((20.0, 19.5), (20.0, 0.0))
     )
     assert surprised.before == pytest.approx(1.0)
     assert surprised.before < told.before
     assert surprised.after < told.after
+
+
+def test_an_abstention_asks_for_what_separates_the_strongest(named):
+    """Refitted or only screened, the best two are told apart; a part of a pair is no truth beside the pair."""
+    unknown = dataclasses.replace(named.decision, verdict="none of the known effects", ties=())
+    refitted = rivals_of(dataclasses.replace(named, decision=unknown))
+    assert [one.name for one in refitted.members] == ["relaxation", "lag"]
+    screened = rivals_of(dataclasses.replace(named, decision=unknown, judged=[]))
+    assert {one.name for one in screened.members} == {"relaxation", "lag"}
+    first, second = (one.fit for one in refitted.members)
+    both = dataclasses.replace(
+        first, model=dataclasses.replace(first.model, settings=(*first.model.settings, *second.model.settings))
+    )
+    nested = Rivals.around([Rival("relaxation + lag", both), Rival("lag", second)], (30.0, 29.0))
+    assert [pair.both_ways for pair in nested.pairs] == [False]
 
 
 def test_where_nothing_is_left_there_is_no_trial(named):
