@@ -102,7 +102,8 @@ def propose_trials(
     Parameters
     ----------
     base : BaseFamily, optional
-        What plays touches that were not recorded; balls and punches in closed form where ``None``.
+        What plays touches that were not recorded, depths counted from the plane z = 0 of the gel frame; balls and
+        punches in closed form where ``None``.
     bench : TrialBench, optional
         The rig; that of the recorded trajectories where ``None``.
     """
