@@ -110,11 +110,11 @@ class Bench:
     effects: tuple[str, ...]
 
     @staticmethod
-    def of(plan: Plan, bank: Path) -> Bench:
+    def of(plan: Plan, bank: Path, with_variants: bool) -> Bench:
         """Everything that all cases share; what was not played yet is played."""
         maker = Maker.of(plan, bank)
         fidelity: Fidelity = "linear" if plan.is_quick else "finite-strain"
-        wanted = () if plan.is_quick else variants_of(EFFECTS)
+        wanted = variants_of(EFFECTS) if with_variants else ()
         plays = play_touches(
             plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, tell=_tell, variants=wanted
         )
@@ -193,6 +193,9 @@ def main() -> None:
     parser.add_argument("--cases", choices=(*KINDS, "all"), default="all")
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--strength", choices=("weak", "medium", "strong"), default="medium")
+    parser.add_argument(
+        "--without-variants", action="store_true", help="try no effect that other gels must be played for"
+    )
     parser.add_argument("--only", nargs="*", help="of the rig's effects")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
@@ -206,7 +209,8 @@ def main() -> None:
     found = [json.loads(line) for line in lines]
     done = {one["case"] for one in found if one["plan"] == options.plan}
     todo = [one for one in cases if one.label not in done]
-    bench = Bench.of(Plan(options.plan, options.quick), options.bank) if todo else None
+    with_variants = not (options.quick or options.without_variants)
+    bench = Bench.of(Plan(options.plan, options.quick), options.bank, with_variants) if todo else None
     for one in todo:
         assert bench is not None
         result = {"plan": options.plan, **bench.run(one)}
