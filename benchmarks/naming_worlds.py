@@ -193,9 +193,7 @@ def main() -> None:
     parser.add_argument("--cases", choices=(*KINDS, "all"), default="all")
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--strength", choices=("weak", "medium", "strong"), default="medium")
-    parser.add_argument(
-        "--without-variants", action="store_true", help="try no effect that other gels must be played for"
-    )
+    parser.add_argument("--without-variants", action="store_true", help="leave out effects that need other gels played")
     parser.add_argument("--only", nargs="*", help="of the rig's effects")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
