@@ -83,9 +83,9 @@ class TrialRows:
     Parameters
     ----------
     white : WhitenedCases
-    numerical : (n, 6, i + 2)
-        Numerical errors of the trial: one an indenter, by name, then law and shear.
-    columns : (i + 2,) int
+    numerical : (n, 6, e)
+        Numerical errors of the trial: one an indenter, by name, then those of all.
+    columns : (e,) int
         Their places among those of the recorded data, and of indenters that were not recorded after these.
     errors, recorded : int
         How many numerical errors there are in all, and in the recorded data.
@@ -103,12 +103,14 @@ class TrialRows:
         before = sorted(set(recorded.cases.indenters))
         now = sorted(set(trial.indenters))
         new = [name for name in now if name not in before]
-        known = len(before) + 2
-        places = [before.index(name) if name in before else known + new.index(name) for name in now]
         errors: NumericalErrors = recorded.errors
         white = WhitenedCases.of(trial, errors)
         numerical = white.numerical(trial.cases[0].touch.material)
-        return TrialRows(white, numerical, np.array([*places, known - 2, known - 1]), known + len(new), known)
+        common = numerical.shape[2] - len(now)
+        known = len(before) + common
+        places = [before.index(name) if name in before else known + new.index(name) for name in now]
+        columns = np.array([*places, *range(len(before), known)])
+        return TrialRows(white, numerical, columns, known + len(new), known)
 
     def model(self, fit: JointFit, vector: Array) -> JointModel:
         """The model of a fit, in the trial, at a vector of the fit's numbers and of further numerical errors."""
