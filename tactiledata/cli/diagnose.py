@@ -120,4 +120,4 @@ def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[
         tell(plays[0] + STEPS, plays[0] + STEPS, "done")
     document = store_document(done)
     written = [] if out is None else write_store_diagnosis(out, Path(location).name, done, document)
-    return document, written, done.answer.is_missing
+    return document, written, done.is_missing

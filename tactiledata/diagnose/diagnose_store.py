@@ -9,6 +9,7 @@ from typing import Literal
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.case_residuals import case_residuals, locating
 from tactiledata.diagnose.explain import Explanation, explain
+from tactiledata.diagnose.force_zeros import read_zeros
 from tactiledata.diagnose.learning_library import need_learning_library
 from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
 from tactiledata.diagnose.next_trial import Proposal, propose_trials
@@ -16,6 +17,7 @@ from tactiledata.diagnose.recording_limits import limits
 from tactiledata.diagnose.show import Shown, show
 from tactiledata.diagnose.store_cases import StoreCases, store_cases
 from tactiledata.diagnose.store_options import DiagnosisOptions
+from tactiledata.diagnose.zero_causes import ZeroCause, no_zeros, zero_causes
 from tactiledata.store.reader import Store
 
 Tell = Callable[..., None]
@@ -39,6 +41,8 @@ class StoreDiagnosis:
         What to record next.
     limits : list of str
         What these recordings cannot tell, and which would.
+    zeros : list of ZeroCause
+        What the force sensor's zero follows.
     """
 
     store: str
@@ -49,6 +53,7 @@ class StoreDiagnosis:
     formula: Explanation | None
     proposals: list[Proposal]
     limits: list[str]
+    zeros: list[ZeroCause]
 
     @property
     def answer(self) -> Answer:
@@ -56,11 +61,16 @@ class StoreDiagnosis:
         return Answer(self.naming)
 
     @property
+    def is_missing(self) -> bool:
+        """Whether physics is missing, of the contact or of the force sensor."""
+        return self.answer.is_missing or bool(self.zeros)
+
+    @property
     def verdict(self) -> Verdict:
         """In two words, the same as a table's."""
-        if not self.answer.is_missing:
+        if not self.is_missing:
             return "nothing found"
-        if self.answer.names:
+        if self.answer.names or not self.answer.is_missing:
             return "partly explained" if self.naming.decision.is_more_left else "explained"
         return "not explained"
 
@@ -98,5 +108,7 @@ def diagnose_store(
         formula = explain(residuals, locating(naming.cases, options.seed), "seconds")
     thinking("what to record next")
     proposals = propose_trials(naming)
-    told = limits(played.cases, naming.base.model.material)
-    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told)
+    free = read_zeros(store)
+    told = [*limits(played.cases, naming.base.model.material), *filter(None, [no_zeros(free)])]
+    causes = zero_causes(free, options.seed)
+    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told, causes)

@@ -37,6 +37,7 @@ def naming_page(
     notes: Sequence[str] = (),
     footer: str = "",
     further: Sequence[str] = (),
+    first: Sequence[str] = (),
 ) -> str:
     """The page as HTML.
 
@@ -47,10 +48,10 @@ def naming_page(
     trials : sequence of (words, file)
         What to record next.
     notes : what was left out
-    further : sentences that follow those of `naming_sentences`
+    further, first : sentences that follow those of `naming_sentences`, and that go before them
     """
     answer = Answer(naming)
-    sentences = [*naming_sentences(naming, located, shown), *further]
+    sentences = [*first, *naming_sentences(naming, located, shown), *further]
     shares = shares_section(located) if located.is_structured else None
     sections = [
         locators_section(located, MOST_FIRST),

@@ -23,7 +23,11 @@ MOST_TRIALS = 3
 
 def sentences_of(done: StoreDiagnosis) -> list[str]:
     """For people, the plainest first."""
-    return [*naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
+    return [*_of_zeros(done), *naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
+
+
+def _of_zeros(done: StoreDiagnosis) -> list[str]:
+    return [cause.words for cause in done.zeros]
 
 
 def _further(done: StoreDiagnosis) -> list[str]:
@@ -81,6 +85,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "open_form": None if formula is None else form_document(formula),
         "ceiling": {"explained": done.shown.ceiling.explained},
         "next_trials": next_trials_document(done.proposals),
+        "zeros": [cause.document for cause in done.zeros],
         "notes": notes_of(done),
         "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),
         **naming_document(done.naming, done.shown.located, done.shown),

@@ -51,6 +51,7 @@ def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypat
     assert document["sentences"][0] in printed
     page = (tmp_path / "first" / "report.html").read_text()
     assert page.count("data:image/png") >= 3
+    assert document["zeros"] == []
     notes = " ".join(document["notes"])
     assert "not tried: thickness of the gel: the gel plays it at --fidelity finite-strain only" in notes
     assert "the recordings do not tell a range of forces" in notes

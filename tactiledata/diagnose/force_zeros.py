@@ -1,0 +1,160 @@
+"""What the force sensor reads while nothing touches, over all trajectories of a store."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.records import Stamps
+from tactiledata.contract.take import StoredSignal
+from tactiledata.ingest.gravity import tool_weight
+from tactiledata.ingest.tare import component_noise, touch_threshold, touching
+from tactiledata.store.reader import SignalRows, Store
+from tactiledata.transforms import pose_matrices
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+PIECES = 8
+"""Most pieces that a stretch of free air is cut into, each with the mean of its readings."""
+FEWEST_READINGS = 10
+"""Of a piece."""
+SETTLED = 0.9
+"""Share of the readings before a touch that is free air for sure."""
+
+
+@dataclass(frozen=True)
+class ForceZeros:
+    """Pieces of free air, n of them, in the order of trajectories.
+
+    Parameters
+    ----------
+    load : (n, 6) N, N m
+        Mean reading, as a load on the sensor, the stated weight of the tool taken off; force sensor's frame.
+    trajectory : (n,)
+    zeroed : (n,)
+        Number of the stretch between two moments at which the sensor was set to zero.
+    down : (n, 3)
+        Direction of gravity in the force sensor's frame, unit length.
+    seconds : (n,)
+        Since the sensor was switched on, where the log says so, else since the log's start.
+    joints : (n, 6) rad, optional
+    """
+
+    load: Array
+    trajectory: Indices
+    zeroed: Indices
+    down: Array
+    seconds: Array
+    joints: Array | None
+
+    def __len__(self) -> int:
+        return len(self.load)
+
+    @property
+    def trajectories(self) -> int:
+        """How many have any."""
+        return len(np.unique(self.trajectory))
+
+
+def read_zeros(store: Store) -> ForceZeros:
+    """Of all trajectories that begin in free air and whose poses are known; empty where there are none."""
+    reader = _Reader(store)
+    table = store.trajectories(["source", "sensor", "signal_rows"]).to_pylist()
+    pieces = [piece for number, row in enumerate(table) for piece in reader.pieces(number, row)]
+    joints = [piece["joints"] for piece in pieces]
+    return ForceZeros(
+        np.array([piece["load"] for piece in pieces]).reshape(-1, 6),
+        np.array([piece["trajectory"] for piece in pieces], dtype=np.int64),
+        np.unique([f"{piece['zeroed']}" for piece in pieces], return_inverse=True)[1].astype(np.int64),
+        np.array([piece["down"] for piece in pieces]).reshape(-1, 3),
+        np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
+        np.array(joints) if joints and all(one is not None for one in joints) else None,
+    )
+
+
+class _Reader:
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        texts = store.sources(["description"])["description"].to_pylist()
+        self._descriptions = [LogDescription(json.loads(text)) for text in texts]
+
+    def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
+        spans = json.loads(row["signal_rows"])
+        description = self._descriptions[row["source"]]
+        tcp_from_ft = description.transform("tcp_from_ft")
+        wrench, tcp = self._signal("wrench", spans), self._signal("tcp", spans)
+        if wrench is None or tcp is None or tcp_from_ft is None:
+            return []
+        stated = description.wrench
+        load = wrench.values if stated.get("sign", "load_on_sensor") == "load_on_sensor" else -wrench.values
+        if (
+            stated.get("gravity") != "compensated"
+            and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
+        ):
+            load = load - weight
+        load, t_ns = _free_air(load, wrench.t_ns)
+        count = min(PIECES, len(load) // FEWEST_READINGS)
+        joints = self._signal("joints", spans)
+        since = self._switched_on(description, row["sensor"], int(wrench.t_ns[0]), row["source"])
+        tares = np.asarray(description.wrench.get("tare_ns", []), dtype=np.int64)
+        found = []
+        for part in np.array_split(np.arange(len(load)), count) if count else []:
+            middle = int(t_ns[part[len(part) // 2]])
+            pose = pose_matrices(_nearest(tcp, middle)[None])[0]
+            angles = None if joints is None else _nearest(joints, middle)[:6]
+            found.append({
+                "load": load[part].mean(axis=0),
+                "trajectory": number,
+                "zeroed": (row["source"], int((tares <= middle).sum())),
+                "down": -(tcp_from_ft.inverse().rotation @ pose[:3, :3].T)[:, 2],
+                "seconds": (middle - since) / 1e9,
+                "joints": angles,
+            })  # fmt: skip
+        return [piece for piece in found if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
+
+    def _signal(self, wanted: str, spans: Mapping[str, Any]) -> StoredSignal | None:
+        """The rows of a trajectory."""
+        name = next((name for name in spans if name.partition("@")[0] == wanted), None)
+        if name is None or spans[name][0] == spans[name][1]:
+            return None
+        signal: SignalRows = self._store.signal(name)
+        values, t_ns = signal.values(*spans[name]), signal.t_ns(*spans[name])
+        sound = np.isfinite(values).all(axis=1)
+        if not sound.any():
+            return None
+        return StoredSignal(t_ns[sound], values[sound], signal.columns, signal.units, signal.frame, Stamps(t_ns[sound]))
+
+    def _switched_on(self, description: LogDescription, sensor: str, first_ns: int, source: int) -> int:
+        stated = description.sensors.get(sensor, {}).get("power_on_ns", [])
+        before = [int(moment) for moment in stated if moment <= first_ns]
+        return max(before) if before else self._start(source)
+
+    def _start(self, source: int) -> int:
+        table = self._store.trajectories(["source", "start_ns"])
+        starts = np.asarray(table["start_ns"])[np.asarray(table["source"]) == source]
+        return int(starts.min())
+
+
+def _free_air(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
+    """Readings before the first touch, each reading once."""
+    is_new = np.ones(len(load), dtype=bool)
+    is_new[1:] = (np.diff(load, axis=0) != 0).any(axis=1)
+    load, t_ns = load[is_new], t_ns[is_new]
+    if len(load) < FEWEST_READINGS:
+        return load[:0], t_ns[:0]
+    from_start = load[:, :3] - np.median(load[:FEWEST_READINGS, :3], axis=0)
+    touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(component_noise(load))))
+    first = int(touched[0]) if len(touched) else len(load)
+    return load[: int(SETTLED * first)], t_ns[: int(SETTLED * first)]
+
+
+def _nearest(signal: StoredSignal, moment: int) -> Array:
+    place = int(np.argmin(np.abs(signal.t_ns - moment)))
+    return np.asarray(signal.values[place])

@@ -1,0 +1,86 @@
+"""Zeros of a force sensor: planted causes come back with their numbers, and chance is not named."""
+
+import numpy as np
+import pytest
+from recorded_touches import recorded_store
+
+from tactiledata.diagnose.force_zeros import ForceZeros, read_zeros
+from tactiledata.diagnose.zero_causes import GRAVITY, no_zeros, zero_causes
+from tactiledata.store.reader import Store
+
+PIECES = 3
+
+
+def zeros(seed=0, trajectories=24, scatter=0.03, mass=0.0, centre=(0.01, 0.0, 0.03), drift=0.0, cable=0.0, walk=0.0):
+    """Trajectories at poses of chance, zeroed once halfway; each has a zero of its own beside what is planted."""
+    rng = np.random.default_rng(seed)
+    down = np.array([0.0, 0.0, 1.0]) + rng.normal(0, 0.15, (trajectories, 3))
+    down = (down / np.linalg.norm(down, axis=1)[:, None]).repeat(PIECES, axis=0)
+    number = np.arange(trajectories).repeat(PIECES)
+    seconds = 60.0 + 40.0 * number + np.tile([0.0, 1.0, 2.0], trajectories)
+    joints = rng.uniform(-1, 1, (trajectories, 6)).repeat(PIECES, axis=0)
+    units = np.array([1.0, 1.0, 1.0, 0.05, 0.05, 0.05])
+    own = rng.normal(0, scatter, (trajectories, 6)) + np.cumsum(rng.normal(0, walk, (trajectories, 6)), axis=0)
+    load = own.repeat(PIECES, axis=0) * units + rng.normal(0, 0.01, (len(number), 6)) * units
+    force = mass * GRAVITY * down
+    load += np.hstack([force, np.cross(centre, force)])
+    load += drift * -np.expm1(-seconds / 300.0)[:, None] * np.array([0.5, 0.0, 1.0, 0.0, 0.02, 0.0])
+    load += cable * np.sin(joints[:, 5:]) * np.array([1.0, 0.3, 0.0, 0.0, 0.0, 0.01])
+    zeroed = (number >= trajectories // 2).astype(np.int64)
+    load -= np.where(zeroed[:, None] == 0, load[0], load[PIECES * (trajectories // 2)])
+    return ForceZeros(load, number, zeroed, down, seconds, joints)
+
+
+def test_a_heavier_tool_is_found_with_its_mass_and_moment():
+    (cause,) = zero_causes(zeros(mass=0.05))
+    assert cause.effect == "tool_weight"
+    assert cause.values["mass"] == pytest.approx(0.05, rel=0.15)
+    assert cause.values["moment_z"] == pytest.approx(0.05 * 0.03, rel=0.3)
+    assert "+5" in cause.words
+    assert cause.after < 0.7 * cause.before
+
+
+def test_a_drift_is_found():
+    (cause,) = zero_causes(zeros(drift=0.6))
+    assert cause.effect == "sensor_drift"
+    assert cause.values["fz"] == pytest.approx(0.6, rel=0.3)
+
+
+def test_a_cable_is_found_where_joints_are_known():
+    with_cable = zeros(cable=0.3)
+    (cause,) = zero_causes(with_cable)
+    assert cause.effect == "cable_drag"
+    unknown = ForceZeros(**{**vars(with_cable), "joints": None})
+    assert not zero_causes(unknown)
+
+
+def test_two_causes_are_both_found():
+    assert {cause.effect for cause in zero_causes(zeros(mass=0.06, drift=0.8))} == {"tool_weight", "sensor_drift"}
+
+
+def test_chance_is_not_named():
+    named = [bool(zero_causes(zeros(seed))) for seed in range(60)]
+    assert sum(named) <= 2
+
+
+def test_where_it_is_quiet_or_unknown_nothing_is_said():
+    assert not zero_causes(zeros(scatter=0.002, trajectories=24))
+    few = zeros(trajectories=5, mass=0.2)
+    assert not zero_causes(few)
+    assert "needs 8" in no_zeros(few)
+    assert not no_zeros(zeros())
+
+
+def test_the_same_again():
+    assert zero_causes(zeros(mass=0.05), seed=3) == zero_causes(zeros(mass=0.05), seed=3)
+
+
+@pytest.mark.slow
+def test_recorded_tools_are_weighed(tmp_path):
+    """The rig's own tool, heavier by 60 g than its log says, and one as stated."""
+    turned = {"count": 16, "depth": [0.0004, 0.0006], "tilt": [0.0, 0.2]}
+    hidden = [{"effect": "tool_weight", "strength": "strong"}]
+    (cause,) = zero_causes(read_zeros(Store.open(recorded_store(tmp_path / "a", generate=turned, hidden=hidden))))
+    assert cause.effect == "tool_weight"
+    assert cause.values["mass"] == pytest.approx(0.06, rel=0.25)
+    assert not zero_causes(read_zeros(Store.open(recorded_store(tmp_path / "b", generate=turned))))
