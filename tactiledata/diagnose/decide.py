@@ -104,12 +104,17 @@ def decide(
     hint = ranked[0] if ranked else None
     chances = _probabilities([*singles, *pairs], scale, dispersion)
     objections = hint.objections(scale) if hint is not None else ()
-    if left or (hint is not None and hint.gain >= 2.0 * scale.claim):
+    if left or (hint is not None and _is_structure(hint, scale)):
         return Decision("none of the known effects", hint, (), chances, objections, dispersion, left)
     if hint is not None and _is_trace(hint, scale):
         ties = _ties(hint, ranked, gains, metric, scale)
         return Decision("below detection", hint, ties, chances, objections, dispersion, left)
     return Decision("nothing is missing", hint, (), chances, objections, dispersion, left)
+
+
+def _is_structure(one: Judged, scale: EvidenceScale) -> bool:
+    """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
+    return one.gain >= max(2.0 * scale.claim, scale.standard_errors * one.gain_error)
 
 
 def _is_trace(one: Judged, scale: EvidenceScale) -> bool:

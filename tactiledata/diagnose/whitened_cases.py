@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.diagnose.history import largest_so_far
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.gel.material import GelMaterial
-from tactiledata.nuisance.numerical import CENTRE_SCATTER, SCATTER, SHAPE_ERROR, scatter_covariance
+from tactiledata.nuisance.numerical import CENTRE_SCATTER, LOCKED_ERROR, SCATTER, SHAPE_ERROR, scatter_covariance
 from tactiledata.nuisance.tare import tare_variance, zero_power
 
 Array = NDArray[np.float64]
@@ -35,6 +36,7 @@ class NumericalErrors:
     shear : of shear that sticks
     scatter : of each frame by itself, a share of its force
     centre : m, of each frame's centre of pressure
+    locked : of shear that friction holds, a share of the load that has been taken off
     """
 
     shape: float = SHAPE_ERROR["finite-strain"]
@@ -42,6 +44,7 @@ class NumericalErrors:
     shear: float = SHEAR_ERROR
     scatter: float = SCATTER
     centre: float = CENTRE_SCATTER
+    locked: float = LOCKED_ERROR
 
 
 @dataclass(frozen=True)
@@ -102,11 +105,21 @@ class WhitenedCases:
         known = np.isfinite(np.concatenate([case.measured for case in self.cases.cases])).all(axis=1)
         trust = (self.trust * known)[:, None, None]
         of_noise = np.stack([case.noise.whitened(np.eye(6)) for case in self.cases.cases])[self.trajectory]
-        places = np.concatenate([case.touch.tips for case in self.cases.cases])
-        scatter = scatter_covariance(self.measured[:, :3], places, self.errors.scatter, self.errors.centre)
+        scatter = self._scatter
         values, axes = np.linalg.eigh(of_noise.transpose(0, 2, 1) @ scatter @ of_noise)
         shrunk = (axes / np.sqrt(1.0 + np.maximum(values, 0.0))[:, None, :]) @ axes.transpose(0, 2, 1)
         return trust * (of_noise @ shrunk), trust * shrunk
+
+    @property
+    def _scatter(self) -> Array:
+        """Covariance (N, 6, 6), N and N m, of what the simulation scatters from frame to frame."""
+        errors, size = self.errors, np.linalg.norm(self.measured[:, :3], axis=1)
+        load = np.where(self.free_air, 0.0, self.measured[:, 2])
+        taken_off = np.where(self.free_air, 0.0, largest_so_far(load, self.starts) - load)
+        along = errors.scatter * size
+        across = np.hypot(along, errors.locked * taken_off)
+        places = np.concatenate([case.touch.tips for case in self.cases.cases])
+        return scatter_covariance(np.column_stack([across, across, along]), errors.centre * size, places)
 
     @property
     def zero_gains(self) -> Array:

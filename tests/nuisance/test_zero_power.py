@@ -42,11 +42,10 @@ def test_a_trajectory_of_which_nothing_is_known_stays_as_it_is():
 
 
 def test_scatter_is_that_of_forces_at_their_places():
-    forces, places = CHANCE.normal(size=(1, 3)) * 5, np.array([[0.002, -0.003, -0.001]])
-    found = scatter_covariance(forces, places, 0.02, 1e-4)[0]
-    size = np.linalg.norm(forces)
-    drawn = 0.02 * size * CHANCE.normal(size=(200_000, 3))
-    torques = np.cross(places, drawn) + 1e-4 * size * CHANCE.normal(size=drawn.shape)
+    deviations, places = np.array([[0.2, 0.2, 0.05]]), np.array([[0.002, -0.003, -0.001]])
+    found = scatter_covariance(deviations, np.array([3e-4]), places)[0]
+    drawn = deviations * CHANCE.normal(size=(200_000, 3))
+    torques = np.cross(places, drawn) + 3e-4 * CHANCE.normal(size=drawn.shape)
     sample = np.cov(np.hstack([drawn, torques]).T)
-    deviations = np.sqrt(np.diag(found))
-    assert np.abs((sample - found) / np.outer(deviations, deviations)).max() < 0.02
+    size = np.sqrt(np.diag(found))
+    assert np.abs((sample - found) / np.outer(size, size)).max() < 0.02
