@@ -174,11 +174,22 @@ class Maker:
         return replace(self, touches=[_part(*pair) for pair in zip(self.touches, rows, strict=True)], rows=rows)
 
     def measured(
-        self, seed: int, material: GelMaterial, hidden: list[dict[str, Any]], more: tuple[HiddenEffect, ...] = ()
+        self,
+        seed: int,
+        material: GelMaterial,
+        hidden: list[dict[str, Any]],
+        more: tuple[HiddenEffect, ...] = (),
+        is_exact: bool = False,
     ) -> list[tuple[Array, Array]]:
-        """Contact wrenches at the frames (n, 6), and samples in free air before the touch (m, 6), of each touch."""
+        """Contact wrenches at the frames (n, 6), and samples in free air before the touch (m, 6), of each touch.
+
+        ``is_exact``: by a force sensor without noise and quanta.
+        """
         scenario = load_scenario(self.plan.scenario(seed, material, hidden))
         scenario = replace(scenario, hidden=(*scenario.hidden, *more))
+        if is_exact:
+            exact = dict.fromkeys(("force_noise", "torque_noise", "force_quantum", "torque_quantum"), 0.0)
+            scenario = replace(scenario, imperfections=replace(scenario.imperfections, **exact))
         stored = [pair for log in play_logs(scenario, self.bank.contact) for pair in _as_stored(log)]
         return [(wrench[rows], free) for (wrench, free), rows in zip(stored, self.rows, strict=True)]
 

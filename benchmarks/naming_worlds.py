@@ -137,9 +137,11 @@ class Bench:
         began = time.perf_counter()
         naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False))
         seconds = time.perf_counter() - began
-        hidden = bool(asked.hidden or asked.more)
-        clean = self.maker.measured(asked.seed, truth, []) if hidden else measured
-        change = np.concatenate([one - other for (one, _), (other, _) in zip(measured, clean, strict=True)])
+        felt, clean = (
+            self.maker.measured(asked.seed, truth, hidden, more, is_exact=True)
+            for hidden, more in ((asked.hidden, asked.more), ([], ()))
+        )
+        change = np.concatenate([one - other for (one, _), (other, _) in zip(felt, clean, strict=True)])
         return {
             "case": asked.label,
             **{key: value for key, value in asdict(asked).items() if key != "wrong"},

@@ -90,6 +90,9 @@ def decide(
     left = dispersion > scale.dispersion
     ranked = sorted(singles, key=lambda one: -one.gain)
     best = next((one for one in ranked if not one.objections(scale)), None)
+    if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
+        # another explains far more, and yet cannot be believed: what is there is not what could be
+        best = None
     for pair in sorted(pairs, key=lambda one: -one.gain):
         if pair.objections(scale):
             continue
@@ -114,14 +117,14 @@ def decide(
 
 def _is_structure(one: Judged, scale: EvidenceScale) -> bool:
     """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
-    return one.gain >= max(2.0 * scale.claim, scale.standard_errors * one.gain_error)
+    return one.gain >= 2.0 * scale.claim and one.is_certain(scale)
 
 
 def _is_trace(one: Judged, scale: EvidenceScale) -> bool:
     """Whether all but the size of its gain speaks for it."""
     return (
         0.5 * scale.claim <= one.gain < scale.claim
-        and one.gain >= scale.standard_errors * one.gain_error
+        and one.is_certain(scale)
         and one.signature_before >= scale.cure
         and not one.implausible
     )

@@ -24,6 +24,8 @@ class EvidenceScale:
         Share of what is left beyond the noise that must vanish on indenters held out.
     cure : float
         Signature statistic above which an effect is seen, and below which it is cured.
+    agreement : float
+        Signature statistic from which the held-out gain need not have its standard errors.
     tie : float
         Cosine of projected signatures beyond which two effects are told apart by nothing.
     as_good : float
@@ -40,6 +42,7 @@ class EvidenceScale:
     standard_errors: float = 2.0
     excess: float = 0.05
     cure: float = 3.0
+    agreement: float = 6.0
     tie: float = 0.95
     as_good: float = 0.8
     dispersion: float = 1.25

@@ -65,6 +65,14 @@ class Judged:
         """For tables."""
         return " + ".join(self.names) if self.names else "none"
 
+    def is_certain(self, scale: EvidenceScale) -> bool:
+        """Whether trajectories at large, and not one of them, speak for it.
+
+        A gain is a square: an effect that only fast touches show has most of it from few of them, and a large error.
+        The signature weighs each trajectory by what it can tell, so that it may be certain where the gain is not.
+        """
+        return self.gain >= scale.standard_errors * self.gain_error or self.signature_before >= scale.agreement
+
     def objections(self, scale: EvidenceScale) -> tuple[str, ...]:
         """Why it cannot be claimed; empty where it can."""
         found = []
@@ -72,7 +80,7 @@ class Judged:
             found.append(
                 f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim:g}"
             )
-        if self.gain < scale.standard_errors * self.gain_error:
+        if not self.is_certain(scale):
             found.append(f"held-out gain {self.gain:.1f} within {scale.standard_errors:g} standard errors")
         if self.excess_share < scale.excess:
             found.append(f"{100 * self.excess_share:.0f} % of the excess gone where it was not fitted")

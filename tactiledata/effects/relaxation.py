@@ -32,7 +32,8 @@ class Relaxation(Effect):
     parameters = (
         strength(
             "share", "1", "modulus that relaxes, over the relaxed modulus",
-            bounds=(0.0, 1.0), plausible=(0.0, 0.15), deviation=0.06, source="0.02 to 0.15 a term, PDMS and Ecoflex",
+            bounds=(0.0, 1.0), plausible=(0.0, 0.3), deviation=0.06,
+            source="0.02 to 0.15 a term, PDMS and Ecoflex; one term may stand for two",
         ),
         shape(
             "time", "s", "time constant",

@@ -57,5 +57,5 @@ def test_the_command_lists_all(capsys):
     assert code == 0
     assert [entry["name"] for entry in listed] == list(EFFECTS)
     relaxation = next(entry for entry in listed if entry["name"] == "relaxation")
-    assert relaxation["parameters"][0]["plausible"] == [0.0, 0.15]
+    assert relaxation["parameters"][0]["plausible"] == [0.0, 0.3]
     assert relaxation["played_by_gel_engine"] == []
