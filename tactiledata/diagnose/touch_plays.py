@@ -12,6 +12,7 @@ from scipy.interpolate import PchipInterpolator
 
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
+from tactiledata.diagnose.shear_memory import shear_change, shear_stiffness
 from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import UsageError
@@ -125,7 +126,8 @@ class TouchPlays:
 class PlayedResponse:
     """`BaseResponse` of a touch from its plays.
 
-    Between plays the wrench is interpolated; friction and shift of a frame act as if the whole path had had them.
+    Between plays the wrench is interpolated; friction and offset of a frame act as if the whole path had had them. A
+    shift that differs from frame to frame stretches or relieves sticking shear, by a spring of the contact's size.
 
     Parameters
     ----------
@@ -152,9 +154,26 @@ class PlayedResponse:
             [(tips[:, 2] * unit[:, 0] - unit[:, 4]) / normal, (unit[:, 3] + tips[:, 2] * unit[:, 1]) / normal]
         )
         centre = np.where(touching[:, None], centre, tips[:, :2] + shift)
-        sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * frictions * normal)
         area = np.where(touching, np.maximum(columns[:, AREA], 0.0), 0.0)
+        limit = np.where(touching, frictions * normal, 0.0)
+        unit = unit + self._sheared(unit, shift, area, limit, centre)
+        sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         return ContactResponse(unit * self.material.youngs_modulus, area, centre, depth, sliding)
+
+    def _sheared(self, unit: Array, shift: Array, area: Array, limit: Array, centre: Array) -> Array:
+        """Change (n, 6) of the wrench by a shift that differs from frame to frame."""
+        stiffness = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
+        change = shear_change(self.touch.tips[:, :2], shift, stiffness, limit)
+        if not change.any():
+            return np.zeros_like(unit)
+        shear = unit[:, :2] + change
+        size = np.hypot(shear[:, 0], shear[:, 1])
+        # what slides already may be a little over the limit, by the interpolation
+        most = np.maximum(limit, np.hypot(unit[:, 0], unit[:, 1]))
+        shear *= np.divide(most, size, out=np.ones_like(size), where=size > most)[:, None]
+        force = np.column_stack([shear - unit[:, :2], np.zeros(len(unit))])
+        at = np.column_stack([centre, self.touch.tips[:, 2]])
+        return np.nan_to_num(np.concatenate([force, np.cross(at, force)], axis=1))
 
     def difference(self, variant: GelVariant) -> Array:
         """As `BaseResponse.difference`.
