@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.case_covariates import case_covariates, contacts, phases
+from tactiledata.diagnose.effect_signatures import effect_signatures
 from tactiledata.diagnose.gate import NoiseModel
 from tactiledata.diagnose.joint_fit import JointFit
 from tactiledata.diagnose.locate import Located, LocateOptions, locate
 from tactiledata.diagnose.residuals import Names, Parameter, Residuals
 from tactiledata.diagnose.sign_flips import DRAWS
 from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.effects import EFFECTS
 from tactiledata.nuisance.offsets import PRIOR
 
 Array = NDArray[np.float64]
@@ -40,8 +44,7 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     cases, model = white.cases, fit.model
     answers = contacts(cases, model.material, model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
-    # the noise was widened for neighbours that resemble one another; a value's own variance is to be 1
-    single = np.sqrt(np.array([case.noise.inflation for case in cases.cases]))[white.trajectory, None]
+    single = _single(white)
     parameters, fields = _parameters(white, fit)
     # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
     slopes = white.with_zeros(np.stack(fields, axis=2))
@@ -59,6 +62,19 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
         units=UNITS,
         deviations=deviations,
     ).part(rows)
+
+
+def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
+    """What each strength of each effect would change in such residuals (n, 6), by the effect's title."""
+    answers = contacts(white.cases, fit.model.material, fit.model.offsets)
+    rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
+    fields: dict[str, Array] = {}
+    for one in effect_signatures(white, fit.model.material, effects, fit.model.settings):
+        shapes = "".join(f", {name} {value:g}" for name, value in one.shapes.items())
+        for place, strength in enumerate(one.strengths):
+            changed = white.with_zeros(one.field[:, :, place]) * _single(white)
+            fields[f"{EFFECTS[one.effect]().title} ({strength}{shapes})"] = changed[rows]
+    return fields
 
 
 def case_noise(white: WhitenedCases) -> NoiseModel:
@@ -81,6 +97,11 @@ def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: in
         Too few trajectories.
     """
     return locate(case_residuals(white, fit), locating(white, seed, draws))
+
+
+def _single(white: WhitenedCases) -> Array:
+    """Factors (N, 1): noise was widened for neighbours that resemble one another; a value's own variance is to be 1."""
+    return np.sqrt(np.array([case.noise.inflation for case in white.cases.cases]))[white.trajectory, None]
 
 
 def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, ...], list[Array]]:

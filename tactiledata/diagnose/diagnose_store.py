@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.case_residuals import case_residuals, locating
+from tactiledata.diagnose.case_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.explain import Explanation, explain
 from tactiledata.diagnose.force_zeros import read_zeros
 from tactiledata.diagnose.learning_library import need_learning_library
@@ -105,7 +105,8 @@ def diagnose_store(
     if Answer(naming).is_missing and not shown.names:
         thinking("looking for a formula")
         residuals = case_residuals(naming.cases, naming.base)
-        formula = explain(residuals, locating(naming.cases, options.seed), "seconds")
+        known = signature_fields(naming.cases, naming.base, tuple(set(wanted) - set(naming.not_tried)))
+        formula = explain(residuals, locating(naming.cases, options.seed), "seconds", signatures=known)
     thinking("what to record next")
     proposals = propose_trials(naming)
     free = read_zeros(store)

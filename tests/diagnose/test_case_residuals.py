@@ -7,11 +7,12 @@ import pytest
 from touch_worlds import PLANTS, START, World, base, null, world_cases
 
 from tactiledata.diagnose.case_covariates import phases
-from tactiledata.diagnose.case_residuals import case_noise, case_residuals, locate_touches
+from tactiledata.diagnose.case_residuals import case_noise, case_residuals, locate_touches, signature_fields
 from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.overall import offsets
 from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.signatures import likenesses
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 
@@ -132,3 +133,16 @@ def test_phases_follow_the_path(quiet):
         "free air", "free air", "approach", "press", "press", "dwell", "shear", "shear", "reverse", "reverse", "leave",
         "free air", "free air",
     ]  # fmt: skip
+
+
+def test_what_a_known_effect_changes_is_recognised():
+    """The residual of a lagging sensor, less that of the same touches without lag, is nearest to the lag's signature."""
+    (white, fit), (lagging, _) = (plain_fit(world_cases(world, 5, 24)) for world in (World(), World(lag=0.04)))
+    plain = case_residuals(white, fit)
+    changed = white.with_zeros(lagging.white(lagging.measured) - white.white(white.measured))
+    field = changed[np.isfinite(changed).all(axis=1)][: len(plain.values)]
+    known = signature_fields(white, fit, ("lag", "relaxation", "rate_friction"))
+    assert all(one.shape == plain.values.shape for one in known.values())
+    nearest = likenesses(project(plain), field, known)[0]
+    assert nearest.name.startswith("lag")
+    assert nearest.is_near
