@@ -97,7 +97,8 @@ def test_springs_and_what_stiffens_the_gel_find_one_balance(touch, moved):
 
 
 SOFTEST = [
-    EffectSetting(name, {p.name: p.bounds[1] for p in EFFECTS[name].parameters})
+    # what may be negative is a direction, no softness
+    EffectSetting(name, {p.name: p.bounds[1] for p in EFFECTS[name].parameters if p.bounds[0] >= 0})
     for name in ("arm_compliance", "stem_bending")
 ]
 
@@ -126,3 +127,16 @@ def test_springs_find_a_balance_with_every_effect(touch, medium, name):
     springs.append(EffectSetting("stem_bending", medium("stem_bending")))
     state = with_effects(BallOnLayer, [*springs, EffectSetting(name, full)]).play(touch)
     assert np.isfinite(state.wrench).all()
+
+
+def test_an_arm_leans_as_the_indenter_stands(touch):
+    """A push moves the tip along the indenter's own axes: with it turned by a quarter, along y instead of x."""
+    turned = touch.poses.copy()
+    turned[:, :3, :3] = turned[:, :3, :3] @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    lean = [EffectSetting("arm_compliance", {"lean_x": 1e-5})]
+    straight = with_effects(BallOnLayer, lean).play(touch)
+    across = with_effects(BallOnLayer, lean).play(dataclasses.replace(touch, poses=turned))
+    deepest = int(np.argmax(straight.wrench[:, 2]))
+    assert straight.shift[deepest, 0] == pytest.approx(1e-5 * straight.felt[deepest, 2], rel=1e-6)
+    assert straight.shift[deepest, 1] == pytest.approx(0.0, abs=1e-12)
+    assert across.shift[deepest, 1] == pytest.approx(1e-5 * across.felt[deepest, 2], rel=1e-6)
