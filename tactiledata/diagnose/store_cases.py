@@ -139,8 +139,6 @@ class _CaseMaker:
         rows = np.arange(*planned.frames)[kept_rows(planned.frames[1] - planned.frames[0])]
         known = plays.known & np.isfinite(touch.wrench).all(axis=1)
         known[1:] &= np.diff(touch.seconds) > 0
-        if not known.any():
-            known = np.zeros(len(rows), dtype=bool)
         part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
         height = part.height - poses[:, 2, 3]
         earlier = self.facts.earlier(planned, poses[:, :2, 3], rows) if len(rows) else (None, None)
