@@ -53,8 +53,9 @@ def dependence_panel(projection: Projection, after: Projection | None, drift: Dr
         one.places,
         scale * one.departures,
         scale * one.errors,
-        None if other is None else scale * other.departures,
-        None if other is None else scale * other.errors,
+        # its bins are its own: drawn where those before are
+        None if other is None else scale * np.interp(one.places, other.places, other.departures),
+        None if other is None else scale * np.interp(one.places, other.places, other.errors),
     )
 
 
