@@ -8,7 +8,8 @@ from typing import Any
 
 import typer
 
-from tactiledata.cli.demo_gel import play_gel
+from tactiledata.cli.demo_diagnosis import diagnose_touches
+from tactiledata.cli.demo_gel import balls_of, play_gel
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.wording import counted
@@ -32,7 +33,7 @@ def demo(
 ) -> None:
     """Record a small world and take it all the way to a report.
 
-    Ingest, split, audit, calibration, meshes and a batch lie between.
+    Ingest, split, audit, calibration, meshes, a batch and a diagnosis lie between.
 
     Example: tactiledata demo --out demo-out
     """
@@ -86,8 +87,11 @@ def demo(
     store = Store.open(store_path)
     written = write_report(store, out, further=mesh_sections(store))
     tell(f"7. Look: {written['picture']}\n   Open:  {written['page']}")
+    diagnosis, page = diagnose_touches(store_path, out, balls_of(scenario), workers, tell, quiet=as_json)
     if gel.page is not None:
         tell(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
+    if page is not None:
+        tell(f"   Open:  {page}: where simulation and recordings differ, and why")
     if as_json:
         emit({
             "recordings": [str(log) for log in logs],
@@ -97,6 +101,7 @@ def demo(
             "calibration": gel.calibration,
             "replay": gel.replay.document(),
             "batch": batch,
+            "diagnosis": diagnosis,
             **{name: str(path) for name, path in written.items()},
         })  # fmt: skip
     if report.fell_short or audited.leaks or gel.replay.fell_short:

@@ -10,7 +10,7 @@ from typing import Any
 from tactiledata.cli.output import progress
 from tactiledata.errors import TactileDataError
 
-TOUCHES = 5
+TOUCHES = 4
 """That the demo's calibration plays, one of them held out; a real one takes 25."""
 
 
@@ -29,6 +29,11 @@ class DemoGel:
     calibration: dict[str, Any] | None
     page: Path | None
     replay: Any
+
+
+def balls_of(scenario: Any) -> tuple[str, ...]:
+    """Names of the scenario's balls."""
+    return tuple(name for name, solid in scenario.indenters.items() if solid.get("shape") == "sphere")
 
 
 def play_gel(
@@ -62,8 +67,7 @@ def _calibrate(
     from tactiledata.contract.atomic import write_atomic
     from tactiledata.store.reader import Store
 
-    balls = tuple(name for name, solid in scenario.indenters.items() if solid.get("shape") == "sphere")
-    options = CalibrationOptions(fidelity=fidelity, trajectories=TOUCHES, indenters=balls, workers=workers)
+    options = CalibrationOptions(fidelity=fidelity, trajectories=TOUCHES, indenters=balls_of(scenario), workers=workers)
     with progress("playing", quiet=quiet) as bar:
         found = calibrate(Store.open(store), options, bar)
     page = out / "calibration.html"

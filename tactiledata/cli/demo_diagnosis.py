@@ -1,0 +1,41 @@
+"""The demo's last step: what the simulation of its touches lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tactiledata.cli.output import progress
+from tactiledata.errors import TactileDataError
+
+TOUCHES = 14
+"""That are played, linearly; a real diagnosis takes 60 at finite strain."""
+SAID = 3
+
+
+def diagnose_touches(
+    store: Path, out: Path, balls: tuple[str, ...], workers: int, tell: Callable[[str], None], quiet: bool
+) -> tuple[dict[str, Any] | None, Path | None]:
+    """Document and page; neither where the world's touches are too few, or of no balls."""
+    from tactiledata.diagnose.diagnose_store import diagnose_store
+    from tactiledata.diagnose.store_document import store_document, write_store_diagnosis
+    from tactiledata.diagnose.store_options import DiagnosisOptions
+    from tactiledata.store.reader import Store
+
+    tell(f"8. Diagnose: what physics does the simulation lack? ({TOUCHES} touches of balls, linear preview)")
+    if not balls:
+        tell("   left out: this world has no balls")
+        return None, None
+    options = DiagnosisOptions(trajectories=TOUCHES, indenters=balls, fidelity="linear", pairs=False, workers=workers)
+    try:
+        with progress("diagnosing", quiet=quiet) as bar:
+            done = diagnose_store(Store.open(store), options, bar, lambda what: bar(1, 1, what))
+    except TactileDataError as error:
+        tell(f"   left out: {error.found}")
+        return None, None
+    document = store_document(done)
+    written = write_store_diagnosis(out / "diagnosis", "the demo's world", done, document)
+    for sentence in document["sentences"][:SAID]:
+        tell(f"   {sentence}")
+    return document, written[0]
