@@ -136,7 +136,7 @@ def test_phases_follow_the_path(quiet):
 
 
 def test_what_a_known_effect_changes_is_recognised():
-    """The residual of a lagging sensor, less that of the same touches without lag, is nearest to the lag's signature."""
+    """A lagging sensor against the same touches without lag: the difference is nearest to the lag's signature."""
     (white, fit), (lagging, _) = (plain_fit(world_cases(world, 5, 24)) for world in (World(), World(lag=0.04)))
     plain = case_residuals(white, fit)
     changed = white.with_zeros(lagging.white(lagging.measured) - white.white(white.measured))
