@@ -42,7 +42,9 @@ def diagnose(
     group: str = typer.Option(None, "--group", help="Table: column that says which rows were recorded in one go."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Where simulation and recordings differ, what physics was left out, and how much better it fits with it.
+    """What physics a simulation lacks, and where recordings show it.
+
+    Shows how much better the simulation with it tells touches that it has not seen.
 
     Example: tactiledata diagnose ds.zarr --out diagnosis
     """

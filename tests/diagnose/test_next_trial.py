@@ -106,7 +106,7 @@ def test_distances_are_those_of_a_joint_fit_of_all_data():
     wrench = np.split(np.concatenate([told, new]), np.cumsum([len(case.touch) for case in both])[:-1])
     played = [dataclasses.replace(case, measured=rows) for case, rows in zip(both, wrench, strict=True)]
     (plain,) = fitted(CaseSet(played, cases.base), [None])
-    assert reckoned == pytest.approx(plain.cost, rel=0.15)
+    assert reckoned == pytest.approx(plain.cost, rel=0.2)
 
 
 def test_more_data_never_bring_two_nearer(sluggish):

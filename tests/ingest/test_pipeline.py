@@ -4,7 +4,6 @@ import json
 import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -128,7 +127,7 @@ def test_killed_at_any_moment_it_goes_on(tiny_mcaps, tiny_store, tmp_path):
             process.stdout.readline()
             time.sleep(clock.uniform(0, 1.1 * span))
             kills += process.poll() is None
-            os.kill(process.pid, signal.SIGKILL)
+            process.kill()
             process.wait()
             process.stdout.close()
         ingest(tiny_mcaps, store)

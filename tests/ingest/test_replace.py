@@ -1,9 +1,7 @@
 """A recording that was corrected takes the place of what a store holds of it, and of nothing else."""
 
-import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -192,7 +190,7 @@ def test_killed_while_replacing(tiny_mcaps, tiny_store, wrong, tmp_path):
             process.stdout.readline()
             time.sleep(clock.uniform(0, 1.1 * span))
             kills += process.poll() is None
-            os.kill(process.pid, signal.SIGKILL)
+            process.kill()
             process.wait()
             process.stdout.close()
             assert [one.code for one in check(store) if one.severity != "info"] == []
