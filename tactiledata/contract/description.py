@@ -78,6 +78,11 @@ class LogDescription:
         clock = self.document.get("clocks", {}).get(stream, {})
         return int(clock.get("offset_ns", 0)) if clock.get("known", True) else 0
 
+    def switched_on(self, sensor: str, before_ns: int) -> int | None:
+        """When a sensor was last switched on, host clock, ns, up to a moment; ``None`` where that is not stated."""
+        stated = self.sensors.get(sensor, {}).get("power_on_ns", [])
+        return max((int(moment) for moment in stated if moment <= before_ns), default=None)
+
     def transform(self, name: str) -> Transform | None:
         """``tcp_from_gel`` or ``tcp_from_ft``; ``None`` where not stated."""
         value = self.robot.get(name)

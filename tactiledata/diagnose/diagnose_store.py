@@ -105,7 +105,7 @@ def diagnose_store(
     if Answer(naming).is_missing and not shown.names:
         thinking("looking for a formula")
         residuals = case_residuals(naming.cases, naming.base)
-        known = signature_fields(naming.cases, naming.base, tuple(set(wanted) - set(naming.not_tried)))
+        known = signature_fields(naming.cases, naming.base, [name for name in wanted if name not in naming.not_tried])
         formula = explain(residuals, locating(naming.cases, options.seed), "seconds", signatures=known)
     thinking("what to record next")
     proposals = propose_trials(naming)

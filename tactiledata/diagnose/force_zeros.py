@@ -102,7 +102,8 @@ class _Reader:
         load, t_ns = _free_air(load, wrench.t_ns)
         count = min(PIECES, len(load) // FEWEST_READINGS)
         joints = self._signal("joints", spans)
-        since = self._switched_on(description, row["sensor"], int(wrench.t_ns[0]), row["source"])
+        switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
+        since = self._start(row["source"]) if switched_on is None else switched_on
         tares = np.asarray(description.wrench.get("tare_ns", []), dtype=np.int64)
         found = []
         for part in np.array_split(np.arange(len(load)), count) if count else []:
@@ -130,11 +131,6 @@ class _Reader:
         if not sound.any():
             return None
         return StoredSignal(t_ns[sound], values[sound], signal.columns, signal.units, signal.frame, Stamps(t_ns[sound]))
-
-    def _switched_on(self, description: LogDescription, sensor: str, first_ns: int, source: int) -> int:
-        stated = description.sensors.get(sensor, {}).get("power_on_ns", [])
-        before = [int(moment) for moment in stated if moment <= first_ns]
-        return max(before) if before else self._start(source)
 
     def _start(self, source: int) -> int:
         table = self._store.trajectories(["source", "start_ns"])

@@ -112,7 +112,9 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
     footer = f"{document['source']['groups']} trajectories, {document['source']['rows']} frames"
     title = f"Diagnosis of {name}"
     shown = done.shown
-    page = naming_page(title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done))
+    page = naming_page(
+        title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done), _of_zeros(done)
+    )
     write_atomic(written[0], page.encode())
     write_json_atomic(written[1], document)
     return written

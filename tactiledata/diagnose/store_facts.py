@@ -84,9 +84,9 @@ class StoreFacts:
 
     def powered(self, planned: PlannedTouch, rows: Indices) -> Array | None:
         """Seconds (n,) since the sensor was last switched on."""
-        stated = self._descriptions[self._source[planned.uid]].sensors.get(planned.sensor, {}).get("power_on_ns", [])
-        before = [int(moment) for moment in stated if moment <= self._t_ns[rows[0]]]
-        return np.asarray((self._t_ns[rows] - max(before)) / 1e9) if before else None
+        description = self._descriptions[self._source[planned.uid]]
+        switched_on = description.switched_on(planned.sensor, int(self._t_ns[rows[0]]))
+        return None if switched_on is None else np.asarray((self._t_ns[rows] - switched_on) / 1e9)
 
     def mount(self, planned: PlannedTouch) -> str:
         """Which mounting of the indenter."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.effects.on_layer import OnLayer
 from tactiledata.effects.response import ContactResponse, GelVariant
 from tactiledata.effects.state import wrench_at
-from tactiledata.effects.touch import Touch
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ DIMITRIADIS = (0.0975, 0.769, 1.283, 1.133, 1.0)
 
 
 @dataclass(frozen=True)
-class BallOnLayer:
+class BallOnLayer(OnLayer):
     """Hertz's ball on a thin bonded layer, that sticks and slips as a spring under Coulomb's friction.
 
     F_z = 4/3 E* sqrt(R) d^1.5 f(sqrt(R d) / h), E* = E / (1 - nu^2); A = pi R d; tangential stiffness 8 G a / (2 - nu).
@@ -29,18 +29,6 @@ class BallOnLayer:
     touch : Touch
         Its indenter has a ``radius``.
     """
-
-    touch: Touch
-
-    def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
-        """As `BaseResponse.respond`."""
-        return self._respond(offset, shift, friction, GelVariant())
-
-    def difference(self, variant: GelVariant) -> Array:
-        """As `BaseResponse.difference`."""
-        n = len(self.touch)
-        asked = np.zeros(n), np.zeros((n, 2)), np.ones(n)
-        return self._respond(*asked, variant).wrench - self._respond(*asked, GelVariant()).wrench
 
     def _respond(self, offset: Array, shift: Array, friction: Array, gel: GelVariant) -> ContactResponse:
         material = self.touch.material

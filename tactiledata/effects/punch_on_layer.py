@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.effects.ball_on_layer import stick_and_slip
+from tactiledata.effects.on_layer import OnLayer
 from tactiledata.effects.response import ContactResponse, GelVariant
 from tactiledata.effects.state import wrench_at
-from tactiledata.effects.touch import Touch
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ GARCIA = (-0.291, 0.598, 1.283, 1.133, 1.0)
 
 
 @dataclass(frozen=True)
-class PunchOnLayer:
+class PunchOnLayer(OnLayer):
     """A round flat punch that stands square, and sticks and slips as a spring under Coulomb's friction.
 
     F_z = 2 E* a d f(a / h), E* = E / (1 - nu^2); tangential stiffness 8 G a / (2 - nu). Variants of the gel change it
@@ -30,18 +30,6 @@ class PunchOnLayer:
     touch : Touch
         Its indenter has a ``radius``.
     """
-
-    touch: Touch
-
-    def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
-        """As `BaseResponse.respond`."""
-        return self._respond(offset, shift, friction, GelVariant())
-
-    def difference(self, variant: GelVariant) -> Array:
-        """As `BaseResponse.difference`."""
-        n = len(self.touch)
-        asked = np.zeros(n), np.zeros((n, 2)), np.ones(n)
-        return self._respond(*asked, variant).wrench - self._respond(*asked, GelVariant()).wrench
 
     def _respond(self, offset: Array, shift: Array, friction: Array, gel: GelVariant) -> ContactResponse:
         material = self.touch.material
