@@ -1,5 +1,6 @@
 """`diagnose STORE` on recorded touches, and what it says of stores that it cannot use."""
 
+import html
 import json
 import sys
 
@@ -9,7 +10,9 @@ from recorded_touches import recorded_store
 
 from tactiledata.cli.main import run
 from tactiledata.contract.schema import check_document
+from tactiledata.diagnose import diagnose_store
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
+from tactiledata.diagnose.zero_causes import ZeroCause
 from tactiledata.effects import EFFECTS
 from tactiledata.gel import structured_pad
 from tactiledata.gel.structured_pad import GridPlan
@@ -62,6 +65,20 @@ def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypat
     assert json.loads(printed) == document
     for name in ("report.html", "diagnosis.json"):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
+
+
+@pytest.mark.slow
+def test_the_page_says_all_that_the_document_says(store, tmp_path, capsys, monkeypatch):
+    pytest.importorskip("matplotlib")
+    cause = ZeroCause("tool_weight", 0.003, 0.4, 0.16, 0.1, {"mass": 0.03}, "In free air, a planted cause.")
+    monkeypatch.setattr(diagnose_store, "zero_causes", lambda zeros, seed: [cause])
+    given = (store, "--fidelity", "linear", "--effects", "lag", "--no-pairs", "--gate")
+    code, _, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path)
+    assert code == 1
+    document = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert document["sentences"][0] == cause.words
+    page = html.unescape((tmp_path / "report.html").read_text())
+    assert [sentence for sentence in document["sentences"] if sentence not in page] == []
 
 
 @pytest.mark.parametrize(
