@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.player import played_or_kept
-from tactiledata.diagnose.gel_variants import variant_engine, warped
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
+from tactiledata.effects.gel_variants import variant_engine, warped
 from tactiledata.effects.response import GelVariant
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.history import GelTouch

@@ -15,8 +15,8 @@ from tactiledata.calibrate.player import play_nodes
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.diagnose.gel_variant_plays import VariantBatch, play_variant
-from tactiledata.diagnose.gel_variants import surface_height
 from tactiledata.diagnose.touch_plays import TouchPlays
+from tactiledata.effects.gel_variants import surface_height
 from tactiledata.effects.response import GelVariant
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.history import FrameStatus, GelTouch

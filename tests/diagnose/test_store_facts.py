@@ -7,8 +7,8 @@ import pytest
 from recorded_touches import POWERED, recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.diagnose.store_facts import StoreFacts
 from tactiledata.replay.plan import plan_replay
+from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.store.reader import Store
 
 

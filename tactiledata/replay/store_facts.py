@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -58,8 +59,8 @@ class StoreFacts:
         self._descriptions = [
             LogDescription(json.loads(text)) for text in store.sources(["description"])["description"].to_pylist()
         ]
+        self._touches = touches
         self._mounts = _mounts(touches, self._source)
-        self._visits = self._all_visits(touches)
 
     def seconds(self, rows: Indices) -> Array:
         """Since the first of the rows (n,)."""
@@ -109,9 +110,10 @@ class StoreFacts:
         known = np.isfinite(values).all(axis=1) & (gap_ns <= GAP_LIMIT_NS)
         return values if known.all() else None
 
-    def _all_visits(self, touches: Sequence[PlannedTouch]) -> dict[str, list[Visit]]:
+    @cached_property
+    def _visits(self) -> dict[str, list[Visit]]:
         visits: dict[str, list[Visit]] = {}
-        for planned in touches:
+        for planned in self._touches:
             if planned.obstacle is not None:
                 continue
             tips = planned.gel_touch(self._store, 0.0).poses[:, :3, 3]

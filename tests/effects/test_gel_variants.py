@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.gel_variants import surface_height, variant_engine, warped
+from tactiledata.effects.gel_variants import surface_height, variant_engine, warped
 from tactiledata.effects.response import GelVariant, SoftSpot
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
