@@ -1,6 +1,7 @@
 """Calibration on recorded worlds whose truth is known: another solver presses, the gel engine is fitted.
 
-    python benchmarks/calibration_worlds.py [--quick] [--plans 4] [--truths 5] [--trajectories 10] [--resume LOG]
+    python benchmarks/calibration_worlds.py [--quick] [--plans 4] [--truths 5] [--trajectories 10]
+                                            [--resume LOG] [--keep FOLDER]
 
 The rig records each world with its own layer solver (other discretisation, other contact), with the noise, jitter and
 offsets of a real rig, as ROS 2 MCAP; the toolkit ingests and calibrates it with both losses. A plan of touches is
@@ -68,16 +69,18 @@ def truth_of(plan: int, number: int) -> np.ndarray:
     return np.array([chance.uniform(860e3, 945e3), chance.uniform(0.46, 0.488), chance.uniform(0.6, 0.9)])
 
 
-def calibrated(plan: int, truth: np.ndarray, count: int) -> dict[str, Calibration]:
-    """Record, ingest, calibrate with both losses."""
-    with tempfile.TemporaryDirectory() as folder:
-        logs = record(load_scenario(scenario(plan, truth, count)), Path(folder) / "logs", "mcap")
-        ingest(logs, Path(folder) / "world.zarr")
-        store = Store.open(Path(folder) / "world.zarr")
-        return {
-            loss: calibrate(store, CalibrationOptions(loss=loss, trajectories=count, hold_out=0.0, seed=plan))
-            for loss in LOSSES
-        }
+def calibrated(plan: int, number: int, count: int, kept: Path) -> dict[str, Calibration]:
+    """Record and ingest unless that is kept; calibrate with both losses."""
+    place = kept / f"world-{plan}-{number}-{count}.zarr"
+    if not place.exists():
+        logs = record(load_scenario(scenario(plan, truth_of(plan, number), count)), place.with_suffix(".logs"), "mcap")
+        ingest(logs, place.with_suffix(".part"))
+        place.with_suffix(".part").rename(place)
+    store = Store.open(place)
+    return {
+        loss: calibrate(store, CalibrationOptions(loss=loss, trajectories=count, hold_out=0.0, seed=plan))
+        for loss in LOSSES
+    }
 
 
 def line(plan: int, number: int, truth: np.ndarray, errors: list[list[float]], rest: str) -> str:
@@ -97,12 +100,15 @@ def printed(log: Path | None) -> dict[tuple[int, int], str]:
     return {(int(match[1]), int(match[2])): text for match, text in found if match}
 
 
-def told(text: str) -> tuple[np.ndarray, list[bool]]:
-    """Errors (loss, 3) as shares and what the intervals cover, of a line."""
+COVERED = ("held by the intervals", "with simulation error")
+
+
+def told(text: str) -> tuple[np.ndarray, np.ndarray]:
+    """Errors (loss, 3) as shares, and what the two kinds of intervals hold (kind, 3), of a line."""
     errors = [float(number) / 100 for number in re.findall(r"([+-]\d+\.\d) %", text)]
-    covered = re.search(r"covered \[(.*?)\]", text)
-    assert covered is not None
-    return np.array(errors).reshape(len(LOSSES), 3), [word.strip() == "True" for word in covered[1].split(",")]
+    held = [re.search(rf"{words} \[(.*?)\]", text) for words in COVERED]
+    words = [match[1].split(", ") for match in held if match]
+    return np.array(errors).reshape(len(LOSSES), 3), np.array(words) == "True"
 
 
 def main() -> None:
@@ -113,33 +119,37 @@ def main() -> None:
     parser.add_argument("--truths", type=int, default=5)
     parser.add_argument("--trajectories", type=int, default=10)
     parser.add_argument("--resume", type=Path, help="what an earlier run of the same plans printed")
+    parser.add_argument("--keep", type=Path, help="where the recorded worlds are left, and looked for")
     asked = parser.parse_args()
     plans, truths, count = (1, 1, 3) if asked.quick else (asked.plans, asked.truths, asked.trajectories)
     before = printed(asked.resume)
     print(f"## {plans * truths} recorded worlds ({plans} plans, {truths} truths each), {count} trajectories")
     lines = []
-    for plan in range(plans):
-        for number in range(truths):
-            lines.append(before.get((plan, number)) or world(plan, number, count))
-            print(lines[-1], flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        kept = asked.keep or Path(folder)
+        for plan in range(plans):
+            for number in range(truths):
+                lines.append(before.get((plan, number)) or world(plan, number, count, kept))
+                print(lines[-1], flush=True)
     errors, covered = zip(*map(told, lines), strict=True)
     table = 100 * np.abs(np.array(errors))
     for k, loss in enumerate(LOSSES):
         middle, largest = np.median(table[:, k], axis=0), table[:, k].max(axis=0)
         print(f"{loss}: |error| of E, nu, mu in %: median {middle.round(1)}, largest {largest.round(1)}")
-    shares = np.mean(covered, axis=0).round(2)
-    print(f"95 % intervals of the vector loss that hold the truth, share of E, nu, mu: {shares}")
+    for words, shares in zip(COVERED, np.mean(covered, axis=0).round(2), strict=True):
+        print(f"95 %, vector loss, truth {words}, share of E, nu, mu: {shares}")
 
 
-def world(plan: int, number: int, count: int) -> str:
+def world(plan: int, number: int, count: int, kept: Path) -> str:
     """One world, recorded and calibrated."""
     truth, began = truth_of(plan, number), time.perf_counter()
-    found = calibrated(plan, truth, count)
+    found = calibrated(plan, number, count, kept)
     errors = [(found[loss].fit.parameters / truth - 1).tolist() for loss in LOSSES]
-    ends = found["vector"].fit.intervals.ends
-    covered = ((ends[:, 0] <= truth) & (truth <= ends[:, 1])).tolist()
-    fitted = found["vector"].fit.losses["vector"].fitted
-    rest = f"covered {covered}; residual {fitted:.2f}; {time.perf_counter() - began:.0f} s"
+    vector = found["vector"].fit
+    kinds = (vector.intervals.ends, vector.simulation_error.ends)
+    held = [((ends[:, 0] <= truth) & (truth <= ends[:, 1])).tolist() for ends in kinds]
+    covered = "; ".join(f"{words} {values}" for words, values in zip(COVERED, held, strict=True))
+    rest = f"{covered}; residual {vector.losses['vector'].fitted:.2f}; {time.perf_counter() - began:.0f} s"
     return line(plan, number, truth, errors, rest)
 
 

@@ -12,7 +12,6 @@ from tactiledata.calibrate.calibrate import Calibration
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
-from tactiledata.nuisance.numerical import FORCE_ERROR, with_force_error
 
 FORMAT = "tactiledata-calibration/1"
 
@@ -80,15 +79,15 @@ def _by_name(values: Any) -> dict[str, float]:
 
 
 def _intervals(calibration: Calibration) -> dict[str, Any]:
-    known, options = calibration.fit.intervals, calibration.options
-    share = FORCE_ERROR[options.mechanics]
-    low, high = (float(end) for end in known.ends[0])
-    modulus = float(calibration.fit.parameters[0])
+    known, options, erring = calibration.fit.intervals, calibration.options, calibration.fit.simulation_error
     return {
         "method": "profile likelihood" if options.loss == "vector" else "bootstrap over trajectories",
         "inflation": known.inflation.tolist(),
-        "force_error": share,
-        "youngs_modulus_with_force_error": list(with_force_error(modulus, (low, high), share)),
+        "with_simulation_error": {
+            "force_error": erring.force,
+            "law_error": erring.law,
+            **{name: ends.tolist() for name, ends in zip(NAMES, erring.ends, strict=True)},
+        },
         **{
             name: {
                 "low": float(ends[0]),

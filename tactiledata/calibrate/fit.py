@@ -15,6 +15,7 @@ from tactiledata.calibrate.least_squares import polish
 from tactiledata.calibrate.losses import Loss, LossName, NormLoss, VectorLoss
 from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.search import search
+from tactiledata.calibrate.simulation_error import SimulationError, simulation_error
 from tactiledata.nuisance.noise import WrenchNoise
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ class Fit:
     parameters, start : (3,)
         E (Pa), nu, mu.
     intervals : Intervals
+    simulation_error : SimulationError
     offsets : (t,) m
         Contact offset of every touch of the experiment, those held out included.
     fitted, held_out : places of the touches in the experiment
@@ -55,6 +57,7 @@ class Fit:
     parameters: Array
     start: Array
     intervals: Intervals
+    simulation_error: SimulationError
     offsets: Array
     fitted: Indices
     held_out: Indices
@@ -74,9 +77,11 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
         found = search(vector, bounds, start)
         found = bounds.scaled(polish(vector, bounds, bounds.shares(found)).shares)
         intervals = profile_intervals(vector, bounds, found)
+        erring = simulation_error(vector, bounds, found, intervals.ends, options.mechanics)
     else:
         found = search(norm, bounds, start)
         intervals = bootstrap_intervals(norm, bounds, found, options.seed)
+        erring = simulation_error(norm, bounds, found, intervals.ends, options.mechanics)
     everything = np.arange(len(experiment.touches))
     whole = vector_loss(experiment, noise, everything, options.offset_prior, options.shape_share)
     unseen: dict[LossName, Loss] = {}
@@ -92,7 +97,7 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
     if options.loss == "vector" and options.shape_share > 0:
         names = sorted({touch.indenter for touch in experiment.touches})
         factors = dict(zip(names, map(float, whole.factors(found)), strict=True))
-    return Fit(found, start, intervals, offsets, fitted, held_out, factors, losses)
+    return Fit(found, start, intervals, erring, offsets, fitted, held_out, factors, losses)
 
 
 def deal(count: int, share: float, seed: int) -> tuple[Indices, Indices]:

@@ -38,17 +38,18 @@ def calibration_page(calibration: Calibration) -> str:
     return render_page("Calibration of the gel", sentences, sections, f"store {calibration.store[:16]}")
 
 
-def result_rows(calibration: Calibration) -> list[tuple[str, str, str, str]]:
-    """Parameter, value, 95 % interval, start."""
+def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
+    """Parameter, value, 95 % interval, the same with the simulation's own errors, start."""
     fit = calibration.fit
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for k, name in enumerate(NAMES):
         ends = [
             in_words(name, float(end)) + (" (bound)" if is_open else "")
             for end, is_open in zip(fit.intervals.ends[k], fit.intervals.is_open[k], strict=True)
         ]
         value, start = in_words(name, float(fit.parameters[k])), in_words(name, float(fit.start[k]))
-        rows.append((SYMBOLS[name], value, " to ".join(ends), start))
+        wide = " to ".join(in_words(name, float(end)) for end in fit.simulation_error.ends[k])
+        rows.append((SYMBOLS[name], value, " to ".join(ends), wide, start))
     return rows
 
 
@@ -70,7 +71,13 @@ def _result(calibration: Calibration) -> Section:
     if calibration.fit.shape_factors:
         parts = [f"{name} {factor:.3f}" for name, factor in calibration.fit.shape_factors.items()]
         text += " Measured over simulated force, by indenter: " + ", ".join(parts) + "."
-    return Section("Result", [("info", text)], ("", "value", "95 % interval", "start"), result_rows(calibration))
+    erring = calibration.fit.simulation_error
+    text += (
+        f" With simulation error: two simulations of one gel differ by {100 * erring.force:.0f} % in all forces alike "
+        f"and by {100 * erring.law:.0f} % in how forces grow over a factor e."
+    )
+    columns = ("", "value", "95 % interval", "with simulation error", "start")
+    return Section("Result", [("info", text)], columns, result_rows(calibration))
 
 
 def _losses(calibration: Calibration) -> Section:

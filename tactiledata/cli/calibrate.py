@@ -89,6 +89,7 @@ def _print(done: Any) -> None:
     from tactiledata.calibrate.page import loss_rows, result_rows
 
     counts = f"{len(done.fit.fitted)} fitted, {len(done.fit.held_out)} held out"
-    table(f"gel, engine {done.options.engine}, {counts}", ("", "value", "95 % interval", "start"), result_rows(done))
+    columns = ("", "value", "95 % interval", "with simulation error", "start")
+    table(f"gel, engine {done.options.engine}, {counts}", columns, result_rows(done))
     table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(done))
     findings(("", finding) for finding in done.findings)

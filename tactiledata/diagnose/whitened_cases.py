@@ -11,16 +11,19 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.history import largest_so_far
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.gel.material import GelMaterial
-from tactiledata.nuisance.numerical import CENTRE_SCATTER, LOCKED_ERROR, SCATTER, SHAPE_ERROR, scatter_covariance
+from tactiledata.nuisance.numerical import (
+    CENTRE_SCATTER,
+    LAW_ERROR,
+    LOCKED_ERROR,
+    SCATTER,
+    SHAPE_ERROR,
+    scatter_covariance,
+)
 from tactiledata.nuisance.tare import tare_variance, zero_power
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-LAW_ERROR = 0.06
-"""Standard deviation of what the simulation's force law is off over a factor e of the force: two discretisations of one
-contact agree on a force better than on how it grows. The gel engine, fitted to the rig's layer solver without noise, is
-off by 7 to 9 % in it, by 3 % from indenter to indenter, and by 5 to 6 % in sticking shear (docs/naming.md)."""
 SHEAR_ERROR = 0.04
 """Standard deviation, as a share: by how much sticking shear is off beside the normal force; estimate."""
 
@@ -40,7 +43,7 @@ class NumericalErrors:
     """
 
     shape: float = SHAPE_ERROR["finite-strain"]
-    law: float = LAW_ERROR
+    law: float = LAW_ERROR["finite-strain"]
     shear: float = SHEAR_ERROR
     scatter: float = SCATTER
     centre: float = CENTRE_SCATTER

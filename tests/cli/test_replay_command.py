@@ -36,8 +36,7 @@ def calibration(offsets):
         "intervals": {
             "method": "profile likelihood",
             "inflation": [1, 1, 1],
-            "youngs_modulus_with_force_error": [1.0, 2.0],
-            "force_error": 0.02,
+            "with_simulation_error": {"force_error": 0.02, "law_error": 0.06, **{key: [1.0, 2.0] for key in three}},
             **dict.fromkeys(three, interval),
         },
         "correlation": np.eye(3).tolist(),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
-from tactiledata.nuisance.numerical import with_force_error
+from tactiledata.nuisance.numerical import with_law_error
 from tactiledata.nuisance.offsets import FARTHEST, OffsetSeries, profile_offsets
 from tactiledata.nuisance.tare import tare_variance, without_tare
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
@@ -125,8 +125,17 @@ def test_offsets_stay_where_they_mean_something():
     assert (profile_offsets(far, series, starts, prior=0.0) == 0).all()
 
 
-def test_a_common_force_error_widens_both_sides():
-    low, high = with_force_error(900.0, (890.0, 920.0), 0.03)
-    assert low < 900 - 1.96 * 27
-    assert high > 900 + 1.96 * 27
-    assert with_force_error(900.0, (890.0, 920.0), 0.0) == (890.0, 920.0)
+def test_a_law_error_is_a_power_of_the_force():
+    """Over a factor e of the force, a share; directions and torques per force stay; what weighs most stays."""
+    forces = np.exp(np.arange(4.0))
+    wrenches = np.outer(forces, [0.6, 0.0, 0.8, 0.01, 0.0, 0.0])
+    bent = with_law_error(wrenches, 0.06)
+    growth = np.linalg.norm(bent[:, :3], axis=1) / forces
+    assert np.diff(np.log(growth)) == pytest.approx(0.06)
+    assert bent / bent[:, :1] == pytest.approx(wrenches / wrenches[:, :1])
+    assert np.average(np.log(growth), weights=forces**2) == pytest.approx(0.0, abs=1e-12)
+    assert (with_law_error(wrenches, 0.0) == wrenches).all()
+
+
+def test_a_law_error_of_no_forces_is_none():
+    assert (with_law_error(np.zeros((3, 6)), 0.06) == 0).all()
