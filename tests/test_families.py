@@ -15,12 +15,20 @@ from tactiledata.errors import BrokenLog, TactileDataError, UnknownName
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
 from tactiledata.indenters import INDENTERS
+from tactiledata.metrics import METRICS
 from tactiledata.registry import Registry
 from tactiledata.sensors import SENSORS
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "tests" / "examples"
-TABLES = {"formats": FORMATS, "indenters": INDENTERS, "sensors": SENSORS, "compute": SCHEDULERS, "effects": EFFECTS}
+TABLES = {
+    "formats": FORMATS,
+    "indenters": INDENTERS,
+    "sensors": SENSORS,
+    "compute": SCHEDULERS,
+    "effects": EFFECTS,
+    "metrics": METRICS,
+}
 
 
 def example(name):
@@ -97,6 +105,17 @@ def test_sniffing_is_never_fooled_into_an_error(name, tmp_path):
 def test_indenters_are_in_the_docs(name):
     """Every indenter is described in docs/indenters.md."""
     assert f"`{name}`" in (ROOT / "docs" / "indenters.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", METRICS)
+def test_metrics_are_in_the_docs_and_name_their_scores(name):
+    """A metric stands in docs/metrics.md with each of its scores, and a score is kept under its own name."""
+    member = METRICS[name]
+    page = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
+    assert f"`{name}`" in page
+    for key, score in member.scores.items():
+        assert score.name == key
+        assert f"`{key}`" in page
 
 
 def test_the_extending_page_shows_the_examples_as_they_are():

@@ -26,6 +26,7 @@ FAMILIES = [
     "tactiledata.effects",
     "tactiledata.formats",
     "tactiledata.indenters",
+    "tactiledata.metrics",
     "tactiledata.sensors",
 ]
 RIG_MAY_IMPORT = {

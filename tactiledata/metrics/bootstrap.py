@@ -1,0 +1,119 @@
+"""Intervals of scores, by drawing whole trajectories: frames of one touch are near copies and say little twice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.errors import UsageError
+
+LEAST_GROUPS = 5
+"""Trajectories below which no interval is given: it would be far too narrow."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A statistic with its interval.
+
+    ``low`` and ``high`` are NaN where there are too few trajectories. ``left_out`` samples had no value (an empty
+    contact mask) and took no part.
+    """
+
+    value: float
+    low: float
+    high: float
+    samples: int
+    trajectories: int
+    left_out: int
+
+    def __str__(self) -> str:
+        if not np.isfinite(self.low):
+            return f"{self.value:.4g}"
+        return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
+
+
+def bootstrap(
+    values: Any,
+    trajectories: Any,
+    *,
+    statistic: Callable[[NDArray[Any]], float] | None = None,
+    rounds: int = 1000,
+    level: float = 0.95,
+    seed: int = 0,
+) -> Interval:
+    """A statistic of values over samples, and its percentile interval over trajectories.
+
+    Parameters
+    ----------
+    values : (n,) or (n, ...)
+        A score of each sample; NaN where it has none. For the difference of two methods on the same samples hand in
+        the differences. With a ``statistic``, anything with a row a sample, row numbers included.
+    trajectories : (n,)
+        Which trajectory each sample is of; any names.
+    statistic : callable, optional
+        Of the rows drawn; the mean unless stated.
+    rounds : int
+    level : float
+        Share of the draws that the interval holds.
+    seed : int
+
+    Raises
+    ------
+    UsageError
+        Lengths that differ, or no sample with a value.
+
+    Examples
+    --------
+    >>> bootstrap([1.0, 1.0, 3.0], ["a", "a", "b"]).value
+    1.6666666666666667
+    """
+    rows, groups = np.asarray(values, np.float64), np.asarray(trajectories)
+    if rows.ndim == 0 or groups.shape != rows.shape[:1]:
+        raise UsageError(f"{rows.shape} values for {groups.shape} trajectories", "a trajectory for each value", "")
+    is_there = ~np.isnan(rows.reshape(len(rows), -1)).any(axis=1) if len(rows) else np.zeros(0, bool)
+    if not is_there.any():
+        raise UsageError(f"none of {len(rows)} samples has a value", "at least one", "Are all contact masks empty?")
+    kept = rows[is_there]
+    names, group = np.unique(groups[is_there], return_inverse=True)
+    rng = np.random.default_rng(seed)
+    if statistic is None:
+        value, draws = float(kept.mean()), _means(kept, group, len(names), rounds, rng)
+    else:
+        value, draws = float(statistic(kept)), _drawn(statistic, kept, group, len(names), rounds, rng)
+    low = high = np.nan
+    if len(names) >= LEAST_GROUPS:
+        # a draw is chosen, not interpolated: PSNR may be infinite
+        low, high = np.quantile(draws, [(1 - level) / 2, (1 + level) / 2], method="inverted_cdf")
+    return Interval(value, float(low), float(high), len(kept), len(names), int((~is_there).sum()))
+
+
+def _means(
+    values: NDArray[np.float64], group: NDArray[np.intp], count: int, rounds: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Means of draws, from each trajectory's sum and size alone."""
+    if values.ndim != 1:
+        raise UsageError(f"values of shape {values.shape}", "(n,), or a statistic of the rows", "")
+    sums, sizes = np.bincount(group, values, count), np.bincount(group, minlength=count)
+    drawn = rng.integers(0, count, (rounds, count))
+    return sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)
+
+
+def _drawn(
+    statistic: Callable[[NDArray[Any]], float],
+    values: NDArray[np.float64],
+    group: NDArray[np.intp],
+    count: int,
+    rounds: int,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    members = np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group, minlength=count))[:-1])
+    return np.array(
+        [
+            statistic(values[np.concatenate([members[index] for index in rng.integers(0, count, count)])])
+            for _ in range(rounds)
+        ]
+    )

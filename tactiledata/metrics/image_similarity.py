@@ -1,0 +1,99 @@
+"""How alike a predicted and a true picture are: l1, MSE, SSIM, PSNR, on the full frame or inside a contact mask."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.errors import UsageError
+from tactiledata.metrics.base import Score, Values, image_pairs, metric
+
+WINDOW = 7
+"""px, side of the square in which SSIM compares: the default of scikit-image."""
+RANGE = 255.0
+"""Grey levels from black to white."""
+
+
+def l1(predicted: Any, true: Any, mask: Any = None) -> Values:
+    """Mean absolute difference (n,), grey levels."""
+    return _mean_of(np.abs, predicted, true, mask)
+
+
+def mse(predicted: Any, true: Any, mask: Any = None) -> Values:
+    """Mean squared difference (n,), grey levels squared."""
+    return _mean_of(np.square, predicted, true, mask)
+
+
+def psnr(predicted: Any, true: Any, mask: Any = None) -> Values:
+    """Peak signal-to-noise ratio (n,), dB; infinite for pictures that are equal."""
+    error = mse(predicted, true, mask)
+    with np.errstate(divide="ignore"):
+        return 20.0 * np.log10(RANGE) - 10.0 * np.log10(error)
+
+
+def ssim(predicted: Any, true: Any, mask: Any = None) -> Values:
+    """Structural similarity (n,), 1 for equal pictures, mean over the channels.
+
+    As scikit-image has it with its defaults (uniform window of 7 px, sample covariance, a border of 3 px left out).
+    Inside a mask: the mean of the same map over the mask's pixels, the border left out as well, so that a full mask
+    gives the value of the full frame.
+
+    Raises
+    ------
+    UsageError
+        Pictures smaller than the window, or scikit-image is not installed.
+    """
+    ours, theirs, inside = image_pairs(predicted, true, mask)
+    if min(ours.shape[1:3]) < WINDOW:
+        raise UsageError(f"pictures of {ours.shape[1]} x {ours.shape[2]}", f"{WINDOW} px a side for SSIM", "")
+    similarity = _structural_similarity()
+    border = WINDOW // 2
+    values = np.full(len(ours), np.nan)
+    for row, (one, other) in enumerate(zip(ours, theirs, strict=True)):
+        where = _cropped(inside, row, border)
+        if where is not None and not where.any():
+            continue
+        mean, full = similarity(one, other, win_size=WINDOW, data_range=RANGE, channel_axis=2, full=True)
+        values[row] = mean if where is None else full[border:-border, border:-border][where].mean()
+    return values
+
+
+def _cropped(inside: NDArray[np.bool_] | None, row: int, border: int) -> NDArray[np.bool_] | None:
+    return None if inside is None else inside[row, border:-border, border:-border]
+
+
+def _mean_of(power: Any, predicted: Any, true: Any, mask: Any) -> Values:
+    ours, theirs, inside = image_pairs(predicted, true, mask)
+    values = np.full(len(ours), np.nan)
+    for row, (one, other) in enumerate(zip(ours, theirs, strict=True)):
+        difference = power(one.astype(np.float32) - other)
+        if inside is None:
+            values[row] = difference.mean(dtype=np.float64)
+        elif inside[row].any():
+            values[row] = difference[inside[row]].mean(dtype=np.float64)
+    return values
+
+
+def _structural_similarity() -> Any:
+    try:
+        from skimage.metrics import structural_similarity
+    except ImportError as error:
+        raise UsageError(
+            "SSIM needs scikit-image, which is not installed", "", "pip install -c constraints.txt -e '.[models]'"
+        ) from error
+    return structural_similarity
+
+
+IMAGE_SIMILARITY = metric(
+    "image_similarity",
+    "how alike two pictures are, pixel by pixel",
+    "images",
+    [
+        Score("l1", "l1", "grey levels", "lower", 0.0, l1),
+        Score("mse", "MSE", "grey levels²", "lower", 0.0, mse),
+        Score("ssim", "SSIM", "", "higher", 1.0, ssim),
+        Score("psnr", "PSNR", "dB", "higher", np.inf, psnr),
+    ],
+)
