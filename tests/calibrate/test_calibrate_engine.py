@@ -133,7 +133,7 @@ def test_another_engine_is_named_in_every_output(measured, monkeypatch, tmp_path
     document = calibration_document(found)
     assert asked == {"mujoco-flex"}
     assert document["engine"] == document["provenance"]["settings"]["engine"] == "mujoco-flex"
-    assert document["intervals"]["force_error"] == FORCE_ERROR["mujoco-flex"]
+    assert document["intervals"]["with_simulation_error"]["force_error"] == FORCE_ERROR["mujoco-flex"]
     pytest.importorskip("matplotlib")
     assert "engine mujoco-flex" in calibration_page(found)
 
