@@ -26,11 +26,20 @@ INDENTERS = {
     "flat punch R 1.5": {"shape": "cylinder_flat", "radius": 0.0015},
     "box 5 x 5": {"shape": "box", "width": 0.005, "breadth": 0.005, "length": 0.008},
     "ring 3 / 2": {"shape": "ring", "outer_radius": 0.003, "inner_radius": 0.002, "length": 0.01},
+    "hexagon 5": {"shape": "hexagon", "across_flats": 0.005, "length": 0.01},
+    "cross 6 / 2": {"shape": "cross", "span": 0.006, "bar": 0.002, "length": 0.01},
+    "dome R 6": {"shape": "dome", "curvature_radius": 0.006, "radius": 0.0038, "length": 0.01},
+    "torus 2.5 / 1": {"shape": "torus", "ring_radius": 0.0025, "tube_radius": 0.001},
+    "lying cylinder R 3": {"shape": "cylinder_side", "radius": 0.003, "width": 0.006},
+    "edge": {"shape": "edge", "width": 0.006},
+    "cone": {"shape": "cone"},
+    "pyramid": {"shape": "pyramid"},
+    "dots": {"shape": "dots", "pitch": 0.002},
 }
 OFF_GRID = (0.13e-3, 0.07e-3)
 """m: where on the pad, so that no edge lies on a line of the mesh by chance."""
 REFINED = 4.2e-3
-"""m: half the size of the refined middle, which alone can be touched."""
+"""m: half the size of the refined middle, which alone can be touched; all indenters above fit into it."""
 
 
 def refined_pad(spacing: float):
@@ -83,7 +92,7 @@ def main() -> None:
                 errors[depth].append(found / expected - 1)
                 error = surface_error(engines, low, high, depth)
                 cells.append(f"{depth / 10:.1f} mm {expected:7.3f} N {errors[depth][-1]:+6.1%} ({error:4.1%})")
-            print(f"{name:17s} " + " | ".join(cells), flush=True)
+            print(f"{name:18s} " + " | ".join(cells), flush=True)
         for depth, target in TARGETS.items():
             verdict(f"largest error of the force at {depth / 10:.1f} mm", errors[depth], target)
     if not options.quick:
@@ -91,7 +100,7 @@ def main() -> None:
         for name in INDENTERS:
             ratio = forces[name, "linear"] / forces[name, "finite-strain"] - 1
             cells = [f"{depth / 10:.1f} mm {ratio[depth - 1]:+6.1%}" for depth in TARGETS if ratio[depth - 1] < np.inf]
-            print(f"{name:17s} " + " | ".join(cells))
+            print(f"{name:18s} " + " | ".join(cells))
 
 
 def verdict(what: str, errors: list[float], target: float) -> None:
