@@ -1,0 +1,187 @@
+"""The image beta-VAE: residual blocks between down-samplings, mirrored in the decoder; tanh throughout."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor, nn
+
+from split_models.latent_normal import draw
+from split_models.network import Network
+from tactiledata.errors import UsageError
+
+GROUP = 8
+"""Channels that are normalised together."""
+
+
+class ResidualBlock(nn.Module):
+    """Two 3 x 3 convolutions beside the identity; the second starts at zero, so that a new block changes nothing."""
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.body = nn.Sequential(
+            nn.GroupNorm(max(1, channels // GROUP), channels),
+            nn.Tanh(),
+            nn.Conv2d(channels, channels, 3, padding=1),
+            nn.Tanh(),
+            nn.Conv2d(channels, channels, 3, padding=1),
+        )
+        last = self.body[-1]
+        nn.init.zeros_(last.weight)
+        nn.init.zeros_(last.bias)
+
+    def forward(self, values: Tensor) -> Tensor:
+        """Features of the same shape."""
+        changed: Tensor = self.body(values)
+        return values + changed
+
+
+def _stage(channels: int, blocks: int) -> nn.Sequential:
+    return nn.Sequential(*(ResidualBlock(channels) for _ in range(blocks)))
+
+
+class ImageEncoder(nn.Module):
+    """Pictures (n, 3, h, w) in [-1, 1] to features (n, c, h / total, w / total)."""
+
+    def __init__(self, blocks: Sequence[int], down: Sequence[int], channels: Sequence[int]) -> None:
+        super().__init__()
+        self.stem = nn.Conv2d(3, channels[0], 3, padding=1)
+        self.stages = nn.ModuleList(_stage(width, count) for width, count in zip(channels, blocks, strict=True))
+        self.down = nn.ModuleList(
+            nn.Conv2d(fine, coarse, factor + 1, stride=factor, padding=factor // 2)
+            for fine, coarse, factor in zip(channels[:-1], channels[1:], down, strict=True)
+        )
+
+    def forward(self, pictures: Tensor) -> Tensor:
+        """Features."""
+        values = self.stages[0](self.stem(pictures))
+        for reduce, stage in zip(self.down, list(self.stages)[1:], strict=True):
+            values = stage(reduce(values))
+        return torch.tanh(values)
+
+
+class ImageDecoder(nn.Module):
+    """The mirror of `ImageEncoder`: features to pictures (n, 3, h, w) in [-1, 1]."""
+
+    def __init__(self, blocks: Sequence[int], down: Sequence[int], channels: Sequence[int]) -> None:
+        super().__init__()
+        self.stages = nn.ModuleList(
+            _stage(width, count) for width, count in reversed(list(zip(channels, blocks, strict=True)))
+        )
+        pairs = list(zip(channels[:-1], channels[1:], down, strict=True))
+        self.up = nn.ModuleList(
+            nn.Sequential(nn.Upsample(scale_factor=factor, mode="nearest"), nn.Conv2d(coarse, fine, 3, padding=1))
+            for fine, coarse, factor in reversed(pairs)
+        )
+        self.head = nn.Conv2d(channels[0], 3, 3, padding=1)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Pictures."""
+        values = self.stages[0](features)
+        for enlarge, stage in zip(self.up, list(self.stages)[1:], strict=True):
+            values = stage(enlarge(values))
+        return torch.tanh(self.head(torch.tanh(values)))
+
+
+class ImageVae(Network):
+    """A beta-VAE of pictures of one size.
+
+    Parameters
+    ----------
+    size : (height, width) px
+    blocks : (s,) int
+        Residual blocks of each stage.
+    down : (s - 1,) int
+        Factors by which the picture shrinks between stages.
+    channels : (s,) int
+        Width of each stage.
+    latent : int
+
+    Raises
+    ------
+    UsageError
+        The size does not divide by the factors, or the lists do not fit each other.
+    """
+
+    kind = "image_vae"
+
+    def __init__(
+        self,
+        size: Sequence[int] = (320, 240),
+        blocks: Sequence[int] = (3, 3, 5, 5, 3, 3),
+        down: Sequence[int] = (2, 2, 2, 2, 5),
+        channels: Sequence[int] = (16, 32, 64, 64, 128, 128),
+        latent: int = 256,
+    ) -> None:
+        super().__init__()
+        _check_sizes(size, blocks, down, channels)
+        self.settings = {
+            "size": list(size),
+            "blocks": list(blocks),
+            "down": list(down),
+            "channels": list(channels),
+            "latent": latent,
+        }
+        self.size = (int(size[0]), int(size[1]))
+        total = _product(down)
+        self.inner = (int(channels[-1]), self.size[0] // total, self.size[1] // total)
+        self.encoder = ImageEncoder(blocks, down, channels)
+        self.decoder = ImageDecoder(blocks, down, channels)
+        self.latent = latent
+        self.to_mean = nn.Linear(_product(self.inner), latent)
+        self.to_log_variance = nn.Linear(_product(self.inner), latent)
+        self.from_latent = nn.Linear(latent, _product(self.inner))
+
+    def features(self, pictures: Tensor) -> Tensor:
+        """The encoder's features (n, f) of pictures (n, 3, h, w) in [-1, 1]."""
+        found: Tensor = self.encoder(pictures).flatten(1)
+        return found
+
+    def distribution(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
+        """Mean and log variance (n, latent) of pictures (n, 3, h, w) in [-1, 1]."""
+        features = self.features(pictures)
+        return self.to_mean(features), self.to_log_variance(features)
+
+    def decode(self, latent: Tensor) -> Tensor:
+        """Pictures (n, 3, h, w) in [-1, 1] of latent vectors (n, latent)."""
+        pictures: Tensor = self.decoder(self.from_latent(latent).unflatten(1, self.inner))
+        return pictures
+
+    def forward(self, pictures: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Reconstruction, mean and log variance; in training the latent vector is drawn."""
+        mean, log_variance = self.distribution(pictures)
+        return self.decode(draw(mean, log_variance) if self.training else mean), mean, log_variance
+
+
+def as_input(pictures: Tensor) -> Tensor:
+    """Pictures (n, 3, h, w) in [-1, 1], float32, of pictures (n, h, w, 3), uint8."""
+    return pictures.permute(0, 3, 1, 2).float().div(127.5).sub(1.0)
+
+
+def as_pictures(output: Tensor) -> Tensor:
+    """The inverse of `as_input`, rounded and clipped."""
+    return output.float().add(1.0).mul(127.5).round().clamp(0, 255).to(torch.uint8).permute(0, 2, 3, 1)
+
+
+def _product(numbers: Sequence[int]) -> int:
+    total = 1
+    for number in numbers:
+        total *= int(number)
+    return total
+
+
+def _check_sizes(size: Sequence[int], blocks: Sequence[int], down: Sequence[int], channels: Sequence[int]) -> None:
+    if not len(blocks) == len(channels) == len(down) + 1:
+        raise UsageError(
+            f"{len(blocks)} stages of blocks, {len(channels)} widths and {len(down)} factors",
+            "a width for every stage, and a factor between each two",
+            "Mend image_vae in the recipe.",
+        )
+    total = _product(down)
+    if any(int(side) % total for side in size):
+        raise UsageError(
+            f"pictures of {size[0]} x {size[1]} px do not divide by {total} ({' x '.join(map(str, down))})",
+            "a size that every factor divides",
+            "Mend `size` or `down` of image_vae in the recipe.",
+        )
