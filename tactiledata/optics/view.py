@@ -1,0 +1,110 @@
+"""Which point of the gel each pixel of a picture sees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.errors import UsageError
+from tactiledata.sensors.base import Sensor
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera behind the gel, as the map from pixels to the plane of the undeformed outer surface.
+
+    Parameters
+    ----------
+    shape : (rows, columns)
+        Of the picture.
+    gel_from_pixel : (3, 3)
+        ``[w x, w y, w] = gel_from_pixel @ [column, row, 1]``: metres, gel frame; pixel centres are whole numbers. An
+        affine camera has ``[0, 0, 1]`` as its last row.
+    """
+
+    shape: tuple[int, int]
+    gel_from_pixel: Array = field(compare=False)
+
+    def __post_init__(self) -> None:
+        matrix = np.asarray(self.gel_from_pixel, np.float64)
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-30:
+            raise UsageError(f"gel_from_pixel is {matrix.tolist()}", "an invertible 3 x 3 matrix", "")
+        object.__setattr__(self, "gel_from_pixel", matrix / matrix[2, 2])
+
+    @classmethod
+    def nominal(cls, sensor: Sensor, shape: tuple[int, int] | None = None, mirrored: bool = True) -> View:
+        """The view that the sensor model states: centred, upright.
+
+        Parameters
+        ----------
+        sensor : Sensor
+            A tactile one.
+        shape : (rows, columns), optional
+            Of the picture; the sensor's own unless stated.
+        mirrored : bool
+            Columns run along gel x: the camera stands behind the gel, so that its picture is the mirror image of what
+            one sees from outside, where columns run against x. Rows run along gel y in both.
+
+        Raises
+        ------
+        UsageError
+            The sensor takes no pictures.
+        """
+        if sensor.camera is None:
+            raise UsageError(f"sensor {sensor.name!r} takes no pictures", "a tactile sensor", "")
+        rows, columns = shape or sensor.camera.shape
+        pitch_y, pitch_x = sensor.camera.field_of_view[0] / rows, sensor.camera.field_of_view[1] / columns
+        sign = 1.0 if mirrored else -1.0
+        return cls(
+            (rows, columns),
+            np.array(
+                [
+                    [sign * pitch_x, 0.0, -sign * pitch_x * (columns - 1) / 2],
+                    [0.0, pitch_y, -pitch_y * (rows - 1) / 2],
+                    [0.0, 0.0, 1.0],
+                ]
+            ),
+        )
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether the picture is seen from behind the gel: columns and rows turn like gel x and y."""
+        return bool(np.linalg.det(self.gel_from_pixel[:2, :2]) > 0)
+
+    @property
+    def pitches(self) -> tuple[float, float]:
+        """Metres on the gel from a pixel in the middle to the next column, and to the next row."""
+        middle = np.array([(self.shape[1] - 1) / 2, (self.shape[0] - 1) / 2])
+        here, across, down = self.points_at(middle + np.array([[0, 0], [1, 0], [0, 1]]))
+        return float(np.linalg.norm(across - here)), float(np.linalg.norm(down - here))
+
+    def points_at(self, pixels: Array) -> Array:
+        """Gel points (..., 2), metres, that pixels (..., 2) see; a pixel is (column, row)."""
+        return _mapped(self.gel_from_pixel, pixels)
+
+    def pixels_at(self, points: Array) -> Array:
+        """Pixels (..., 2), (column, row), that see gel points (..., 2)."""
+        return _mapped(np.linalg.inv(self.gel_from_pixel), points)
+
+    def points(self) -> Array:
+        """Gel point (rows, columns, 2) of every pixel."""
+        columns, rows = np.meshgrid(np.arange(self.shape[1]), np.arange(self.shape[0]))
+        return self.points_at(np.stack([columns, rows], axis=-1).astype(np.float64))
+
+    def scaled(self, shape: tuple[int, int]) -> View:
+        """The same camera with pictures of another size; the edges of the picture stay where they are."""
+        if tuple(shape) == self.shape:
+            return self
+        across, down = self.shape[1] / shape[1], self.shape[0] / shape[0]
+        old_from_new = np.array([[across, 0, (across - 1) / 2], [0, down, (down - 1) / 2], [0, 0, 1]])
+        return View((int(shape[0]), int(shape[1])), self.gel_from_pixel @ old_from_new)
+
+
+def _mapped(matrix: Array, places: Array) -> Array:
+    mapped = np.asarray(places, np.float64) @ matrix[:, :2].T + matrix[:, 2]
+    result: Array = mapped[..., :2] / mapped[..., 2:]
+    return result
