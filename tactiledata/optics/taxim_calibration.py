@@ -1,0 +1,157 @@
+"""Taxim's table from pictures of known slopes: presses of a ball, or touches whose mesh was simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d, distance_transform_edt
+
+from tactiledata.errors import UsageError
+from tactiledata.optics.taxim import TERMS, TaximTable, place_terms, slope_bins
+
+Array = NDArray[np.float64]
+
+BINS = 125
+"""Of angle and direction, as in the published tables."""
+SPREAD = 2.0
+"""Bins: standard deviation over which neighbouring bins are fitted together. A single bin sees few pixels."""
+RIDGE = 1e-3
+"""Of the fit, relative to the bin's number of pixels: terms that a bin's pixels do not tell stay small."""
+LEAST_PIXELS = 6.0
+"""Pixels (weighted) below which a bin takes its nearest neighbour's quadratic."""
+STEEPEST = 0.9
+"""Share of a ball's radius up to which its slope is believed: at the rim it is infinite, and gel does not follow."""
+
+
+@dataclass(frozen=True)
+class Press:
+    """A picture of known slopes.
+
+    Parameters
+    ----------
+    change : (rows, columns, 3)
+        Picture minus background, grey levels, RGB.
+    slopes : (rows, columns, 2)
+        Of the indentation, along columns and rows, m/m.
+    is_known : (rows, columns), bool
+        Where the slopes are known.
+    """
+
+    change: NDArray[np.float32]
+    slopes: NDArray[np.float32]
+    is_known: NDArray[np.bool_]
+
+
+def ball_press(picture: Any, background: Any, centre: tuple[float, float], contact_radius: float, ball: float) -> Press:
+    """The press of a ball: inside the contact the gel has the ball's slopes, in closed form.
+
+    Parameters
+    ----------
+    picture, background : (rows, columns, 3), uint8 RGB
+    centre : (column, row), px
+    contact_radius : px
+        As annotated; where it exceeds ``STEEPEST`` of the ball's own radius it is cut to that.
+    ball : px
+        The ball's radius.
+
+    Raises
+    ------
+    UsageError
+        Pictures that differ in shape, or a radius that is none.
+    """
+    if np.shape(picture) != np.shape(background) or np.ndim(picture) != 3:
+        raise UsageError(f"a picture {np.shape(picture)} and a background {np.shape(background)}", "one shape", "")
+    if not (contact_radius > 0 and ball > 0):
+        raise UsageError(f"a contact of {contact_radius} px by a ball of {ball} px", "radii above 0", "")
+    rows, columns = np.shape(picture)[:2]
+    row, column = np.mgrid[:rows, :columns].astype(np.float32)
+    across, down = column - np.float32(centre[0]), row - np.float32(centre[1])
+    square = across**2 + down**2
+    reach = min(contact_radius, STEEPEST * ball)
+    is_known = square <= reach**2
+    depth_slope = -1.0 / np.sqrt(np.maximum(ball**2 - square, (1 - STEEPEST**2) * ball**2 / 2))
+    change = np.asarray(picture, np.float32) - np.asarray(background, np.float32)
+    slopes = np.stack([across * depth_slope, down * depth_slope], axis=-1)
+    return Press(change, slopes.astype(np.float32), is_known)
+
+
+def calibrate(
+    presses: Iterable[Press], origin: str, *, bins: int = BINS, spread: float = SPREAD, ridge: float = RIDGE
+) -> TaximTable:
+    """The table that fits the presses best, bin by bin, in least squares.
+
+    Every pixel counts: where several fall into one bin their sums are added up. Bins are fitted together with their
+    neighbours (``spread``), and those without pixels take the nearest one's quadratic. What the table says of a flat
+    gel is set to no change.
+
+    Raises
+    ------
+    UsageError
+        No pixel with a known slope.
+    """
+    normal, right, count = np.zeros((bins * bins, 21)), np.zeros((bins * bins, 3 * TERMS)), np.zeros(bins * bins)
+    pairs = np.triu_indices(TERMS)
+    for press in presses:
+        angle, direction = slope_bins(press.slopes, (bins, bins))
+        # flat gel is no change by definition, and most of a picture: it must not outvote its neighbours
+        used = press.is_known & (angle > 0)
+        terms = place_terms(press.change.shape[:2])[used].astype(np.float64)
+        colour, angle, direction = press.change[used].astype(np.float64), angle[used], direction[used]
+        _add_up(normal, angle * bins + direction, terms[:, pairs[0]] * terms[:, pairs[1]])
+        _add_up(right, angle * bins + direction, (colour[:, :, None] * terms[:, None, :]).reshape(-1, 3 * TERMS))
+        count += np.bincount(angle * bins + direction, minlength=bins * bins)
+    if not count.any():
+        raise UsageError("no pixel with a known slope", "presses that show a contact", "Are radii in pixels?")
+    shape = (bins, bins)
+    normal, right, count = (_spread(sums.reshape(*shape, -1), spread) for sums in (normal, right, count))
+    coefficients = _solved(normal, right, count[..., 0], ridge, pairs)
+    coefficients = _filled(coefficients, count[..., 0] >= LEAST_PIXELS)
+    coefficients[0] = 0.0
+    return TaximTable(coefficients, origin)
+
+
+def _add_up(sums: Array, place: NDArray[np.intp], values: Array) -> None:
+    """Add rows of values to rows of sums; several values for one place all count."""
+    for column in range(sums.shape[1]):
+        sums[:, column] += np.bincount(place, values[:, column], len(sums))
+
+
+def _spread(sums: Array, width: float) -> Array:
+    """Sums over neighbouring bins, bell-shaped; directions go round."""
+    if width <= 0:
+        return sums
+    reach = int(np.ceil(3 * width))
+    bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    turned = sums[:, :-1].copy()  # the last direction is the first one again
+    turned[:, 0] += sums[:, -1]
+    turned = convolve1d(convolve1d(turned, bell, axis=0, mode="constant"), bell, axis=1, mode="wrap")
+    return np.concatenate([turned, turned[:, :1]], axis=1)
+
+
+def _solved(normal: Array, right: Array, count: Array, ridge: float, pairs: tuple[Any, Any]) -> Array:
+    """Coefficients (angles, directions, 3, 6) of the normal equations."""
+    matrix = np.zeros((*normal.shape[:2], TERMS, TERMS))
+    matrix[..., pairs[0], pairs[1]] = normal
+    matrix[..., pairs[1], pairs[0]] = normal
+    # the constant term is told by any pixel and needs no ridge, but for bins without a pixel
+    ridges = np.array([1.0] * (TERMS - 1) + [1e-6])
+    matrix += (ridge * count + 1e-9)[..., None, None] * np.diag(ridges)
+    values = right.reshape(*right.shape[:2], 3, TERMS)
+    return np.swapaxes(np.linalg.solve(matrix, np.swapaxes(values, -1, -2)), -1, -2)
+
+
+def _filled(coefficients: Array, is_seen: NDArray[np.bool_]) -> Array:
+    """Bins that were not seen, with the quadratic of the nearest one that was; directions go round."""
+    directions = is_seen.shape[1]
+    if not is_seen.any():
+        is_seen = np.ones_like(is_seen)
+    around = np.concatenate([is_seen[:, :-1]] * 3, axis=1)
+    nearest = distance_transform_edt(~around, return_distances=False, return_indices=True)
+    middle = slice(directions - 1, 2 * (directions - 1))
+    angle, direction = nearest[0][:, middle], nearest[1][:, middle] % (directions - 1)
+    filled = coefficients[angle, direction]
+    return np.concatenate([filled, filled[:, :1]], axis=1)
