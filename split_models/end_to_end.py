@@ -33,6 +33,8 @@ class EndToEnd(Network):
     """
 
     kind = "end_to_end"
+    mean: Tensor
+    spread: Tensor
 
     def __init__(
         self,

@@ -20,16 +20,17 @@ class ResidualBlock(nn.Module):
 
     def __init__(self, channels: int) -> None:
         super().__init__()
+        last = nn.Conv2d(channels, channels, 3, padding=1)
+        nn.init.zeros_(last.weight)
+        if last.bias is not None:
+            nn.init.zeros_(last.bias)
         self.body = nn.Sequential(
             nn.GroupNorm(max(1, channels // GROUP), channels),
             nn.Tanh(),
             nn.Conv2d(channels, channels, 3, padding=1),
             nn.Tanh(),
-            nn.Conv2d(channels, channels, 3, padding=1),
+            last,
         )
-        last = self.body[-1]
-        nn.init.zeros_(last.weight)
-        nn.init.zeros_(last.bias)
 
     def forward(self, values: Tensor) -> Tensor:
         """Features of the same shape."""

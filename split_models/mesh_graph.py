@@ -7,6 +7,7 @@ import hashlib
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import igl
@@ -133,7 +134,7 @@ class Hierarchy:
             parts = tuple(arrays[f"{kind}.{level}.{part}"] for part in ("data", "indices", "indptr"))
             return csr_array(parts, shape=shape)
 
-        steps = list(enumerate(zip(sizes[:-1], sizes[1:], strict=True)))
+        steps = list(enumerate(pairwise(sizes)))
         return cls(
             digest,
             sizes,

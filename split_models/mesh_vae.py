@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ class ChebyshevConvolution(nn.Module):
     Source: Defferrard et al. 2016, equation 4; ``order`` is the number of polynomials, K.
     """
 
-    def __init__(self, laplacian: SparseMap, inputs: int, outputs: int, order: int) -> None:
+    def __init__(self, laplacian: nn.Module, inputs: int, outputs: int, order: int) -> None:
         super().__init__()
         self.laplacian = laplacian
         self.order = order
@@ -67,7 +68,7 @@ class MeshEncoder(nn.Module):
         widths = [3, *filters]
         self.layers = nn.ModuleList(
             ChebyshevConvolution(maps.laplacians[level], inputs, outputs, order)
-            for level, (inputs, outputs) in enumerate(zip(widths[:-1], widths[1:], strict=True))
+            for level, (inputs, outputs) in enumerate(pairwise(widths))
         )
         self.features = maps.sizes[len(filters)] * filters[-1]
 
@@ -117,6 +118,8 @@ class MeshVae(Network):
     """
 
     kind = "mesh_vae"
+    mean: Tensor
+    spread: Tensor
 
     def __init__(
         self,

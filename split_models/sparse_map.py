@@ -36,9 +36,9 @@ class SparseMap(nn.Module):
         return product.reshape(self.shape[0], *values.shape[1:])
 
     def _matrix(self, name: str) -> Tensor:
-        parts = [getattr(self, f"{name}_{part}") for part in ("pointer", "index", "value")]
+        pointer, index, value = (getattr(self, f"{name}_{part}") for part in ("pointer", "index", "value"))
         size = self.shape if name == "forward" else self.shape[::-1]
-        return torch.sparse_csr_tensor(*parts, size=size, check_invariants=False)
+        return torch.sparse_csr_tensor(pointer, index, value, size=size, check_invariants=False)
 
 
 class _Multiply(torch.autograd.Function):

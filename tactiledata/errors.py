@@ -13,7 +13,9 @@
     │   └── LostFile                       a file that other files name and that is gone   exit code 1
     ├── StoreError (ValueError)            a store that is damaged, foreign or of another version
     │   └── StoreBusy (BlockingIOError)    another process writes to the store
-    └── LeakError (ValueError)             data that would be on both sides of a split
+    ├── LeakError (ValueError)             data that would be on both sides of a split
+    ├── CheckpointError (ValueError)       weights that are damaged, foreign, or of other data than these
+    └── NotFinite (ArithmeticError)        NaN or infinity where learning needs numbers
 
 A message has three parts: what was found, what was expected, what to do. The facts are kept as attributes, so that a
 caller need not parse the text.
@@ -134,3 +136,11 @@ class StoreBusy(StoreError, BlockingIOError):
 
 class LeakError(TactileDataError, ValueError):
     """Data that would stand on both sides of a split."""
+
+
+class CheckpointError(TactileDataError, ValueError):
+    """Weights that are damaged, foreign, or were learned from other data or settings than those at hand."""
+
+
+class NotFinite(TactileDataError, ArithmeticError):
+    """NaN or infinity in what a network learns from, or in what comes out of it."""

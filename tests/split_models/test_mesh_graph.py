@@ -23,7 +23,7 @@ def block_topology(nx=5, ny=6, nz=4):
 
 @pytest.mark.parametrize("topology", [grid_topology(), grid_topology(dome=20.0), block_topology()])
 def test_each_level_has_half_the_vertices(topology):
-    """Four poolings, each to one half rounded up; every row of a way up sums to 1, every row of a way down is one vertex."""
+    """Four poolings, each to one half rounded up; rows of a way up sum to 1, those of a way down are one vertex."""
     hierarchy = build_hierarchy(topology)
     for fine, coarse in zip(hierarchy.sizes[:-1], hierarchy.sizes[1:], strict=True):
         assert coarse == (fine + 1) // 2

@@ -1,0 +1,214 @@
+"""The loop learns, stops, goes on where it was killed, and says at once what it cannot learn from."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import torch
+from learner import STAMPS, items, learn, objective
+
+from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.device import find_device
+from split_models.items import TensorItems
+from split_models.objectives import Regression
+from split_models.projection import Projection
+from split_models.train import TrainOptions, train
+from tactiledata.errors import CheckpointError, MissingFile, NotFinite, UnknownName, UsageError
+
+LEARNER = Path(__file__).with_name("learner.py")
+
+
+def losses(trained):
+    return [(row["train_loss"], row["val_loss"]) for row in trained.rows]
+
+
+def environment(**more):
+    root = LEARNER.resolve().parents[2]
+    return {**os.environ, "PYTHONPATH": f"{root}{os.pathsep}{LEARNER.parent}", "OMP_NUM_THREADS": "1", **more}
+
+
+def test_it_learns_and_writes_its_curve(tmp_path):
+    """Loss falls; curve.csv and curve.json hold a row an epoch; the learning rate decays by its factor."""
+    trained = learn(tmp_path, epochs=12)
+    assert trained.rows[-1]["train_loss"] < 0.5 * trained.rows[0]["train_loss"]
+    with (tmp_path / "curve.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["train_loss"]) for row in rows] == [row["train_loss"] for row in trained.rows]
+    assert json.loads((tmp_path / "curve.json").read_text()) == trained.rows
+    assert trained.rows[3]["learning_rate"] == pytest.approx(0.01 * 0.99**3)
+    assert trained.best_epoch == min(range(12), key=lambda epoch: trained.rows[epoch]["val_loss"])
+
+
+class Stop(Exception):
+    """What a test interrupts with."""
+
+
+def test_interrupted_it_ends_with_the_same_losses(tmp_path):
+    """After an epoch and within one; with dropout, whose draws depend on seed, epoch and step alone."""
+    whole = learn(tmp_path / "whole")
+
+    def stop(done, total, what):
+        if done == 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        learn(tmp_path / "parted", tell=stop)
+    assert losses(learn(tmp_path / "parted")) == losses(whole)
+
+    class Torn(TensorItems):
+        reads = 0
+
+        def batch(self, numbers):
+            self.reads += 1
+            if self.reads == 10:
+                raise Stop
+            return super().batch(numbers)
+
+    torn = items()
+    torn = Torn(torn.tensors, torn.fingerprint)
+    with pytest.raises(Stop):
+        learn(tmp_path / "torn", items=torn, save_seconds=0.0)
+    progress = load_checkpoint(tmp_path / "torn" / "last.pt").progress
+    assert progress["order"]["consumed"] not in (0, 48)
+    assert losses(learn(tmp_path / "torn")) == losses(whole)
+
+
+@pytest.mark.slow
+def test_killed_it_ends_with_the_same_losses(tmp_path):
+    """A process that dies by SIGKILL in the midst of it, and the same call again."""
+    command = [sys.executable, str(LEARNER)]
+    whole = subprocess.run(
+        [*command, str(tmp_path / "whole"), "0", "0.2"], capture_output=True, check=True, env=environment()
+    )
+    folder = tmp_path / "killed"
+    process = subprocess.Popen([*command, str(folder), "0.15", "0.2"], env=environment(), stdout=subprocess.DEVNULL)
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline:
+        time.sleep(0.05)
+        if (folder / "last.pt").exists() and load_checkpoint(folder / "last.pt").progress["rows"]:
+            break
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not load_checkpoint(folder / "last.pt").progress["is_over"]
+    again = subprocess.run([*command, str(folder), "0", "0.2"], capture_output=True, check=True, env=environment())
+    assert json.loads(again.stdout) == json.loads(whole.stdout)
+
+
+@pytest.mark.slow
+def test_two_processes_learn_what_one_learns(tmp_path):
+    """Under torchrun, with two gloo processes: the losses of one process, but for the last digits."""
+    alone = subprocess.run(
+        [sys.executable, str(LEARNER), str(tmp_path / "one"), "0", "0"],
+        capture_output=True, check=True, env=environment(),
+    )  # fmt: skip
+    together = subprocess.run(
+        [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2", str(LEARNER),
+         str(tmp_path / "two"), "0", "0"],
+        capture_output=True, check=True, env=environment(), timeout=300,
+    )  # fmt: skip
+    printed = [json.loads(line) for line in together.stdout.decode().splitlines() if line.startswith("[")]
+    assert printed
+    for line in printed:
+        assert line == pytest.approx(json.loads(alone.stdout), rel=1e-4)
+
+
+def test_it_stops_when_it_no_longer_gets_better(tmp_path):
+    """Patience counts from the end of annealing; the best epoch's weights are what comes out."""
+
+    class Frozen(Regression):
+        def forward(self, batch, epoch):
+            found = super().forward(batch, epoch)
+            return {"loss": found["loss"] * 0.0 + 1.0}
+
+    frozen = Frozen(Projection(6, 3, (8, 3), ()), "given", "wanted")
+    options = TrainOptions(epochs=50, batch_size=16, patience=2, settle=3)
+    trained = train(frozen, items(), items(16, 1), options, tmp_path, STAMPS, torch.device("cpu"))
+    assert [row["epoch"] for row in trained.rows] == [0, 1, 2, 3, 4, 5]
+    assert trained.best_epoch == 0
+
+
+def test_nan_is_named_at_once(tmp_path):
+    """The item that holds it, before any step is taken with it; likewise a loss that is none."""
+    bad = items()
+    bad.tensors["given"][7, 2] = float("nan")
+    with pytest.raises(NotFinite, match="'given' of item 7"):
+        learn(tmp_path / "batch", items=bad)
+
+    class Broken(Regression):
+        def forward(self, batch, epoch):
+            return {"loss": super().forward(batch, epoch)["loss"] * float("inf")}
+
+    with pytest.raises(NotFinite, match="the loss of the projection became inf in epoch 0"):
+        learn(tmp_path / "loss", objective=Broken(Projection(6, 3, (8, 3), ()), "given", "wanted"))
+    spoilt = items(16, 1)
+    spoilt.tensors["wanted"][0] = float("nan")
+    with pytest.raises(NotFinite, match="validation loss"):
+        train(objective(), items(), spoilt, TrainOptions(1, 8), tmp_path / "val", STAMPS, torch.device("cpu"))
+
+
+def test_weights_of_other_data_are_not_gone_on_with(tmp_path):
+    """Another recipe, split, frames or topology is refused by name."""
+    learn(tmp_path, epochs=1)
+    for name in ("recipe", "split", "items", "topology"):
+        with pytest.raises(CheckpointError, match="another state of") as caught:
+            learn(tmp_path, stamps=Stamps(**{**vars(STAMPS), name: "other"}))
+        assert caught.value.facts["differing"] == [name]
+
+
+def test_a_finished_training_is_read(tmp_path):
+    """The second call learns nothing and gives the same weights."""
+    first = learn(tmp_path, epochs=2)
+    second = learn(tmp_path, epochs=2, items=items(pause=100.0))
+    state = second.network.state_dict()
+    assert all(torch.equal(values, state[name]) for name, values in first.network.state_dict().items())
+
+
+def test_saved_and_loaded_it_gives_the_same(tmp_path):
+    """Bit by bit, and settings with it."""
+    network = objective().network.eval()
+    save_checkpoint(tmp_path / "a.pt", Checkpoint.of(network, STAMPS))
+    kept = load_checkpoint(tmp_path / "a.pt")
+    given = torch.randn(4, 6)
+    assert torch.equal(kept.network()(given), network(given))
+    assert kept.stamps == STAMPS
+    assert kept.network().settings == network.settings
+
+
+def test_what_is_no_checkpoint_is_refused(tmp_path):
+    """Missing, empty, torn, of another program; code in it is not run."""
+    with pytest.raises(MissingFile, match="Train first"):
+        load_checkpoint(tmp_path / "none.pt")
+    good = tmp_path / "good.pt"
+    save_checkpoint(good, Checkpoint.of(objective().network, STAMPS))
+    (tmp_path / "empty.pt").touch()
+    (tmp_path / "torn.pt").write_bytes(good.read_bytes()[:-500])
+    torch.save({"weights": {}}, tmp_path / "other.pt")
+    torch.save(Path("code"), tmp_path / "code.pt")
+    for name in ("empty", "torn", "other", "code"):
+        with pytest.raises(CheckpointError, match="cannot be read as a checkpoint"):
+            load_checkpoint(tmp_path / f"{name}.pt")
+    other = Checkpoint("projection", {"inputs": 6, "outputs": 4}, STAMPS, "", objective().network.state_dict(), {})
+    with pytest.raises(CheckpointError, match="do not fit its settings"):
+        other.network()
+
+
+def test_a_device_that_is_not_there_is_refused():
+    """Before anything else; the message says why."""
+    assert find_device("cpu").type == "cpu"
+    with pytest.raises(UnknownName, match="unknown device 'gpu'"):
+        find_device("gpu")
+    if not torch.cuda.is_available():
+        with pytest.raises(UsageError, match="--device cuda, and"):
+            find_device("cuda")
+
+
+def test_nothing_to_learn_from_is_said(tmp_path):
+    """No items is wrong usage, not an empty curve."""
+    with pytest.raises(UsageError, match="nothing to validate"):
+        train(objective(), items(), items(0), TrainOptions(1, 8), tmp_path, STAMPS, torch.device("cpu"))
