@@ -19,12 +19,16 @@ def register(app: typer.Typer) -> None:
 
 
 def sensors(
-    words: list[str] = typer.Argument(None, help="A store, or: add NAME, or: remove NAME."),
-    background: Path = typer.Option(None, "--background", help="With add: a picture of the sensor without contact."),
+    words: list[str] = typer.Argument(None, help="A store, or: add NAME [FILE…], or: remove NAME."),
+    background: Path = typer.Option(
+        None, "--background", help="With add: a picture of the sensor without contact; of several frames the mean."
+    ),
     model: str = typer.Option(
         None, "--model", help="With add: the sensor's model [default: what is known, else digit]."
     ),
     licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
+    source: str = typer.Option("", "--source", help="With add: where the picture is from."),
+    unchecked: bool = typer.Option(False, "--unchecked", help="With add: also where red and blue seem swapped."),
     replace: bool = typer.Option(False, "--replace", help="With add: put it in the place of another picture."),
     store: str = typer.Option(None, "--store", help="With add, remove: the store [default: the only *.zarr here]."),
     as_json: bool = JSON_OPTION,
@@ -33,10 +37,11 @@ def sensors(
 
     `remove` takes out what was added.
 
-    Example: tactiledata sensors add D20542 --background empty.png
+    Example: tactiledata sensors add D20542 --background empty1.png empty2.png empty3.png
     """
     if words and words[0] == "add":
-        _add_sensor(words[1:], background, model, licence, replace, store, as_json)
+        said = {"model": model, "licence": licence, "source": source, "replace": replace, "unchecked": unchecked}
+        _add_sensor(words[1:], background, said, store, as_json)
         return
     if words and words[0] == "remove":
         _remove_sensor(words[1:], store, as_json)
@@ -51,27 +56,22 @@ def sensors(
 
 
 def _add_sensor(
-    names: list[str],
-    background: Path | None,
-    model: str | None,
-    licence: str,
-    replace: bool,
-    store: str | None,
-    as_json: bool,
+    words: list[str], background: Path | None, said: dict[str, Any], store: str | None, as_json: bool
 ) -> None:
     from tactiledata.store.add_sensor import add_sensor
 
-    if len(names) != 1 or background is None:
+    if not words or background is None:
         raise UsageError(
-            "sensors add needs one name and a picture", "tactiledata sensors add NAME --background FILE", ""
+            "sensors add needs one name and a picture", "tactiledata sensors add NAME --background FILE...", ""
         )
+    name, *more = words
     location = working_store(store, "Name it: --store S")
-    found = add_sensor(location, names[0], background, model=model, licence=licence, replace=replace)
+    found = add_sensor(location, name, [background, *map(Path, more)], **said)
     if as_json:
-        emit({"store": location, "sensor": names[0], "findings": [vars(finding) for finding in found]})
+        emit({"store": location, "sensor": name, "findings": [vars(finding) for finding in found]})
         return
-    findings((names[0], finding) for finding in found)
-    say(f"{names[0]} is a sensor of {location} now")
+    findings((name, finding) for finding in found)
+    say(f"{name} is a sensor of {location} now")
 
 
 def _remove_sensor(names: list[str], store: str | None, as_json: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -12,6 +13,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
 from tactiledata.errors import MissingFile, UsageError
 from tactiledata.sensors import SENSORS
+from tactiledata.sensors.average_background import average_background, refuse_swapped_channels
 from tactiledata.sensors.base import Sensor
 from tactiledata.sensors.image_checks import orientation_of
 from tactiledata.store.commit import recover
@@ -28,10 +30,12 @@ LARGEST_PICTURE = 64 * 2**20
 def add_sensor(
     store_path: Path | str,
     name: str,
-    background: Path,
+    background: Path | Sequence[Path],
     model: str | None = None,
     licence: str = "",
+    source: str = "",
     replace: bool = False,
+    unchecked: bool = False,
 ) -> list[Finding]:
     """What is worth saying after a sensor and its picture without contact became part of a store.
 
@@ -43,25 +47,30 @@ def add_sensor(
         A local store.
     name : str
         Serial, as recordings name it.
-    background : Path
-        JPEG or PNG.
+    background : Path or several
+        JPEG or PNG; of several frames the mean is kept.
     model : str
         A name of the sensors table; where it is not given, what the store knows of the sensor, else ``digit``.
-    licence : str
+    licence, source : str
         Of the picture.
     replace : bool
         Put the picture in the place of another one, whether that was added or came with a recording.
+    unchecked : bool
+        Take a DIGIT's picture also where red and blue seem to be swapped.
 
     Raises
     ------
     MissingFile, UsageError
-        No picture there; not a picture; the store knows this sensor with another picture.
+        No picture there; not a picture; a frame that shows a touch; red and blue swapped; the store knows this sensor
+        with another picture.
     UnknownName
         No such model.
     """
     if not name.strip() or "/" in name or "\\" in name or len(name) > 200:
         raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
-    image = read_picture(background)
+    paths = [background] if isinstance(background, Path) else list(background)
+    names = [path.name for path in paths]
+    image = average_background([read_picture(path) for path in paths], names)
     folder = Path(store_path)
     Store.open(folder)  # says what is wrong where there is no store to lock
     with writing_lock(folder, INTAKE_LOCK):
@@ -73,15 +82,22 @@ def add_sensor(
             raise UsageError(f"the store knows {name!r} as a {known}", f"--model {known}, not {model}", "Leave it out.")
         chosen = model or known or "digit"
         sensor = SENSORS[chosen]
+        if sensor.name == "digit" and not unchecked:
+            refuse_swapped_channels(image, " and ".join(names[:3]))
         there = manifest["references"].get(name)
         if there == image_crc(image) and name in facts:
             return []
         if there not in (None, image_crc(image)):
             _refuse_other(folder, name, replace)
             remove_picture(folder, name)
-        reference = Reference(image, f"{BY_HAND}{background.name}", licence, chosen)
+        reference = Reference(image, _origin(names, source), licence, chosen)
         keep_sensors(folder, {name: {**facts.get(name, {}), "model": chosen}}, {name: reference})
-    return _findings(name, image, sensor)
+    return _findings(name, image, sensor, len(paths))
+
+
+def _origin(names: Sequence[str], source: str) -> str:
+    what = names[0] if len(names) == 1 else f"mean of {len(names)} frames ({names[0]} …)"
+    return f"{BY_HAND}{what}{f', from {source}' if source else ''}"
 
 
 def remove_sensor(store_path: Path | str, name: str) -> None:
@@ -129,16 +145,18 @@ def read_picture(path: Path) -> NDArray[np.uint8]:
     return np.ascontiguousarray(image, dtype=np.uint8)
 
 
-def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor) -> list[Finding]:
+def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor, n_frames: int) -> list[Finding]:
     if sensor.camera is None:
         text = f"{sensor.title} gives no pictures; that of {name!r} was kept anyway"
         return [Finding("sensor-without-camera", "warning", text)]
+    alone = f"{name!r} has one frame as its background: whether it shows a touch cannot be told; several frames tell"
+    found = [Finding("background-one-frame", "info", alone)] if n_frames == 1 else []
     rows, columns = sensor.camera.shape
     verdict = orientation_of(image, sensor)
     if verdict == "ok":
-        return []
+        return found
     size = f"{image.shape[0]} rows x {image.shape[1]} columns"
     text = f"the picture of {name!r} has {size}; a {sensor.name} gives {rows} x {columns}"
     if verdict == "swapped":
-        return [Finding("image-swapped", "warning", f"{text}: height and width swapped")]
-    return [Finding("image-size", "info", text)]
+        return [*found, Finding("image-swapped", "warning", f"{text}: height and width swapped")]
+    return [*found, Finding("image-size", "info", text)]
