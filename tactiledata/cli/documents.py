@@ -27,6 +27,14 @@ def calibration_document(path: Path) -> Any:
         return read_document(path, "calibration")
 
 
+def effects_document(path: Path) -> Any:
+    """An effects.json (schemas/effect.json)."""
+    from tactiledata.contract.schema import read_document
+
+    with wrong_document_is_wrong_usage():
+        return read_document(path, "effect")
+
+
 def mapping_document(path: Path | None) -> Any:
     """The mapping in a file; ``None`` where no file is named."""
     from tactiledata.contract.schema import read_document

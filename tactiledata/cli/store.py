@@ -69,7 +69,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         say(f"split: {name}")
     for name, mesh in facts["meshes"].items():
         have = ", ".join(f"{count} {words}" for words, count in mesh["status"].items())
-        say(f"mesh: {name}, {mesh['fidelity']}, {mesh['vertices']} vertices ({mesh['kept']} kept): {have}")
+        effects = f", with {', '.join(mesh['effects'])}" if mesh["effects"] else ""
+        say(f"mesh: {name}, {mesh['fidelity']}{effects}, {mesh['vertices']} vertices ({mesh['kept']} kept): {have}")
     say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")

@@ -34,7 +34,6 @@ Tell = Callable[..., None]
 FREE_AIR = 1e-4
 """m: a tip higher than this above the gel touches nothing, whatever its offset."""
 
-
 @dataclass(frozen=True)
 class StoreCases:
     """What a store gives to a diagnosis.
@@ -51,6 +50,8 @@ class StoreCases:
     frames_lost : int
         Of trajectories that take part: without pose or wrench, or not solved.
     geometry : GelGeometry
+    uids : tuple of str
+        Of the trajectories that take part, in order.
     """
 
     cases: CaseSet
@@ -60,6 +61,7 @@ class StoreCases:
     left_out: dict[str, int]
     frames_lost: int
     geometry: GelGeometry
+    uids: tuple[str, ...]
 
 
 def store_cases(
@@ -84,7 +86,7 @@ def store_cases(
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
     make = _CaseMaker(measured, StoreFacts(store, plan.touches), start, geometry)
     left_out = Counter(measured.left_out)
-    cases, kept = [], []
+    cases, kept, uids = [], [], []
     for touch, played in zip(measured.touches, plays, strict=True):
         case, part = make.case(touch, planned[touch.uid], played)
         if len(case.touch) < FEWEST_FRAMES or not part.level.any():
@@ -92,13 +94,15 @@ def store_cases(
             continue
         cases.append(case)
         kept.append(part)
+        uids.append(touch.uid)
     if len(cases) < FEWEST_CASES:
         raise too_few(len(cases), dict(left_out))
     not_played = _not_played(kept[0], options)
     effects = tuple(name for name in EFFECTS if name not in not_played)
     family = PlayedFamily([case.touch for case in cases], kept)
     lost = sum(len(touch.seconds) for touch in measured.touches) - sum(len(case.touch) for case in cases)
-    return StoreCases(CaseSet(cases, family, box), start, effects, not_played, dict(left_out), lost, geometry)
+    asked = CaseSet(cases, family, box)
+    return StoreCases(asked, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:

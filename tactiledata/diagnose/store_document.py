@@ -94,11 +94,22 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
     return document
 
 
+def effects_file(done: StoreDiagnosis, document: dict[str, Any]) -> dict[str, Any] | None:
+    """``effects.json`` (schemas/effect.json), for a replay with what is claimed; ``None`` where nothing is."""
+    best = done.naming.decision.best
+    if document["naming"]["effects"] is None or best is None:
+        return None
+    offsets = zip(done.played.uids, best.fit.model.offsets.tolist(), strict=True)
+    effects = {**document["naming"]["effects"], "offsets": dict(offsets), "provenance": document["provenance"]}
+    check_document(effects, "effect", "the effects")
+    return effects
+
+
 def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, document: dict[str, Any]) -> list[Path]:
     """``report.html``, ``diagnosis.json``, ``effects.json`` where any is claimed, and the scenarios of next trials."""
     folder.mkdir(parents=True, exist_ok=True)
     written = [folder / "report.html", folder / "diagnosis.json"]
-    effects = document["naming"]["effects"]
+    effects = effects_file(done, document)
     if effects is not None:
         written.append(folder / "effects.json")
         write_json_atomic(written[-1], effects)

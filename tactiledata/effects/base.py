@@ -122,3 +122,7 @@ class Effect:
         What deformed meshes are to be played with. At design points it is played beforehand, for wrenches.
         """
         return GelVariant()
+
+    def beside_engine(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """The values that are left to `change` where the gel engine itself plays `variant`; all of them for most."""
+        return values

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.effects.balance import Balance
 from tactiledata.effects.base import CONTACT_SLOTS
 from tactiledata.effects.response import BaseResponse, GelVariant
 from tactiledata.effects.setting import EffectSetting, in_order
@@ -20,7 +21,6 @@ Array = NDArray[np.float64]
 MOST_ROUNDS = 30
 CLOSE, CLOSE_ENOUGH = 1e-9, 1e-4
 """Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more."""
-LEAST_STEP, LARGEST_STEP = 0.02, 2.0
 
 
 @dataclass(frozen=True)
@@ -58,12 +58,7 @@ class Simulator:
             An effect depends on what the touch does not tell, or gel and springs find no balance.
         """
         active = [setting for setting in self.effects if setting.acts_on(touch) and not setting.is_null]
-        in_contact = [setting for setting in active if setting.member.slot in CONTACT_SLOTS]
-        state = _in_balance(TouchState.start(touch, self.base(touch)), in_contact)
-        state = state.read(state.contact.wrench)
-        for setting in active[len(in_contact) :]:
-            state = setting.apply(state)
-        return _zeroed(state)
+        return as_read(_in_balance(TouchState.start(touch, self.base(touch)), in_contact(active)), active)
 
 
 def with_effects(base: Callable[[Touch], BaseResponse], settings: Iterable[EffectSetting]) -> Simulator:
@@ -71,11 +66,22 @@ def with_effects(base: Callable[[Touch], BaseResponse], settings: Iterable[Effec
     return Simulator(base).with_effects(settings)
 
 
-def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchState:
-    """The state after effects in contact, in which what is felt is what the gel answers.
+def in_contact(settings: Iterable[EffectSetting]) -> list[EffectSetting]:
+    """Those that change what is asked of the gel."""
+    return [setting for setting in settings if setting.member.slot in CONTACT_SLOTS]
 
-    Each component of each frame follows the secant method, for which its neighbours hardly matter.
-    """
+
+def as_read(state: TouchState, settings: Iterable[EffectSetting]) -> TouchState:
+    """A touch after its effects in contact, with what time and sensor make of the wrench."""
+    state = state.read(state.contact.wrench)
+    for setting in settings:
+        if setting.member.slot not in CONTACT_SLOTS:
+            state = setting.apply(state)
+    return _zeroed(state)
+
+
+def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchState:
+    """The state after effects in contact, in which what is felt is what the gel answers."""
 
     def after(felt: Array) -> TouchState:
         state = replace(start, felt=felt)
@@ -85,38 +91,25 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
 
     if not any(setting.member.feeds_back for setting in settings):
         return after(start.felt)
-    known = np.isfinite(start.contact.wrench)
-    felt = _bridged(start.contact.wrench, known)
-    close = CLOSE * np.abs(felt).max(initial=0.0)
-    step, miss = np.ones_like(felt), np.zeros_like(felt)
-    for turn in range(MOST_ROUNDS):
-        state = after(felt)
-        away = state.contact.wrench - felt
-        last, miss = miss, np.where(np.isfinite(away), away, 0.0)
-        if np.abs(miss).max(initial=0.0) <= close:
+    balance = Balance(start.contact.wrench)
+    for _ in range(MOST_ROUNDS):
+        state = after(balance.felt)
+        balance.measure(state.contact.wrench)
+        if balance.missed <= CLOSE * balance.largest:
             break
-        if turn > 0:
-            fell = last - miss
-            step = np.divide(step * last, fell, out=np.ones_like(fell), where=np.abs(fell) > 1e-3 * np.abs(miss))
-            step = np.clip(step, LEAST_STEP, LARGEST_STEP)
-        felt = _bridged(felt + step * miss, known)
-    if np.abs(miss).max(initial=0.0) > CLOSE_ENOUGH / CLOSE * close:
-        raise UsageError(
-            f"gel and springs find no balance: {np.abs(miss).max():.2g} N are left after {MOST_ROUNDS} rounds",
-            "springs that are not many times softer than the gel",
-            "Lessen the compliances.",
-        )
+        balance.move()
+    if balance.missed > CLOSE_ENOUGH * balance.largest:
+        raise unbalanced(balance.missed, MOST_ROUNDS)
     return state
 
 
-def _bridged(wrench: Array, known: NDArray[np.bool_]) -> Array:
-    """A wrench (n, 6) with what is unknown taken from its neighbours, as what is not simulated bends the arm, too."""
-    frames = np.arange(len(wrench))
-    columns = [
-        column if sure.all() else np.interp(frames, frames[sure], column[sure]) if sure.any() else np.zeros(len(column))
-        for column, sure in zip(wrench.T, known.T, strict=True)
-    ]
-    return np.stack(columns, axis=1)
+def unbalanced(missed: float, rounds: int) -> UsageError:
+    """Springs so soft that gel and springs find no rest."""
+    return UsageError(
+        f"gel and springs find no balance: {missed:.2g} N are left after {rounds} rounds",
+        "springs that are not many times softer than the gel",
+        "Lessen the compliances.",
+    )
 
 
 def _zeroed(state: TouchState) -> TouchState:

@@ -86,6 +86,13 @@ class SoftRegion(Effect):
         complete = self.complete(values)
         return GelVariant(spots=(SoftSpot(complete["x"], complete["y"], complete["radius"], complete["normal_loss"]),))
 
+    def beside_engine(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        complete = self.complete(values)
+        # a softer modulus loses both alike
+        lost = complete["normal_loss"]
+        further = max((complete["shear_loss"] - lost) / (1.0 - lost), 0.0)
+        return {**complete, "normal_loss": 0.0, "shear_loss": further}
+
     @staticmethod
     def _beyond_onset(state: TouchState, onset: float) -> np.ndarray:
         """Share (n,) of the shear traction that lies beyond the onset."""

@@ -12,6 +12,8 @@ import numpy as np
 from tactiledata.compute import SCHEDULERS
 from tactiledata.errors import UsageError
 from tactiledata.gel.surface import contact_surface
+from tactiledata.replay.effect_touches import EffectTouch, ReplayEffects
+from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.options import ReplayOptions
 from tactiledata.replay.plan import PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.replay.report import ReplayReport
@@ -73,6 +75,8 @@ def replay(
         recover(folder)
         store = Store.open(folder)
         plan = plan_replay(store, options.pads, options.indenter_folder)
+        effects = _effects(store, plan, options)
+        plan = plan if effects is None else effects.plan
         name = options.mesh_name
         if name in store.mesh_names and _differs(store, plan, options):
             if not replace:
@@ -81,8 +85,34 @@ def replay(
             store = Store.open(folder)
         before = store.manifest.get("meshes", {}).get(name, {"rows": 0})["rows"]
         if plan.pads:
-            _attach(folder, store, plan, options, before, runner, progress)
+            _attach(folder, store, plan, effects, options, before, runner, progress)
     return ReplayReport.of(Store.open(folder), name, plan, before)
+
+
+def _effects(store: Store, plan: ReplayPlan, options: ReplayOptions) -> ReplayEffects | None:
+    """The effects on a store's trajectories; ``None`` where there are none.
+
+    Raises
+    ------
+    UsageError
+        Effects that the engine, or the store, does not have.
+    """
+    if not options.acting:
+        return None
+    effects = ReplayEffects(store, plan, options.acting)
+    if options.is_carried and effects.varies_gel:
+        raise UsageError(
+            "effects of another gel at --resolution high",
+            "--resolution low: the high one is carried by the nominal gel",
+            "Replay at low resolution, or leave the effects of gel and geometry out.",
+        )
+    if options.fidelity == "linear" and effects.stiffens:
+        raise UsageError(
+            "effect 'strain_stiffening' at --fidelity linear",
+            "--fidelity finite-strain: a linear gel has no such law",
+            "Replay at finite strain, or leave it out.",
+        )
+    return effects
 
 
 def _differs(store: Store, plan: ReplayPlan, options: ReplayOptions) -> bool:
@@ -96,7 +126,8 @@ def _made_otherwise(store: Store, name: str) -> UsageError:
     material = ", ".join(f"{key} {value:.6g}" for key, value in settings["material"].items())
     return UsageError(
         f"the mesh {name!r} of {store.location} was made with other options or another pad "
-        f"({settings['fidelity']}, {material}, {settings['offsets']} offsets)",
+        f"({settings['fidelity']}, {material}, {settings['offsets']} offsets, "
+        f"{effects_in_words(settings) or 'no effects'})",
         "the same options, to go on with it",
         "Say --replace to make it anew, or --name NAME to put another one beside it.",
         mesh=name,
@@ -111,13 +142,14 @@ def _attach(
     folder: Path,
     store: Store,
     plan: ReplayPlan,
+    effects: ReplayEffects | None,
     options: ReplayOptions,
     before: int,
     runner: Any,
     progress: Progress | None,
 ) -> None:
     pad = _pad_arrays(plan, options)
-    runs = list(_runs(folder, store, plan, options, before, pad))
+    runs = list(_runs(folder, store, plan, effects, options, before, pad))
     total, done = sum(len(run.touches) for run in runs), 0
     described = {
         "kind": plan.pads[0].mesh.kind,
@@ -154,7 +186,13 @@ def _pad_arrays(plan: ReplayPlan, options: ReplayOptions) -> PadArrays:
 
 
 def _runs(
-    folder: Path, store: Store, plan: ReplayPlan, options: ReplayOptions, before: int, pad: PadArrays
+    folder: Path,
+    store: Store,
+    plan: ReplayPlan,
+    effects: ReplayEffects | None,
+    options: ReplayOptions,
+    before: int,
+    pad: PadArrays,
 ) -> Iterator[Run]:
     sizes = {name: len(getattr(pad, name)) for name in ("kept", "surface", "corners")}
     frame_bytes = 12 * (sizes["kept"] + sizes["surface"]) + sizes["corners"]
@@ -169,7 +207,8 @@ def _runs(
                 folder=str(folder.resolve() / STAGING / f"mesh-{folder_name(options.mesh_name)}-{first}"),
                 frames=(first, stop),
                 touches=tuple(group),
-                offsets=tuple(float(options.offsets.get(touch.uid, 0.0)) for touch in group),
+                offsets=tuple(_offset(touch, options) for touch in group),
+                effects=tuple(_effect_touch(store, touch, effects, options) for touch in group),
                 pads=plan.pads,
                 is_carried=options.is_carried,
                 sizes=sizes,
@@ -179,6 +218,18 @@ def _runs(
                 gap_limit_ns=options.gap_limit_ns,
             )
         first = stop
+
+
+def _offset(touch: PlannedTouch, options: ReplayOptions) -> float:
+    return float(options.offsets.get(touch.uid, 0.0))
+
+
+def _effect_touch(
+    store: Store, touch: PlannedTouch, effects: ReplayEffects | None, options: ReplayOptions
+) -> EffectTouch | None:
+    if effects is None or touch.obstacle is not None:
+        return None
+    return effects.touch(touch, touch.gel_touch(store, _offset(touch, options), options.gap_limit_ns), options.material)
 
 
 def _groups(touches: list[PlannedTouch], frame_bytes: int) -> Iterator[list[PlannedTouch]]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.provenance import digest_of
+from tactiledata.effects.setting import EffectSetting, in_order
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.recorder import Keep
@@ -37,6 +38,8 @@ class ReplayOptions:
         Of the mesh in the store, instead of ``low``, ``low-linear``, ``high`` or ``high-linear``.
     make_pad : callable, optional
         A pad of one's own for each sensor model, instead of those of ``resolution``.
+    effects : tuple of EffectSetting
+        Missing physics to replay with.
     """
 
     material: GelMaterial
@@ -48,11 +51,18 @@ class ReplayOptions:
     indenter_folder: Path | None = None
     name: str | None = None
     make_pad: MakePad | None = None
+    effects: tuple[EffectSetting, ...] = ()
 
     @property
     def mesh_name(self) -> str:
-        """The name of the mesh in the store; that of a preview says so."""
-        return self.name or self.resolution + ("-linear" if self.fidelity == "linear" else "")
+        """The name of the mesh in the store; that of a preview says so, and that of one with effects."""
+        preview, effects = "-linear" * (self.fidelity == "linear"), "-effects" * bool(self.acting)
+        return self.name or f"{self.resolution}{preview}{effects}"
+
+    @property
+    def acting(self) -> tuple[EffectSetting, ...]:
+        """Those of the effects that change anything, in the order in which they act."""
+        return in_order(setting for setting in self.effects if not setting.is_null)
 
     @property
     def pads(self) -> MakePad:
@@ -74,4 +84,5 @@ class ReplayOptions:
             "gap_limit_ns": self.gap_limit_ns,
             "offsets": len(self.offsets),
             "offsets_sha256": digest_of(dict(self.offsets)),
+            **({"effects": [setting.document for setting in self.acting]} if self.acting else {}),
         }

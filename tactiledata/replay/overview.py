@@ -10,6 +10,7 @@ import numpy as np
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.wording import counted
+from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
@@ -59,6 +60,8 @@ def _told(mesh: StoredMesh) -> list[tuple[str, str]]:
             f"mu {material['friction']:.4g}; {mesh.settings['fidelity']}.",
         )
     ]
+    if effects := effects_in_words(mesh.settings):
+        said.append(("", f"With {effects}. The simulated force is what the force sensor would read."))
     if mesh.settings["fidelity"] == "linear":
         said.append(("warning", "Linear is a preview: at 1 mm depth its forces are 5 to 20 % low."))
     return said

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import json_bytes
+from tactiledata.effects.response import GelVariant
 from tactiledata.errors import TactileDataError
 from tactiledata.gel.cells import cell_quadrature
 from tactiledata.gel.history import GelTouch
@@ -30,6 +31,7 @@ Array = NDArray[np.float64]
 MakePad = Callable[[str, GelGeometry], PadMesh]
 """The pad of a sensor model of this name and geometry."""
 
+NOMINAL = GelVariant()
 GAP_LIMIT_NS = 100_000_000
 """A pose interpolated across a longer gap is none."""
 
@@ -95,17 +97,20 @@ class PlannedTouch:
 
 @dataclass(frozen=True)
 class PlannedPad:
-    """The pad of one geometry: the mesh, and the sensor model and geometry that it was made of."""
+    """The pad of one geometry: mesh, sensor model and geometry that it was made of, and what differs of its law."""
 
     mesh: PadMesh
     sensor: str
     geometry: GelGeometry
+    law: GelVariant = NOMINAL
 
     @property
     def described(self) -> dict[str, Any]:
         """As JSON values."""
         geometry = json.loads(json_bytes(vars(self.geometry)))
-        return {"name": self.mesh.name, "sha256": self.mesh.digest, "sensor": self.sensor, "geometry": geometry}
+        law = {} if self.law == NOMINAL else {"law": json.loads(json_bytes(asdict(self.law)))}
+        named = {"name": self.mesh.name, "sha256": self.mesh.digest, "sensor": self.sensor}
+        return {**named, "geometry": geometry, **law}
 
 
 @dataclass(frozen=True)

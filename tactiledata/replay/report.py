@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from tactiledata.contract.wording import counted
+from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.plan import ReplayPlan
 from tactiledata.store.meshes import HAS_MESH
 from tactiledata.store.reader import Store
@@ -21,6 +22,10 @@ class ReplayReport:
     ----------
     store, mesh : str
     fidelity : str
+    effects : str
+        That it was made with, in words; empty where there are none.
+    material : dict
+        E, nu and mu that it was made with.
     new_frames : int
         Rows that this replay attached.
     trajectories : int
@@ -35,6 +40,8 @@ class ReplayReport:
     store: str
     mesh: str
     fidelity: str
+    effects: str
+    material: Mapping[str, float]
     new_frames: int
     trajectories: int
     status: Mapping[str, int]
@@ -50,13 +57,15 @@ class ReplayReport:
                 refused.setdefault(touch.reason, []).append(touch.uid)
         reasons = {reason: tuple(uids) for reason, uids in refused.items()}
         if name not in store.mesh_names:
-            return cls(str(store.location), name, "", 0, len(plan.touches), {}, reasons, 0)
+            return cls(str(store.location), name, "", "", {}, 0, len(plan.touches), {}, reasons, 0)
         mesh = store.mesh(name)
         counts = Counter({int(code): count for code, count in mesh.facts["counts"].items()})
         return cls(
             store=str(store.location),
             mesh=name,
             fidelity=mesh.settings["fidelity"],
+            effects=effects_in_words(mesh.settings),
+            material=mesh.settings["material"],
             new_frames=mesh.facts["rows"] - before,
             trajectories=len(plan.touches),
             status={mesh.statuses[code]: count for code, count in sorted(counts.items())},
@@ -79,6 +88,8 @@ class ReplayReport:
         said = [
             f"mesh {self.mesh}{label}: {counted(self.with_mesh, 'frame')} with a mesh, {self.new_frames} of all new"
         ]
+        if self.effects:
+            said.append(f"  with {self.effects}; its wrench is what the force sensor would read")
         said += [f"  {counted(count, 'frame')}: {words}" for words, count in self.status.items()]
         for reason, uids in self.refused.items():
             listed = ", ".join(uids[:3]) + (" …" if uids[3:] else "")

@@ -11,11 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.effects.gel_variants import variant_engine
+from tactiledata.effects.response import GelVariant
 from tactiledata.gel.embedded import EmbeddedEngine
 from tactiledata.gel.fem import FemEngine, Fidelity
 from tactiledata.gel.history import FrameStatus, GelHistory
 from tactiledata.gel.material import GelMaterial
 from tactiledata.gel.recorder import Keep
+from tactiledata.replay.effect_rounds import play_with_effects
+from tactiledata.replay.effect_touches import EffectTouch
 from tactiledata.replay.plan import PlannedPad, PlannedTouch
 from tactiledata.replay.status import ReplayStatus
 from tactiledata.store.meshes import FRAME_ARRAYS, axes_of
@@ -36,6 +40,8 @@ class Run:
     touches : tuple of PlannedTouch
     offsets : tuple of float
         m, of each touch: how much deeper the indenter is than recorded.
+    effects : tuple of EffectTouch
+        Of each touch; ``None`` where nothing acts on it.
     pads : tuple of PlannedPad
     is_carried : bool
         Whether the pads are carried by the solution on low-resolution ones.
@@ -49,6 +55,7 @@ class Run:
     frames: tuple[int, int]
     touches: tuple[PlannedTouch, ...]
     offsets: tuple[float, ...]
+    effects: tuple[EffectTouch | None, ...]
     pads: tuple[PlannedPad, ...]
     is_carried: bool
     sizes: dict[str, int]
@@ -66,6 +73,7 @@ class _EngineKey:
     """What an engine is known by."""
 
     digest: str
+    law: GelVariant
     poisson_ratio: float
     fidelity: Fidelity
     is_carried: bool
@@ -77,7 +85,7 @@ def _engine(key: _EngineKey) -> FemEngine | EmbeddedEngine:
     # the next run of this process mostly has the same pad, and to factorise it takes as long as to solve a run
     if key.is_carried:
         return EmbeddedEngine(key.pad.sensor, key.pad.geometry, key.poisson_ratio, key.fidelity)
-    return FemEngine(key.pad.mesh, key.poisson_ratio, key.fidelity)
+    return variant_engine(key.pad.mesh, key.poisson_ratio, key.fidelity, key.law)
 
 
 def solve_run(run: Run) -> dict[str, str]:
@@ -89,14 +97,16 @@ def solve_run(run: Run) -> dict[str, str]:
     store = Store.open(run.store)
     for number, pad in enumerate(run.pads):
         chosen = [
-            (touch, touch.gel_touch(store, offset, run.gap_limit_ns))
-            for touch, offset in zip(run.touches, run.offsets, strict=True)
+            (touch, touch.gel_touch(store, offset, run.gap_limit_ns), effect)
+            for touch, offset, effect in zip(run.touches, run.offsets, run.effects, strict=True)
             if touch.obstacle is None and touch.pad == number
         ]
         if chosen:
-            engine = _engine(_EngineKey(pad.mesh.digest, run.material.poisson_ratio, run.fidelity, run.is_carried, pad))
-            touches = [gel_touch for _, gel_touch in chosen]
-            for place, history in engine.play(touches, run.material, run.keep):
+            engine = _engine(
+                _EngineKey(pad.mesh.digest, pad.law, run.material.poisson_ratio, run.fidelity, run.is_carried, pad)
+            )
+            _, touches, effects = zip(*chosen, strict=True)
+            for place, history in play_with_effects(engine, touches, effects, run.material, run.keep):
                 rows.fill(chosen[place][0], history)
     for touch in run.touches:
         if touch.obstacle is not None:

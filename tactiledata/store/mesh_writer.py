@@ -111,6 +111,10 @@ class _MeshWriter:
 
     def _attributes(self, array: str) -> dict[str, Any]:
         said: dict[str, Any] = {"content": CONTENT.get(array, "node numbers: rows of vertices")}
+        if effects := self._facts["settings"].get("effects"):
+            said["effects"] = effects
+            if array == "wrench":
+                said["content"] += "; with effects, as the force sensor would read it"
         return {**said, "statuses": self._facts["statuses"]} if array == "status" else said
 
     def extend_pads(self, pads: Sequence[Mapping[str, Any]], vertices: NDArray[np.float64]) -> None:

@@ -80,6 +80,7 @@ def _mesh(store: Store, name: str) -> dict[str, Any]:
         "kept": mesh.facts["sizes"]["kept"],
         "fidelity": mesh.settings["fidelity"],
         "material": mesh.settings["material"],
+        "effects": [effect["effect"] for effect in mesh.settings.get("effects", [])],
         "status": {mesh.statuses[int(code)]: count for code, count in sorted(mesh.facts["counts"].items())},
     }
 
