@@ -1,0 +1,25 @@
+"""Where a picture shows the touch: where it differs from the sensor's background."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+THRESHOLD = 6.0
+"""Grey levels; JPEG and the noise of the camera stay below it once they are blurred."""
+BLUR = 0.0125
+"""Standard deviation of the blur, as a share of the picture's width."""
+
+
+def contact_region(pictures: NDArray[np.uint8], background: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Masks (n, h, w) of pictures (n, h, w, 3) of a sensor with a background (h, w, 3).
+
+    They are of the true pictures alone: no camera must be registered, and no method has a say in where it is judged.
+    """
+    sigma = BLUR * pictures.shape[2]
+    masks = np.empty(pictures.shape[:3], bool)
+    for row, picture in enumerate(pictures):
+        difference = np.abs(picture.astype(np.float32) - background).max(axis=-1)
+        masks[row] = cv2.GaussianBlur(difference, (0, 0), sigma) > THRESHOLD
+    return masks

@@ -1,0 +1,222 @@
+"""Latent arithmetic: encode, subtract the background, project, add a background, decode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from split_models.device import uses_bfloat16
+from split_models.end_to_end import EndToEnd
+from split_models.image_vae import ImageVae, as_input, as_pictures
+from split_models.latent_normal import draw
+from split_models.mesh_vae import MeshVae
+from split_models.network import Network
+from split_models.projection import Projection
+from tactiledata.errors import CheckpointError, UsageError
+
+Pictures = NDArray[np.uint8]
+Displacements = NDArray[np.float32]
+Latents = Literal["mean", "sample"]
+CHUNK = 64
+"""Frames that go through a network together."""
+
+
+def encode_pictures(vae: ImageVae, pictures: Pictures, latents: Latents = "mean") -> Tensor:
+    """Latent vectors (n, d), on the CPU, of pictures (n, h, w, 3), uint8.
+
+    Raises
+    ------
+    UsageError
+        Pictures of another size than the VAE's.
+    """
+    _require_pictures(vae.size, pictures)
+    return _in_chunks(vae, pictures, lambda some: _chosen(vae.distribution(as_input(some)), latents))
+
+
+def encode_displacements(vae: MeshVae, displacements: Displacements, latents: Latents = "mean") -> Tensor:
+    """Latent vectors (n, d), on the CPU, of displacements (n, v, 3), m.
+
+    Raises
+    ------
+    UsageError
+        Another number of vertices than the VAE's, or NaN.
+    """
+    require_displacements(vae.hierarchy.sizes[0], displacements)
+    return _in_chunks(vae, displacements, lambda some: _chosen(vae.distribution(some), latents))
+
+
+def decode_pictures(vae: ImageVae, latent: Tensor) -> Pictures:
+    """Pictures (n, h, w, 3), uint8, of latent vectors (n, d)."""
+    return _in_chunks(vae, latent, lambda some: as_pictures(vae.decode(some))).numpy()
+
+
+def decode_displacements(vae: MeshVae, latent: Tensor) -> Displacements:
+    """Displacements (n, v, 3), m, of latent vectors (n, d)."""
+    return _in_chunks(vae, latent, vae.decode).numpy()
+
+
+def subtract(latent: Tensor, background: Tensor) -> Tensor:
+    """The deformation's vectors: Z_Deform = Z_Image - Z_Base."""
+    return latent - background
+
+
+def add(deformation: Tensor, background: Tensor) -> Tensor:
+    """The picture's vectors: Z_Image = Z_Deform + Z_Base."""
+    return deformation + background
+
+
+@dataclass(frozen=True)
+class LatentMeshToImage:
+    """Pictures of meshes by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
+
+    Raises
+    ------
+    CheckpointError
+        The latent vectors of the networks have other sizes.
+    """
+
+    name: str
+    mesh_vae: MeshVae
+    image_vae: ImageVae
+    projection: Projection
+    is_split: bool = True
+    latents: Latents = "mean"
+
+    def __post_init__(self) -> None:
+        _require_fit(self.projection, self.mesh_vae.latent, self.image_vae.latent)
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
+        projected = _in_chunks(
+            self.projection, encode_displacements(self.mesh_vae, displacements, self.latents), self.projection
+        )
+        if self.is_split:
+            projected = add(projected, encode_pictures(self.image_vae, background[None]))
+        return decode_pictures(self.image_vae, projected)
+
+
+@dataclass(frozen=True)
+class LatentImageToMesh:
+    """Meshes of pictures by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
+
+    Raises
+    ------
+    CheckpointError
+        The latent vectors of the networks have other sizes.
+    """
+
+    name: str
+    image_vae: ImageVae
+    mesh_vae: MeshVae
+    projection: Projection
+    is_split: bool = True
+    latents: Latents = "mean"
+
+    def __post_init__(self) -> None:
+        _require_fit(self.projection, self.image_vae.latent, self.mesh_vae.latent)
+
+    def latent(self, pictures: Pictures, background: Pictures) -> Tensor:
+        """The mesh's latent vectors (n, d)."""
+        found = encode_pictures(self.image_vae, pictures, self.latents)
+        if self.is_split:
+            found = subtract(found, encode_pictures(self.image_vae, background[None]))
+        return _in_chunks(self.projection, found, self.projection)
+
+    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+        """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
+        return decode_displacements(self.mesh_vae, self.latent(pictures, background))
+
+
+@dataclass(frozen=True)
+class DirectMeshToImage:
+    """Pictures of meshes by the end-to-end network, which is not told the background."""
+
+    name: str
+    network: EndToEnd
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m."""
+        require_displacements(len(self.network.mean), displacements)
+        return _in_chunks(self.network, displacements, lambda some: as_pictures(self.network(some))).numpy()
+
+
+@dataclass(frozen=True)
+class NoContact:
+    """The background itself, whatever presses: what any method must beat."""
+
+    name: str = "no_contact"
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """The background (h, w, 3), n times."""
+        return np.broadcast_to(background, (len(displacements), *background.shape)).copy()
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """The undeformed mesh, whatever the picture shows: what any method must beat."""
+
+    vertices: int
+    name: str = "at_rest"
+
+    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+        """No displacement, (n, v, 3)."""
+        return np.zeros((len(pictures), self.vertices, 3), np.float32)
+
+
+def require_displacements(vertices: int, displacements: Any) -> None:
+    """Nothing, where displacements are (n, vertices, 3) and finite; else `UsageError`."""
+    shape = np.shape(displacements)
+    if len(shape) != 3 or shape[1:] != (vertices, 3):
+        raise UsageError(
+            f"displacements of shape {shape}",
+            f"(n, {vertices}, 3): the mesh topology that the network was trained on",
+            "Replay the store with the resolution, --keep and pad of the training store.",
+        )
+    if not np.isfinite(displacements).all():
+        raise UsageError("displacements with NaN", "frames with a mesh", "Leave frames without a mesh out.")
+
+
+def _require_pictures(size: tuple[int, int], pictures: Any) -> None:
+    shape = np.shape(pictures)
+    if len(shape) != 4 or shape[1:] != (*size, 3) or pictures.dtype != np.uint8:
+        raise UsageError(
+            f"pictures of shape {shape}, {pictures.dtype}",
+            f"(n, {size[0]}, {size[1]}, 3), uint8: the size that the network was trained on",
+            "Scale the pictures, the background as well.",
+        )
+
+
+def _require_fit(projection: Projection, inputs: int, outputs: int) -> None:
+    found = projection.settings["inputs"], projection.settings["outputs"]
+    if found != (inputs, outputs):
+        raise CheckpointError(
+            f"a projection from {found[0]} to {found[1]} latent dimensions",
+            f"from {inputs} to {outputs}, as the VAEs beside it have",
+            "Train the projection with these VAEs.",
+        )
+
+
+def _chosen(distribution: tuple[Tensor, Tensor], latents: Latents) -> Tensor:
+    mean, log_variance = distribution
+    return draw(mean, log_variance) if latents == "sample" else mean
+
+
+@torch.no_grad()
+def _in_chunks(network: Network, values: Any, work: Callable[[Tensor], Tensor]) -> Tensor:
+    """What a network makes of values (n, ...), some at a time, gathered on the CPU."""
+    network.eval()
+
+    def done() -> Iterator[Tensor]:
+        for start in range(0, len(values), CHUNK):
+            some = torch.as_tensor(values[start : start + CHUNK]).to(network.device)
+            with torch.autocast(network.device.type, torch.bfloat16, enabled=uses_bfloat16(network.device)):
+                found = work(some)
+            yield (found.float() if found.is_floating_point() else found).cpu()
+
+    return torch.cat(list(done()))
