@@ -88,29 +88,49 @@ def _remove_sensor(names: list[str], store: str | None, as_json: bool) -> None:
 
 
 def _list_sensors(store: str | None, as_json: bool) -> None:
-    from tactiledata.sensors.backgrounds import bundled_backgrounds
-    from tactiledata.store.reader import Store
+    from tactiledata.sensors.backgrounds import ALIASES, bundled_backgrounds, resolve_background
 
     bundled = bundled_backgrounds()
+    stands_for = {alias: resolve_background(alias).name for alias in ALIASES}
     rows: list[tuple[Any, ...]] = []
     if store is not None or list(Path.cwd().glob("*.zarr")):
         location = working_store(store)
         with damage_explains(location):
-            opened = Store.open(location)
-            references = opened.references()
-            for name, facts in sorted(opened.sensors().items()):
-                reference = references.get(name)
-                rows.append((name, facts.get("model", "") or "-", reference.origin if reference else "no background"))
+            rows, imported = _of_store(location)
+        stands_for |= imported
     if as_json:
+        keys = ("sensor", "model", "background", "licence")
         emit({
-            "store": [dict(zip(("sensor", "model", "background"), row, strict=True)) for row in rows],
-            "bundled": {name: {"source": one.source, "licence": one.licence} for name, one in bundled.items()},
+            "store": [dict(zip(keys, row, strict=True)) for row in rows],
+            "names": stands_for,
+            "bundled": {
+                name: {"source": one.source, "licence": one.licence, "attribution": one.attribution}
+                for name, one in bundled.items()
+            },
         })  # fmt: skip
         return
     if rows:
-        table("sensors of the store", ("sensor", "model", "picture without contact"), rows)
+        table("sensors of the store", ("sensor", "model", "picture without contact", "licence"), rows)
+    table("names of the paper's target sensors", ("name", "stands for"), sorted(stands_for.items()))
     table(
         "real backgrounds that come with the toolkit",
         ("name", "source", "licence"),
         [(name, one.source, one.licence) for name, one in bundled.items()],
     )
+    say(next(iter(bundled.values())).attribution)
+
+
+def _of_store(location: str) -> tuple[list[tuple[Any, ...]], dict[str, str]]:
+    """Rows of the table of a store's sensors; what the names of target sensors stand for where YCB-Slide is there."""
+    from tactiledata.store.reader import Store
+    from tactiledata.store.targets import YCB_SERIALS, ycb_store
+
+    opened = Store.open(location)
+    references = opened.references()
+    rows: list[tuple[Any, ...]] = []
+    for name, facts in sorted(opened.sensors().items()):
+        reference = references.get(name)
+        picture = (reference.origin, reference.licence or "-") if reference else ("no background", "-")
+        rows.append((name, facts.get("model", "") or "-", *picture))
+    places = {name: ycb_store(name, opened) for name in YCB_SERIALS}
+    return rows, {name: f"{YCB_SERIALS[name]} of {place.location}" for name, place in places.items() if place}
