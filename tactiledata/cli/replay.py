@@ -86,7 +86,7 @@ def replay(
     else:
         for line in report.lines():
             say(line)
-        say(f"  {', '.join(f'{_SHORT[key]} {value:.4g} ({origins[key]})' for key, value in material.items())}")
+        say(f"  {', '.join(f'{_SHORT[key].format(value)} ({origins[key]})' for key, value in material.items())}")
         if found and not options.acting:
             say("  every effect of the file is null: it changes nothing")
         if calibrated and (calibrated["engine"], calibrated["fidelity"]) != ("fem", fidelity):
@@ -101,7 +101,7 @@ def replay(
         raise typer.Exit(1)
 
 
-_SHORT = {"youngs_modulus": "E", "poisson_ratio": "nu", "friction": "mu"}
+_SHORT = {"youngs_modulus": "E {:.4g} Pa", "poisson_ratio": "nu {:.4g}", "friction": "mu {:.4g}"}
 
 
 def _material(

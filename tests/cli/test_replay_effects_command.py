@@ -35,7 +35,7 @@ def test_material_and_effects_come_from_the_file(store, capsys):
     assert code == 0, err
     assert "mesh low-linear-effects" in out
     assert "rotation of the force frame (yaw 0.1 rad)" in out
-    assert "E 9e+05 (from the effects), nu 0.45 (from the effects), mu 0.8 (stated)" in out
+    assert "E 9e+05 Pa (from the effects), nu 0.45 (from the effects), mu 0.8 (stated)" in out
     page = next(line.partition("look: ")[2] for line in out.splitlines() if line.startswith("look: "))
     assert "rotation of the force frame" in Path(page).read_text(encoding="utf-8")
     assert "linear, with frame_rotation" in run_command(capsys, "info")[1]
