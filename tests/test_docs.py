@@ -66,7 +66,7 @@ def test_blocks_run(page, prepared, tmp_path):
             lines = [re.sub(r"^\$ ", "", line) for line in block["code"].splitlines()]
             command = ["bash", "-euo", "pipefail", "-c", "\n".join(lines)]
         done = subprocess.run(
-            command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True, check=False, timeout=300
+            command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True, check=False, timeout=900
         )
         assert done.returncode == 0, f"{page.name}:\n{block['code']}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
 
