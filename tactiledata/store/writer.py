@@ -150,9 +150,11 @@ def _write(folder: Path, take: Take, content: str | None, is_placed: bool = Fals
     document["n_bytes"] = spool_bytes + (folder / ARRAYS).stat().st_size
     document["content"] = content or content_digest(take, document)
     document["tables"] = {name: file_digest(folder / f"{name}.parquet") for name in STAGED_TABLES}
-    (folder / f"{MARKER}.part").write_bytes(json_bytes(document))
+    content_of_marker = json_bytes(document)
+    (folder / f"{MARKER}.part").write_bytes(content_of_marker)
     (folder / f"{MARKER}.part").replace(folder / MARKER)
-    return _staged(folder, document, is_placed)
+    # as one who finds it after a kill reads it: the order of its keys reaches the store's files
+    return _staged(folder, json.loads(content_of_marker), is_placed)
 
 
 def find_staged(store_path: Path | str) -> dict[str, StagedTake]:

@@ -1,0 +1,89 @@
+"""Transfer between sensors by latent arithmetic: encode, subtract one background, add the other, decode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.checkpoint import load_checkpoint
+from split_models.image_vae import ImageVae
+from split_models.latent import add, decode_pictures, encode_pictures, subtract
+from tactiledata.contract.provenance import file_digest
+from tactiledata.errors import CheckpointError
+
+Pictures = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class LatentTransfer:
+    """The paper's transfer, by an image VAE.
+
+    Parameters
+    ----------
+    name : str
+    vae : ImageVae
+        Pictures are scaled to its size, and back to the target background's.
+    keeps_background : bool
+        Only the change that the touch makes is taken from the decoder, and laid on the target's own background: what
+        the VAE smooths away of that stays.
+    model, recipe : str
+        SHA-256 of the checkpoint's file, and of the recipe that it was trained by.
+    scales : bool
+        Source and target may have pictures of different sizes.
+    """
+
+    name: str
+    vae: ImageVae
+    keeps_background: bool = False
+    model: str = ""
+    recipe: str = ""
+    scales: bool = True
+
+    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+        """The touches (n, H, W, 3) uint8 as the target sensor might have seen them, in its background's size."""
+        size = target_background.shape[:2]
+        if not len(images):
+            return np.zeros((0, *size, 3), np.uint8)
+        source, target = (
+            encode_pictures(self.vae, scaled(one[None], self.vae.size))
+            for one in (source_background, target_background)
+        )
+        touched = encode_pictures(self.vae, scaled(images, self.vae.size))
+        drawn = scaled(decode_pictures(self.vae, add(subtract(touched, source), target)), size)
+        if not self.keeps_background:
+            return drawn
+        untouched = scaled(decode_pictures(self.vae, target), size)
+        change = drawn.astype(np.int16) - untouched
+        return np.clip(target_background + change, 0, 255).astype(np.uint8)
+
+
+def scaled(pictures: Pictures, size: tuple[int, int]) -> Pictures:
+    """Pictures (n, *size, 3): averaged where they shrink, interpolated where they grow; as they are where they fit."""
+    if pictures.shape[1:3] == tuple(size):
+        return pictures
+    way = cv2.INTER_AREA if size[0] < pictures.shape[1] else cv2.INTER_LINEAR
+    return np.stack([np.asarray(cv2.resize(one, size[::-1], interpolation=way), np.uint8) for one in pictures])
+
+
+def load_latent_transfer(path: Path, name: str, keeps_background: bool) -> LatentTransfer:
+    """The transfer by a checkpoint of an image VAE.
+
+    Raises
+    ------
+    MissingFile, CheckpointError
+        No such file; not a checkpoint; one of another kind of network.
+    """
+    checkpoint = load_checkpoint(path)
+    network = checkpoint.network()
+    if not isinstance(network, ImageVae):
+        raise CheckpointError(
+            f"{path} holds a {checkpoint.kind}" + (" for one mesh topology" if checkpoint.topology else ""),
+            "an image_vae: only pictures are encoded and decoded here",
+            "Name the image VAE's checkpoint of the run.",
+            path=str(path),
+        )
+    return LatentTransfer(name, network, keeps_background, file_digest(path), checkpoint.stamps.recipe)

@@ -1,0 +1,67 @@
+"""Ways to transfer pictures between sensors, by name: by pixels, or by a model's latent vectors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.pixel_transfer import PIXEL_TRANSFERS
+from tactiledata.errors import MissingFile, UnknownName, UsageError
+
+Pictures = NDArray[np.uint8]
+LATENT = {"latent": False, "latent_on_background": True}
+"""Methods that need a model, and whether each keeps the target's own background."""
+BUNDLED_MODEL = Path(__file__).parent / "models" / "image_vae.ckpt"
+"""The model that is taken where none is named."""
+
+
+class TransferMethod(Protocol):
+    """What a store is transferred by."""
+
+    @property
+    def name(self) -> str:
+        """As on the command line."""
+
+    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+        """Pictures (n, H, W, 3) uint8 of a source sensor, as the target might have seen them."""
+
+
+def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
+    """The method of a name; ``-`` is as good as ``_``.
+
+    Parameters
+    ----------
+    name : str
+        ``latent``, ``latent_on_background``, or one of the table of pixel transfers.
+    model : Path, optional
+        Checkpoint of an image VAE; the bundled one by default.
+
+    Raises
+    ------
+    UnknownName
+        No such method.
+    UsageError, MissingFile
+        A model for a method that takes none; a model that is not there.
+    CheckpointError
+        A file that is no image VAE.
+    """
+    key = name.replace("-", "_")
+    if key not in LATENT:
+        if key not in PIXEL_TRANSFERS:
+            raise UnknownName("transfer method", name, [*LATENT, *PIXEL_TRANSFERS])
+        if model is not None:
+            raise UsageError(f"--model {model} with --method {name}", "a method that uses a model: latent", "")
+        return PIXEL_TRANSFERS[key]
+    if model is None and not BUNDLED_MODEL.is_file():
+        raise MissingFile(
+            f"--method {name} needs a model of pictures, and none is bundled with this version",
+            "a checkpoint of an image VAE",
+            "Train one (`tactiledata train RECIPE`) and name it with --model, or transfer by pixels: "
+            "--method background-swap.",
+        )
+    from split_models.latent_transfer import load_latent_transfer
+
+    return load_latent_transfer(model or BUNDLED_MODEL, key, LATENT[key])
