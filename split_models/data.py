@@ -95,7 +95,7 @@ class TouchFrames:
 
     def topology(self) -> Topology:
         """The mesh that displacements are of."""
-        return topology_of(self.arrays.store.mesh(self._mesh_name()))
+        return topology_of(self.arrays.store.mesh(self.mesh_name))
 
     def pictures(self, numbers: Sequence[int] | NDArray[np.int64]) -> Pictures:
         """Pictures (n, h, w, 3), uint8."""
@@ -103,7 +103,7 @@ class TouchFrames:
 
     def displacements(self, numbers: Sequence[int] | NDArray[np.int64]) -> NDArray[np.float32]:
         """Displacements (n, v, 3), m, gel frame."""
-        name = self._mesh_name()
+        name = self.mesh_name
         return self._get("displacements", lambda rows: self.arrays.store.mesh(name).displacement(rows), numbers)
 
     def forces(self, numbers: Sequence[int] | NDArray[np.int64] | None = None) -> NDArray[np.float32]:
@@ -122,7 +122,9 @@ class TouchFrames:
         """Sensors that frames are of, sorted."""
         return sorted(set(self.sensors))
 
-    def _mesh_name(self) -> str:
+    @property
+    def mesh_name(self) -> str:
+        """The store's name of the mesh that displacements are of."""
         if self._mesh is None:
             raise UsageError("meshes of frames that were opened without", "mesh='' or a mesh's name")
         return self._mesh

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+from importlib.metadata import entry_points
 
 import typer
 
@@ -22,8 +23,14 @@ app = typer.Typer(
     context_settings={"max_content_width": 120},
     pretty_exceptions_enable=False,
 )
+
+GROUP = "tactiledata.commands"
+"""Entry points of packages that add verbs: functions of the application."""
+
 for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene):
     module.register(app)
+for point in entry_points(group=GROUP):
+    point.load()(app)
 
 
 @app.callback(invoke_without_command=True)

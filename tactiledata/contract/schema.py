@@ -32,6 +32,7 @@ PAGES = {
     "effect": "docs/effects.md",
     "log": "docs/formats-folder.md",
     "mapping": "docs/formats-mcap.md",
+    "recipe": "docs/models.md",
     "scenario": "docs/rig.md",
     "split": "docs/splits.md",
     "store": "docs/store.md",

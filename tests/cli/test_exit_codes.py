@@ -24,6 +24,9 @@ MISSING_PATH = {
     "calibrate": [NOWHERE],
     "diagnose": ["nowhere.csv"],
     "scene": [NOWHERE, "--trajectory", "t00000"],
+    "train": ["nowhere.yaml"],
+    "evaluate": ["nowhere.yaml"],
+    "run": ["nowhere.yaml"],
 }
 WITHOUT_PATHS = {"formats", "indenters", "effects"}
 WRONG_CALLS = {
@@ -42,6 +45,8 @@ WRONG_CALLS = {
     "a scene of no such trajectory": ["scene", "ds.zarr", "--trajectory", "nope", "--out", "scene.xml"],
     "a scene as a film": ["scene", "ds.zarr", "--trajectory", "t00000", "--out", "scene.mp4"],
     "a replay without a material": ["replay", "ds.zarr", "--friction", "0.8"],
+    "a recipe that does not come with it": ["train", "nope"],
+    "a scale that there is not": ["run", "nope", "--scale", "big"],
     "a replay by a calibration that is not there": ["replay", "ds.zarr", "--calibration", "nowhere.json"],
 }
 

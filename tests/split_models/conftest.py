@@ -12,3 +12,11 @@ def _quiet_machine(tmp_path_factory):
         patch.setenv("OMP_NUM_THREADS", "1")
         torch.set_num_threads(1)
         yield
+
+
+@pytest.fixture(scope="session")
+def touch_store(tmp_path_factory, _quiet_machine):
+    """Twelve touches on three sensors, one of them unseen, with coarse meshes and a split; read only."""
+    from touch_world import make_store
+
+    return make_store(tmp_path_factory.mktemp("touches"))

@@ -1,0 +1,112 @@
+"""A finished table: one document for machines, one page of Markdown for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from split_models.evaluate import MASKED
+from split_models.methods import TITLES
+from split_models.recipe import Recipe
+from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.provenance import provenance
+
+RESULT = "table"
+ARROWS = {"higher": "↑", "lower": "↓"}
+
+
+def result_document(recipe: Recipe, rows: Sequence[Mapping[str, Any]], store_digest: str) -> dict[str, Any]:
+    """The table with what it was made of."""
+    return {
+        "format": "tactiledata-table/1",
+        "recipe": recipe.name,
+        "title": recipe.title,
+        "scale": recipe.scale,
+        "seed": recipe.seed,
+        "table": recipe.table,
+        "rows": [dict(row) for row in rows],
+        "published": dict(recipe.document["published"]),
+        "provenance": provenance("run", {"recipe": recipe.digest, "store": store_digest}),
+    }
+
+
+def write_result(folder: Path, document: Mapping[str, Any]) -> dict[str, Path]:
+    """``table.json`` and ``table.md`` in a folder."""
+    paths = {"json": folder / f"{RESULT}.json", "markdown": folder / f"{RESULT}.md"}
+    write_json_atomic(paths["json"], document)
+    write_atomic(paths["markdown"], markdown(document).encode())
+    return paths
+
+
+def markdown(document: Mapping[str, Any]) -> str:
+    """The table of each part of the split, and below it the paper's own figures."""
+    lines = [
+        f"# {document['title']}",
+        "",
+        f"`tactiledata run {document['recipe']} --scale {document['scale']}`, seed {document['seed']}.",
+    ]
+    for part in dict.fromkeys(row["part"] for row in document["rows"]):
+        rows = [row for row in document["rows"] if row["part"] == part]
+        lines += ["", f"## {part}: {_size(rows[0])}", "", *table_lines(rows)]
+        published = document["published"].get(part)
+        if published:
+            lines += ["", "The paper's own figures, of another data set:", "", *_published_lines(published)]
+    return "\n".join([*lines, ""])
+
+
+def table_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Rows as a table of Markdown."""
+    names = list(dict.fromkeys(name for row in rows for name in row["scores"]))
+    heads = [_head(name, next(row["scores"][name] for row in rows if name in row["scores"])) for name in names]
+    return [
+        f"| | {' | '.join(heads)} |",
+        f"|---|{'---|' * len(heads)}",
+        *(f"| {row_title(row)} | {' | '.join(cell(row['scores'].get(name)) for name in names)} |" for row in rows),
+    ]
+
+
+def row_title(row: Mapping[str, Any]) -> str:
+    """A row's name for people."""
+    title = TITLES.get(row["method"], row["method"])
+    return f"{title}, cycle {row['cycle']}" if "cycle" in row else title
+
+
+def cell(score: Mapping[str, Any] | None) -> str:
+    """A value with its interval, or its standard deviation over seeds."""
+    if score is None or score["value"] is None:
+        return "–"
+    text = f"{score['value']:.4g}"
+    if score.get("deviation") is not None:
+        return f"{text} ({score['deviation']:.2g})"
+    if score.get("low") is not None and score.get("high") is not None:
+        return f"{text} [{score['low']:.4g}, {score['high']:.4g}]"
+    return text
+
+
+def _head(name: str, score: Mapping[str, Any]) -> str:
+    where = " in contact" if name.endswith(MASKED) else ""
+    unit = f", {score['unit']}" if score["unit"] else ""
+    return f"{name.removesuffix(MASKED)}{where}{unit} {ARROWS[score['better']]}"
+
+
+def _size(row: Mapping[str, Any]) -> str:
+    score = next(iter(row["scores"].values()))
+    if "seeds" in score:
+        return f"mean and standard deviation over {score['seeds']} seeds"
+    trajectories = (
+        f" of {score['trajectories']} trajectories, 95 % over trajectories" if "trajectories" in score else ""
+    )
+    return f"{score['frames']} frames{trajectories}"
+
+
+def _published_lines(published: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    names = list(dict.fromkeys(name for row in published.values() for name in row))
+    return [
+        f"| | {' | '.join(names)} |",
+        f"|---|{'---|' * len(names)}",
+        *(
+            f"| {TITLES.get(method, method)} | {' | '.join(str(row.get(name, '–')) for name in names)} |"
+            for method, row in published.items()
+        ),
+    ]

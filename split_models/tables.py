@@ -1,0 +1,173 @@
+"""The tables of the paper: what each needs, and its rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from split_models.cyclic import cyclic_rows, prepare_cyclic
+from split_models.evaluate import image_values, mesh_values, summarised
+from split_models.inference_time import prepare_time, time_rows
+from split_models.methods import IMAGE_TO_MESH, MESH_TO_IMAGE
+from split_models.workshop import Workshop, predicted_forces
+from tactiledata.errors import UsageError
+from tactiledata.metrics.force_error import FORCE_ERROR
+from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
+from tactiledata.metrics.mesh_distance import MESH_DISTANCE
+
+Rows = list[dict[str, Any]]
+
+IMAGE_METHODS = ("no_contact", "end_to_end", "nosplit", "split")
+MESH_METHODS = ("at_rest", "nosplit", "split")
+FORCE_INPUTS = ("raw_mesh", "raw_image", "mesh", "image", "deformation", "projected_nosplit", "projected_split")
+
+
+def asked(workshop: Workshop, default: Sequence[str]) -> list[str]:
+    """The rows that a recipe names, or those of the paper."""
+    return list(workshop.recipe.rows["methods"] or default)
+
+
+def scores_of(workshop: Workshop, default: Sequence[str]) -> list[str]:
+    """The scores that a recipe names, or all."""
+    return list(workshop.recipe.rows["scores"] or default)
+
+
+# -- pictures --------------------------------------------------------------------------------------------------------
+
+
+def prepare_images(workshop: Workshop) -> dict[str, Any]:
+    """The methods of the table of pictures, trained."""
+    return {name: MESH_TO_IMAGE[name](workshop) for name in asked(workshop, IMAGE_METHODS)}
+
+
+def image_rows(workshop: Workshop) -> Rows:
+    """A row for each part and method: l1, MSE, SSIM, PSNR, full frame and inside the contact region."""
+    names = scores_of(workshop, list(IMAGE_SIMILARITY.scores))
+    methods = prepare_images(workshop)
+    rows: Rows = []
+    for part, frames in parts(workshop):
+        for done, (name, method) in enumerate(methods.items()):
+            workshop.tell(done, len(methods), f"{part}: {name}")
+            values = image_values(method, frames, names)
+            summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], IMAGE_SIMILARITY.scores)
+            rows.append({"part": part, "method": name, "scores": summary})
+    return rows
+
+
+# -- meshes ----------------------------------------------------------------------------------------------------------
+
+
+def prepare_meshes(workshop: Workshop) -> dict[str, Any]:
+    """The methods of the table of meshes, trained."""
+    return {name: IMAGE_TO_MESH[name](workshop) for name in asked(workshop, MESH_METHODS)}
+
+
+def mesh_rows(workshop: Workshop) -> Rows:
+    """A row for each part and method: RMSE, l1, Euclidean distance, mm."""
+    names = scores_of(workshop, list(MESH_DISTANCE.scores))
+    methods = prepare_meshes(workshop)
+    rows: Rows = []
+    for part, frames in parts(workshop):
+        for done, (name, method) in enumerate(methods.items()):
+            workshop.tell(done, len(methods), f"{part}: {name}")
+            values = mesh_values(method, frames, names)
+            summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], MESH_DISTANCE.scores)
+            rows.append({"part": part, "method": name, "scores": summary})
+    return rows
+
+
+# -- forces ----------------------------------------------------------------------------------------------------------
+
+
+def prepare_forces(workshop: Workshop) -> dict[str, list[Any]]:
+    """Networks of each input, one a seed."""
+    if not workshop.recipe.data["wrench"]:
+        raise UsageError("a table of forces of data without a wrench", "`wrench: contact_wrench`", "Mend the recipe.")
+    found: dict[str, list[Any]] = {}
+    for name in asked(workshop, FORCE_INPUTS):
+        if name not in FORCE_INPUTS:
+            raise UsageError(f"the force table has no row {name!r}", f"of {', '.join(FORCE_INPUTS)}", "")
+        if name == "raw_mesh":
+            found[name] = [workshop.raw_forces("mesh", seed) for seed in _seeds(workshop, "raw_seeds")]
+        elif name == "raw_image":
+            found[name] = [workshop.raw_forces("image", seed) for seed in _seeds(workshop, "raw_seeds")]
+        else:
+            found[name] = [workshop.force_head(name, seed) for seed in _seeds(workshop, "head_seeds")]
+    return found
+
+
+def force_rows(workshop: Workshop) -> Rows:
+    """A row for each part and input: MAE of fx, fy, fz and of the norm, N; mean and standard deviation over seeds."""
+    heads = prepare_forces(workshop)
+    rows: Rows = []
+    for part, frames in parts(workshop):
+        true = frames.forces()
+        for name, networks in heads.items():
+            means: dict[str, list[float]] = {score: [] for score in FORCE_ERROR.scores}
+            for network in networks:
+                found = _forces_of(workshop, part, name, network)
+                for score in means:
+                    means[score].append(float(FORCE_ERROR.scores[score](found, true).mean()))
+            summary = {
+                score: {
+                    "value": float(np.mean(values)),
+                    "deviation": float(np.std(values, ddof=1)) if values[1:] else None,
+                    "seeds": len(values),
+                    "unit": "N",
+                    "better": "lower",
+                }
+                for score, values in means.items()
+            }
+            rows.append({"part": part, "method": name, "scores": summary})
+    return rows
+
+
+def _seeds(workshop: Workshop, which: str) -> range:
+    first = workshop.recipe.seed
+    return range(first, first + workshop.recipe.rows[which])
+
+
+def _forces_of(workshop: Workshop, part: str, name: str, network: Any) -> np.ndarray:
+    frames = workshop.frames(part)
+    if not name.startswith("raw_"):
+        return predicted_forces(network, workshop.latents(part, name))
+    import torch
+
+    from split_models.image_vae import as_input
+
+    pieces = []
+    for start in range(0, len(frames), 64):
+        some = range(start, min(start + 64, len(frames)))
+        given = (
+            torch.from_numpy(frames.displacements(some))
+            if name == "raw_mesh"
+            else as_input(torch.from_numpy(frames.pictures(some)))
+        )
+        pieces.append(predicted_forces(network, given))
+    return np.concatenate(pieces)
+
+
+def parts(workshop: Workshop) -> list[tuple[str, Any]]:
+    """Parts of the split that a recipe asks for, with their frames; one without frames is an error that says so."""
+    return [(part, workshop.frames(part)) for part in workshop.recipe.rows["parts"]]
+
+
+PREPARE: dict[str, Callable[[Workshop], Any]] = {
+    "digit_images": prepare_images,
+    "mesh": prepare_meshes,
+    "force": prepare_forces,
+    "inference_time": prepare_time,
+    "cyclic": prepare_cyclic,
+}
+"""What trains all that a table needs."""
+
+ROWS: dict[str, Callable[[Workshop], Rows]] = {
+    "digit_images": image_rows,
+    "mesh": mesh_rows,
+    "force": force_rows,
+    "inference_time": time_rows,
+    "cyclic": cyclic_rows,
+}
+"""What gives a table's rows."""

@@ -1,0 +1,400 @@
+"""The models of a recipe, each trained once: what two recipes say alike they share, whatever else they say."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from split_models.augment import Augmentation
+from split_models.checkpoint import Stamps, load_checkpoint, require_stamps, require_topology
+from split_models.data import TouchFrames, vertex_moments
+from split_models.device import Ranks
+from split_models.end_to_end import EndToEnd
+from split_models.force_head import ForceHead, Forces, RawForces
+from split_models.image_vae import ImageVae, as_input
+from split_models.items import FrameItems, Items, PictureItems, TensorItems
+from split_models.latent import encode_displacements, encode_pictures, subtract
+from split_models.mesh_graph import Hierarchy, Topology, build_hierarchy
+from split_models.mesh_vae import LEAST_SPREAD, MeshVae
+from split_models.network import Network
+from split_models.objectives import ImageVaeObjective, MeshVaeObjective, Objective, Regression, scaled_forces
+from split_models.prepare import mesh_name, prepare_store, store_place
+from split_models.projection import Projection
+from split_models.recipe import Recipe
+from split_models.train import BEST, LAST, TrainOptions, train
+from tactiledata.contract.provenance import digest_of
+from tactiledata.errors import UsageError
+
+Tell = Callable[..., None]
+Direction = Literal["mesh_to_image", "image_to_mesh"]
+Build = Callable[[], tuple[Objective, Items, Items]]
+MODELS = "models"
+
+
+class Workshop:
+    """What a recipe needs, made when it is asked for and kept in ``out``.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    out : Path
+        ``data/``, ``models/`` and the tables go there.
+    device : torch.device
+    ranks : Ranks
+    tell : callable, optional
+        Called with how much is done, how much there is, and words.
+    workers : int
+        Local processes that record and replay.
+    may_train : bool
+        Without, a model that is not trained yet is an error.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        out: Path,
+        device: torch.device,
+        ranks: Ranks | None = None,
+        tell: Tell | None = None,
+        workers: int = 1,
+        may_train: bool = True,
+    ) -> None:
+        self.recipe, self.out, self.device = recipe, out, device
+        self.ranks = ranks or Ranks()
+        self.tell: Tell = tell or (lambda done, total, what="": None)
+        self.workers, self.may_train = workers, may_train
+        self._frames: dict[str, TouchFrames] = {}
+        self._networks: dict[str, Network] = {}
+        self._latents: dict[str, Tensor] = {}
+        self._keys: dict[str, str] = {}
+        self.folders: dict[str, str] = {}
+        """Where the models lie that were asked for, by name."""
+
+    # -- data --------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def store(self) -> Path:
+        """The store, ready to learn from."""
+        if self.ranks.is_first:
+            prepare_store(self.recipe, self.out, self.workers, self.tell)
+        self.ranks.wait()
+        return store_place(self.recipe, self.out)
+
+    def frames(self, part: str) -> TouchFrames:
+        """Frames of a part of the split that have picture, mesh, wrench and background."""
+        if part not in self._frames:
+            data = self.recipe.data
+            self._frames[part] = TouchFrames(
+                self.store,
+                f"{data['split']['name']}/{part}",
+                camera=data["camera"],
+                size=data["image_size"],
+                mesh=mesh_name(data),
+                wrench=data["wrench"] or None,
+            )
+        return self._frames[part]
+
+    @cached_property
+    def topology(self) -> Topology:
+        """The mesh of the store."""
+        return self.frames("train").topology()
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """Its levels."""
+        return build_hierarchy(self.topology, len(self.recipe.models["mesh_vae"]["filters"]))
+
+    @cached_property
+    def vertex_scale(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mean and spread (v, 3), m, of the train part."""
+        mean, spread = vertex_moments(self.frames("train"))
+        return mean, np.maximum(spread, LEAST_SPREAD)
+
+    @cached_property
+    def force_scale(self) -> tuple[list[float], list[float]]:
+        """Mean and spread (3,), N, of the train part."""
+        forces = self.frames("train").forces().astype(np.float64)
+        return forces.mean(axis=0).tolist(), np.maximum(forces.std(axis=0), 1e-3).tolist()
+
+    # -- models ------------------------------------------------------------------------------------------------------
+
+    @property
+    def image_vae(self) -> ImageVae:
+        """The image beta-VAE."""
+        section = self.recipe.models["image_vae"]
+        sizes = {name: section[name] for name in ("blocks", "down", "channels", "latent")}
+
+        def build() -> tuple[Objective, Items, Items]:
+            vae = ImageVae(self.recipe.data["image_size"], **sizes)
+            sets = [self.frames("train"), *self._extra_frames]
+            objective = ImageVaeObjective(
+                vae, section["divergence_weight"], section["anneal"], Augmentation(**section["augmentation"])
+            )
+            return objective, PictureItems(sets, section["background_copies"]), PictureItems([self.frames("val")])
+
+        fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self._extra_frames]])
+        options = self.recipe.training("image_vae", settle=section["anneal"])
+        return cast("ImageVae", self._learned("image_vae", {}, section, fingerprint, options, build))
+
+    @cached_property
+    def _extra_frames(self) -> list[TouchFrames]:
+        return [
+            TouchFrames(
+                extra["store"],
+                extra.get("split", "default/train"),
+                camera=extra.get("camera", self.recipe.data["camera"]),
+                size=self.recipe.data["image_size"],
+                background=False,
+            )
+            for extra in self.recipe.data["extra_stores"]
+        ]
+
+    @property
+    def mesh_vae(self) -> MeshVae:
+        """The mesh beta-VAE."""
+        section = self.recipe.models["mesh_vae"]
+        sizes = {name: section[name] for name in ("filters", "order", "latent")}
+
+        def build() -> tuple[Objective, Items, Items]:
+            vae = MeshVae(self.hierarchy, **sizes, mean=self.vertex_scale[0], spread=self.vertex_scale[1])
+            objective = MeshVaeObjective(vae, section["divergence_weight"])
+            return objective, self._items("train", "mesh"), self._items("val", "mesh")
+
+        fingerprint = self.frames("train").fingerprint
+        options = self.recipe.training("mesh_vae")
+        return cast(
+            "MeshVae", self._learned("mesh_vae", {}, section, fingerprint, options, build, self.topology.digest)
+        )
+
+    @property
+    def end_to_end(self) -> EndToEnd:
+        """The network from meshes to pictures."""
+        models = self.recipe.models
+        mesh = {name: models["mesh_vae"][name] for name in ("filters", "order")}
+        image = {name: models["image_vae"][name] for name in ("blocks", "down", "channels", "latent")}
+        section = {"mesh": mesh, "image": {"size": self.recipe.data["image_size"], **image}}
+
+        def build() -> tuple[Objective, Items, Items]:
+            mean, spread = self.vertex_scale
+            objective = Regression(
+                EndToEnd(self.hierarchy, **section, mean=mean, spread=spread), "mesh", "image", None, as_input
+            )
+            return objective, self._items("train", "mesh", "image"), self._items("val", "mesh", "image")
+
+        fingerprint, options = self.frames("train").fingerprint, self.recipe.training("end_to_end")
+        return cast(
+            "EndToEnd", self._learned("end_to_end", {}, section, fingerprint, options, build, self.topology.digest)
+        )
+
+    def projection(self, direction: Direction, is_split: bool) -> Projection:
+        """The network between the latent spaces, with or without arithmetic."""
+        section = self.recipe.models["projection"]
+        image = "deformation" if is_split else "image"
+        given, wanted = ("mesh", image) if direction == "mesh_to_image" else (image, "mesh")
+        name = f"projection_{direction}_{'split' if is_split else 'nosplit'}"
+
+        def build() -> tuple[Objective, Items, Items]:
+            sizes = {"mesh": self.mesh_vae.latent, image: self.image_vae.latent}
+            network = Projection(sizes[given], sizes[wanted], section["layers"], section["dropout"])
+            objective = Regression(network, "given", "wanted")
+            return objective, self._latent_items("train", given, wanted), self._latent_items("val", given, wanted)
+
+        described = {"direction": direction, "is_split": is_split, **section}
+        return cast(
+            "Projection",
+            self._learned(
+                name,
+                self._vaes(),
+                described,
+                self.frames("train").fingerprint,
+                self.recipe.training("projection"),
+                build,
+            ),
+        )
+
+    def force_head(self, given: str, seed: int) -> ForceHead:
+        """Forces from latent vectors.
+
+        Parameters
+        ----------
+        given : "mesh", "image", "deformation", "projected_nosplit" or "projected_split"
+        seed : int
+        """
+        section = self.recipe.models["force_head"]
+
+        def build() -> tuple[Objective, Items, Items]:
+            inputs = self.latents("train", given).shape[1]
+            head = ForceHead(inputs, section["layers"], section["dropout"], *self.force_scale)
+            objective = Regression(head, "given", "wanted", None, scaled_forces(*self.force_scale))
+            return objective, self._latent_items("train", given, "force"), self._latent_items("val", given, "force")
+
+        parents = {**self._vaes(), **self._projections_of(given)}
+        options = self.recipe.training("force_head", seed)
+        name, described = f"force_head_{given}_{seed}", {"given": given, **section}
+        return cast(
+            "ForceHead", self._learned(name, parents, described, self.frames("train").fingerprint, options, build)
+        )
+
+    def raw_forces(self, given: Literal["mesh", "image"], seed: int) -> RawForces:
+        """Forces from meshes or pictures by the VAE's encoder, which learns on."""
+        vae = self.mesh_vae if given == "mesh" else self.image_vae
+        prepare = as_input if given == "image" else None
+
+        def build() -> tuple[Objective, Items, Items]:
+            network = RawForces(copy.deepcopy(vae), *self.force_scale)
+            objective = Regression(network, given, "force", prepare, scaled_forces(*self.force_scale))
+            return objective, self._items("train", given, "force"), self._items("val", given, "force")
+
+        options = self.recipe.training("raw_forces", seed)
+        parents = {vae.kind: self._keys[vae.kind]}
+        return cast(
+            "RawForces",
+            self._learned(
+                f"raw_forces_{given}_{seed}",
+                parents,
+                {"given": given},
+                self.frames("train").fingerprint,
+                options,
+                build,
+                vae.topology,
+            ),
+        )
+
+    def train_backbone(self) -> None:
+        """Both VAEs and the projections with arithmetic: what every table shares."""
+        self._vaes()
+        self.projection("mesh_to_image", True)
+        self.projection("image_to_mesh", True)
+
+    # -- latent vectors ----------------------------------------------------------------------------------------------
+
+    def latents(self, part: str, kind: str) -> Tensor:
+        """Latent vectors (n, d) of the frames of a part; of force heads' inputs see `force_head`."""
+        key = f"{part}/{kind}"
+        if key not in self._latents:
+            self._latents[key] = self._encoded(part, kind)
+        return self._latents[key]
+
+    def _encoded(self, part: str, kind: str) -> Tensor:
+        frames, latents = self.frames(part), self.recipe.models["latents"]
+        if kind == "force":
+            return torch.from_numpy(frames.forces())
+        if kind == "mesh":
+            return _gathered(
+                frames, lambda some: encode_displacements(self.mesh_vae, frames.displacements(some), latents)
+            )
+        if kind == "image":
+            return _gathered(frames, lambda some: encode_pictures(self.image_vae, frames.pictures(some), latents))
+        if kind == "deformation":
+            return subtract(self.latents(part, "image"), self._base(frames))
+        is_split = kind == "projected_split"
+        network = self.projection("image_to_mesh", is_split)
+        given = self.latents(part, "deformation" if is_split else "image")
+        with torch.no_grad():
+            projected: Tensor = network(given.to(self.device)).cpu()
+        return projected
+
+    def _base(self, frames: TouchFrames) -> Tensor:
+        """Each frame's background in latent space (n, d); always the mean, as a background is one picture."""
+        names = frames.sensor_names
+        bases = encode_pictures(self.image_vae, np.stack([frames.background(name) for name in names]))
+        return bases[torch.as_tensor([names.index(sensor) for sensor in frames.sensors])]
+
+    # -- training ----------------------------------------------------------------------------------------------------
+
+    def _items(self, part: str, *what: str) -> FrameItems:
+        return FrameItems(self.frames(part), what)
+
+    def _latent_items(self, part: str, given: str, wanted: str) -> TensorItems:
+        frames = self.frames(part)
+        tensors = {"given": self.latents(part, given), "wanted": self.latents(part, wanted)}
+        return TensorItems(tensors, frames.fingerprint, frames)
+
+    def _vaes(self) -> dict[str, str]:
+        """Keys of both VAEs, trained where they are not."""
+        return {vae.kind: self._keys[vae.kind] for vae in (self.image_vae, self.mesh_vae)}
+
+    def _projections_of(self, given: str) -> dict[str, str]:
+        if not given.startswith("projected"):
+            return {}
+        is_split = given == "projected_split"
+        self.projection("image_to_mesh", is_split)
+        name = f"projection_image_to_mesh_{'split' if is_split else 'nosplit'}"
+        return {name: self._keys[name]}
+
+    def _learned(
+        self,
+        name: str,
+        parents: Mapping[str, str],
+        section: Mapping[str, Any],
+        fingerprint: str,
+        options: TrainOptions,
+        build: Build,
+        topology: str = "",
+    ) -> Network:
+        """A network from memory, from disk, or trained."""
+        if name in self._networks:
+            return self._networks[name]
+        # how often it is saved changes no weight
+        described = {**vars(replace(options, save_seconds=0.0))}
+        key = digest_of(
+            {
+                "data": self.recipe.data,
+                "latents": self.recipe.models["latents"] if parents else "",
+                "section": {inner: value for inner, value in section.items() if inner != "training"},
+                "options": described,
+                "parents": dict(parents),
+            }
+        )
+        folder = self.out / MODELS / f"{name}-{key[:12]}"
+        stamps = Stamps(key, self.frames("train").split_digest, fingerprint, topology)
+        network = self._ready(folder, stamps) or self._train(name, folder, stamps, options, build)
+        if topology:
+            require_topology(network, topology, str(self.store))
+        self._keys[name] = key
+        self.folders[name] = str(folder)
+        self._networks[name] = network
+        return network
+
+    def _ready(self, folder: Path, stamps: Stamps) -> Network | None:
+        if not (folder / LAST).exists():
+            return None
+        kept = load_checkpoint(folder / LAST)
+        require_stamps(kept.stamps, stamps, str(folder / LAST))
+        return load_checkpoint(folder / BEST).network().to(self.device) if kept.progress["is_over"] else None
+
+    def _train(self, name: str, folder: Path, stamps: Stamps, options: TrainOptions, build: Build) -> Network:
+        if not self.may_train:
+            raise UsageError(
+                f"the model {name} of the recipe {self.recipe.name} is not trained yet ({folder})",
+                "all models of the recipe",
+                f"Run `tactiledata train {self.recipe.name} --scale {self.recipe.scale}` first.",
+            )
+        with torch.random.fork_rng():
+            torch.manual_seed(options.seed)
+            objective, items, validation = build()
+
+        def told(done: int, total: int, what: str = "") -> None:
+            self.tell(done, total, f"{name}: {what}")
+
+        return train(objective, items, validation, options, folder, stamps, self.device, self.ranks, told).network
+
+
+def _gathered(frames: TouchFrames, encode: Callable[[range], Tensor], chunk: int = 256) -> Tensor:
+    starts = range(0, len(frames), chunk)
+    return torch.cat([encode(range(start, min(start + chunk, len(frames)))) for start in starts])
+
+
+def predicted_forces(head: Forces, given: Tensor) -> np.ndarray:
+    """Forces (n, 3), N, of what a head takes."""
+    with torch.no_grad():
+        forces: Tensor = head.forces(given.to(head.device)).float().cpu()
+    return forces.numpy()
