@@ -1,4 +1,4 @@
-"""`train`, `evaluate` and `run`: the verbs that this package adds to the command `tactiledata`."""
+"""`train`, `evaluate`, `run` and `transfer`: the verbs that this package adds to the command `tactiledata`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import typer
 
+from split_models import transfer_command
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.errors import UsageError
@@ -25,6 +26,7 @@ def register(app: typer.Typer) -> None:
     app.command("train")(train)
     app.command("evaluate")(evaluate)
     app.command("run")(run)
+    transfer_command.register(app)
 
 
 def train(

@@ -1,0 +1,76 @@
+"""Latent transfer: its laws hold for any weights, trained or not."""
+
+import numpy as np
+import pytest
+import torch
+from small_models import image_vae, mesh_vae, pictures
+
+from split_models.checkpoint import Checkpoint, Stamps, save_checkpoint
+from split_models.latent import decode_pictures, encode_pictures
+from split_models.latent_transfer import LatentTransfer, load_latent_transfer, scaled
+from tactiledata.errors import CheckpointError
+
+
+@pytest.fixture(scope="module")
+def vae():
+    torch.manual_seed(0)
+    return image_vae()
+
+
+@pytest.fixture(scope="module")
+def sensors():
+    """Touches of a sensor, its background and another's, at the VAE's size."""
+    source, target = pictures(2, seed=1)
+    return pictures(5, seed=2), source, target
+
+
+def decoded(vae, images):
+    return decode_pictures(vae, encode_pictures(vae, images))
+
+
+def close(one, other):
+    """Equal to the rounding of a grey level."""
+    assert np.abs(one.astype(int) - other).max() <= 1
+
+
+def test_same_background_is_the_vae_alone(vae, sensors):
+    """From a sensor to itself the arithmetic cancels: what is left is encode and decode."""
+    touches, source, _ = sensors
+    close(LatentTransfer("latent", vae).transfer(touches, source, source), decoded(vae, touches))
+
+
+def test_background_maps_to_the_decoded_background(vae, sensors):
+    """The source without contact becomes the target as the VAE draws it."""
+    _, source, target = sensors
+    close(LatentTransfer("latent", vae).transfer(source[None], source, target), decoded(vae, target[None]))
+
+
+def test_kept_background_maps_to_background_exactly(vae, sensors):
+    """Laid on the target's own background, no contact is that background, to the last bit, at any size."""
+    _, source, target = sensors
+    large = scaled(target[None], (80, 60))[0]
+    method = LatentTransfer("latent_on_background", vae, keeps_background=True)
+    np.testing.assert_array_equal(method.transfer(source[None], source, target)[0], target)
+    np.testing.assert_array_equal(method.transfer(source[None], source, large)[0], large)
+
+
+def test_sizes_of_source_and_target_may_differ(vae, sensors):
+    """Pictures come out in the target's size, one for each touch."""
+    touches, source, target = sensors
+    wide = scaled(target[None], (30, 40))[0]
+    assert LatentTransfer("latent", vae).transfer(touches, source, wide).shape == (5, 30, 40, 3)
+    assert LatentTransfer("latent", vae).transfer(touches[:0], source, wide).shape == (0, 30, 40, 3)
+
+
+def test_scaling_to_the_own_size_changes_nothing(sensors):
+    """Pictures that fit are not touched; there and back the mean stays."""
+    touches, _, _ = sensors
+    assert scaled(touches, (40, 30)) is touches
+    assert abs(float(scaled(touches, (20, 15)).mean()) - float(touches.mean())) < 1
+
+
+def test_a_mesh_model_is_refused(tmp_path):
+    """A checkpoint of another kind, with the topology it was trained on, is named as what it is."""
+    save_checkpoint(tmp_path / "mesh.ckpt", Checkpoint.of(mesh_vae(), Stamps()))
+    with pytest.raises(CheckpointError, match=r"holds a mesh_vae for one mesh topology.*image_vae"):
+        load_latent_transfer(tmp_path / "mesh.ckpt", "latent", False)

@@ -1,0 +1,106 @@
+"""The verb `transfer`: stores and pictures where one looks for them, errors that say what to do, exit codes."""
+
+import json
+import shutil
+
+import cv2
+import numpy as np
+import pytest
+from cli.command import run_command
+from small_models import image_vae
+from transfer_stores import write_two_sensors
+
+from split_models.checkpoint import Checkpoint, Stamps, save_checkpoint
+from split_models.transfer_picture import sheet
+from tactiledata.sensors.backgrounds import load_background
+from tactiledata.store.reader import Store
+
+
+@pytest.fixture
+def folder(tiny_store, tmp_path, monkeypatch):
+    """A working folder with one store of real backgrounds, whose touches the rig recorded."""
+    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_as_typed_in_the_folder_of_a_store(folder, capsys):
+    """No store named: the only one is taken, and stays the only one, as what is written lies below; again: no change."""
+    typed = ("transfer", "--to", "ycb-sensorB", "--method", "background-swap")
+    code, out, _ = run_command(capsys, *typed)
+    assert code == 0
+    assert "comes with the toolkit" in out
+    made = Store.open(folder / "transferred" / "ds-ycb-sensorB-background-swap.zarr")
+    assert made.n_frames
+    np.testing.assert_array_equal(made.reference("ycb-sensorB").image, load_background("ycb-sensorB"))
+    picture = cv2.imread(str(folder / "transferred" / "ds-ycb-sensorB-background-swap.png"))
+    assert picture is not None
+    assert picture.shape[1] > 4 * 240
+    code, out, _ = run_command(capsys, *typed, "--json")
+    document = json.loads(out)
+    assert code == 0
+    assert (document["added"], document["frames"], document["method"]) == (0, made.n_frames, "background_swap")
+    assert document["target"]["licence"] == "MIT"
+    assert sorted(document["sensors"]) == ["D20001", "D20002"]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (["--to", "ycb-sensora", "--method", "reinhard"], 2, "Did you mean"),
+        (["--to", "ycb-sensorA", "--method", "reinhart"], 2, "Did you mean reinhard"),
+        (["--to", "ycb-sensorA", "--method", "reinhard", "--model", "m.ckpt"], 2, "a method that uses a model"),
+        (["--to", "ycb-sensorA", "--model", "nowhere.ckpt"], 2, "nowhere.ckpt"),
+        (["--to", "ycb-sensorA", "--method", "reinhard", "--from", "D2001"], 2, "Did you mean"),
+        (["--to", "ycb-sensorA", "--method", "reinhard", "--out", "ds.zarr"], 2, "into itself"),
+        (["nowhere.zarr", "--to", "ycb-sensorA"], 2, "nowhere.zarr"),
+        (["--method", "reinhard"], 2, "--to"),
+    ],
+)
+def test_wrong_calls(folder, capsys, words, code, says):
+    """What is wrong is said in a line, exit 2, and nothing is written."""
+    found, _, err = run_command(capsys, "transfer", *words)
+    assert found == code
+    assert says in err
+    assert "Traceback" not in err
+    assert not (folder / "transferred").exists()
+
+
+def test_latent_without_a_model_says_what_to_do(folder, capsys, monkeypatch):
+    """Where no model is bundled, the default method names both ways out."""
+    monkeypatch.setattr("split_models.transfer_methods.BUNDLED_MODEL", folder / "none.ckpt")
+    code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorA")
+    assert code == 2
+    assert "tactiledata train RECIPE" in err
+    assert "--method background-swap" in err
+
+
+def test_a_checkpoint_of_pictures_transfers(folder, capsys):
+    """An image VAE's checkpoint is used and its hashes are said; the target keeps its own size."""
+    vae = image_vae()
+    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(vae, Stamps(recipe="5ec1be")))
+    typed = ("transfer", "--to", "ycb-sensorB", "--model", "vae.ckpt")
+    code, out, _ = run_command(capsys, *typed, "--json")
+    document = json.loads(out)
+    assert code == 0
+    assert document["recipe"] == "5ec1be"
+    assert len(document["model"]) == 64
+    assert np.asarray(Store.open(document["out"]).images([0]))[0].shape == (320, 240, 3)
+
+
+def test_a_store_that_lacks_backgrounds_falls_short(tmp_path, monkeypatch, capsys):
+    """Data that fall short are exit 1, not wrong usage."""
+    write_two_sensors(tmp_path / "bare.zarr", n_sources=2, with_backgrounds=())
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorA", "--method", "reinhard")
+    assert code == 1
+    assert "sensors add D1" in err
+
+
+def test_sheet_takes_pictures_of_any_size():
+    """Cells of other sizes are shown at one height, rows of other lengths padded with white."""
+    small, wide = np.zeros((32, 24, 3), np.uint8), np.zeros((120, 160, 3), np.uint8)
+    drawn = sheet([[("a", small), ("b", wide)], [("c", small)]])
+    assert drawn.dtype == np.uint8
+    assert (drawn[-20:, -50:] == 255).all()
+    assert (drawn == 0).any()
