@@ -18,6 +18,8 @@ BENCHMARKS = (
     "replay_memory.py",
     "calibration_worlds.py",
     "naming_worlds.py",
+    "naming_rivals.py",
+    "diagnose_speed.py",
 )
 
 
