@@ -23,15 +23,17 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
         return scenario.trajectories
     sensors = plan.sensors or tuple(scenario.sensors)
     indenters = plan.indenters or tuple(scenario.indenters)
+    paired = (plan.count if plan.paired else 0) if isinstance(plan.paired, bool) else plan.paired
     drawn: list[Touch] = []
     for index in range(plan.count):
         rng = np.random.default_rng([scenario.seed, STREAM, index])
         # sensors change fastest; the shift by rounds lets every sensor meet every indenter, also when counts share
         # a factor
         sensor = sensors[index % len(sensors)]
-        rounds = index if plan.paired else index // len(sensors) + index % len(sensors)
-        touch = _draw(plan, rng, f"t{index:05d}", sensor, indenters[rounds % len(indenters)])
-        if plan.paired:
+        rounds = index if index < paired else index // len(sensors) + index % len(sensors)
+        choice = (plan.paired_indenters or indenters) if index < paired else indenters
+        touch = _draw(plan, rng, f"t{index:05d}", sensor, choice[rounds % len(choice)])
+        if index < paired:
             drawn.extend(replace(touch, name=f"{touch.name}-{serial}", sensor=serial) for serial in sensors)
         else:
             drawn.append(touch)

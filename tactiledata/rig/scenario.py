@@ -276,8 +276,9 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
     if scenario.generate is not None:
         for index, name in enumerate(scenario.generate.sensors):
             _known(name, scenario.sensors, f"$.generate.sensors[{index}]", where)
-        for index, name in enumerate(scenario.generate.indenters):
-            _known(name, scenario.indenters, f"$.generate.indenters[{index}]", where)
+        for key in ("indenters", "paired_indenters"):
+            for index, name in enumerate(getattr(scenario.generate, key)):
+                _known(name, scenario.indenters, f"$.generate.{key}[{index}]", where)
         for sensor in scenario.sensors.values():
             _on_pad(scenario.generate.position, sensor.gel, "$.generate.position", where)
         for key, value in document["generate"].items():

@@ -121,3 +121,16 @@ def test_paired_touches_differ_in_the_sensor_only():
         assert (first.sensor, second.sensor) == ("A", "B")
         assert replace(second, name=first.name, sensor="A") == first
         assert first.group == second.group
+
+
+def test_some_touches_may_be_paired():
+    """`paired: 2`: the first two are made on both sensors, with their own indenters; the others are dealt as ever."""
+    plan = {"count": 6, "paired": 2, "paired_indenters": ["box"]}
+    indenters = {"ball": {"shape": "sphere"}, "box": {"shape": "box"}}
+    drawn = touches(load_scenario(changed(generate=plan, indenters=indenters)))
+    assert [touch.name for touch in drawn[:5]] == ["t00000-A", "t00000-B", "t00001-A", "t00001-B", "t00002"]
+    assert len(drawn) == 2 * 2 + 4
+    assert {touch.indenter for touch in drawn[:4]} == {"box"}
+    assert {(touch.sensor, touch.indenter) for touch in drawn[4:]} == {(s, i) for s in "AB" for i in indenters}
+    with pytest.raises(SchemaError, match=r"generate\.paired_indenters\[0\]"):
+        load_scenario(changed(generate={**plan, "paired_indenters": ["cone"]}, indenters=indenters))
