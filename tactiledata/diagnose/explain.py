@@ -94,6 +94,7 @@ def explain(
     scales: Mapping[str, float] | None = None,
     signatures: Mapping[str, Array] | None = None,
     tell: Tell = lambda done, total, what="": None,
+    located: Located | None = None,
 ) -> Explanation:
     """A diagnosis of residuals.
 
@@ -103,6 +104,8 @@ def explain(
         See `tactiledata.diagnose.open_form.open_form`.
     tell : callable
         Told how many of the steps are done.
+    located : Located, optional
+        Of these residuals, with these options, where it is known already.
 
     Raises
     ------
@@ -115,7 +118,8 @@ def explain(
         tell(step, len(STEPS), STEPS[step])
 
     begin(0)
-    located = locate(residuals, options)
+    if located is None:
+        located = locate(residuals, options)
     form, held, gap, left_over = None, None, None, None
     floor_is = "the noise" if options.noise is not None else "the scatter from row to row"
     if located.is_structured:
