@@ -48,27 +48,36 @@ def rasterise(
     triangles : (t, 3)
     shape : (rows, columns)
     """
-    corner, height = corners[triangles], heights[triangles]
+    pixel, which, shares = covered(corners, triangles, shape)
+    drawn = np.full(shape[0] * shape[1], np.inf)
+    np.minimum.at(drawn, pixel, (shares * heights[triangles[which]]).sum(axis=1))
+    drawn[np.isinf(drawn)] = np.nan
+    return drawn.reshape(shape).astype(np.float32)
+
+
+def covered(
+    corners: NDArray[np.float64], triangles: NDArray[np.int64], shape: tuple[int, int]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Which triangles cover which pixels: pixel (m,), counted row by row, triangle (m,), and shares (m, 3).
+
+    Shares are barycentric: the pixel's centre is that sum of the triangle's corners.
+    """
+    corner = corners[triangles]
     first = np.ceil(corner.min(axis=1) - EDGE).astype(np.int64).clip(0)
     last = np.floor(corner.max(axis=1) + EDGE).astype(np.int64)
     last = np.minimum(last, [shape[1] - 1, shape[0] - 1])
-    sides = (last - first + 1).clip(0)
-    which, column, row = _candidates(first, sides)
-    # twice the signed areas that a pixel spans with each side, over that of the triangle
+    which, column, row = _candidates(first, (last - first + 1).clip(0))
+    # twice the areas that a pixel spans with each side, over that of the triangle
     a, b, c = (corner[:, index] for index in range(3))
     area = _cross(b - a, c - a)
     is_flat = area == 0
-    scale = np.divide(1.0, area, out=np.zeros_like(area), where=~is_flat)
-    pixel = np.stack([column, row], axis=1).astype(np.float64)
-    share_b = _cross(pixel - a[which], (c - a)[which]) * scale[which]
-    share_c = _cross((b - a)[which], pixel - a[which]) * scale[which]
-    share_a = 1.0 - share_b - share_c
-    is_inside = (np.minimum(np.minimum(share_a, share_b), share_c) >= -EDGE) & ~is_flat[which]
-    z = share_a * height[which, 0] + share_b * height[which, 1] + share_c * height[which, 2]
-    drawn = np.full(shape[0] * shape[1], np.inf)
-    np.minimum.at(drawn, (row * shape[1] + column)[is_inside], z[is_inside])
-    drawn[np.isinf(drawn)] = np.nan
-    return drawn.reshape(shape).astype(np.float32)
+    scale = np.divide(1.0, area, out=np.zeros_like(area), where=~is_flat)[which]
+    centre = np.stack([column, row], axis=1) - a[which]
+    share_b = _cross(centre, (c - a)[which]) * scale
+    share_c = _cross((b - a)[which], centre) * scale
+    shares = np.stack([1.0 - share_b - share_c, share_b, share_c], axis=1)
+    is_inside = (shares.min(axis=1) >= -EDGE) & ~is_flat[which]
+    return (row * shape[1] + column)[is_inside], which[is_inside], shares[is_inside]
 
 
 def _candidates(
