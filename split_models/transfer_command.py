@@ -90,4 +90,4 @@ def _tell(report: TransferReport, way: TransferMethod, location: str, picture: P
     for note in report.notes:
         say(note)
     say(f"wrote {report.out} and {picture}: look at the picture before you train on them")
-    say(f"to train on parents and children: tactiledata merge {location} {report.out} --into both.zarr, then split it")
+    say(f"to train on both: tactiledata merge {location} {report.out} --into with-children/both.zarr, then split that")

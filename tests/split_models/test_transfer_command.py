@@ -25,7 +25,7 @@ def folder(tiny_store, tmp_path, monkeypatch):
 
 
 def test_as_typed_in_the_folder_of_a_store(folder, capsys):
-    """No store named: the only one is taken, and stays the only one, as what is written lies below; again: no change."""
+    """No store named: the only one is taken, and stays the only one, as all is written below; again: no change."""
     typed = ("transfer", "--to", "ycb-sensorB", "--method", "background-swap")
     code, out, _ = run_command(capsys, *typed)
     assert code == 0

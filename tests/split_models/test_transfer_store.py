@@ -308,3 +308,14 @@ def test_a_store_without_whole_pictures_is_said_so(target, tmp_path):
     with pytest.raises(StoreError, match=r"no frame of .* can be transferred"):
         transfer_store(empty, target, SWAP, tmp_path / "out.zarr")
     assert not (tmp_path / "out.zarr").exists()
+
+
+def test_few_pictures_are_in_memory(source, target, tmp_path, monkeypatch):
+    """However many frames a recording has, no more than a batch of pictures is read at once."""
+    asked = []
+    read = Store.images
+    monkeypatch.setattr(Store, "images", lambda self, rows, *more: asked.append(len(rows)) or read(self, rows, *more))
+    monkeypatch.setattr("split_models.transfer_take.BATCH", 4)
+    transfer_store(source, target, SWAP, tmp_path / "out.zarr")
+    assert max(asked) == 4
+    assert sum(asked) == Store.open(tmp_path / "out.zarr").n_frames
