@@ -132,7 +132,7 @@ def _prepare(workshop: Any) -> dict[str, str]:
         workshop.train_backbone()
     else:
         PREPARE[table](workshop)
-    return dict(workshop.folders)
+    return dict(workshop.kept.folders)
 
 
 def _told(trained: dict[str, str], as_json: bool) -> None:
@@ -144,6 +144,7 @@ def _told(trained: dict[str, str], as_json: bool) -> None:
 
 
 def _table(workshop: Any, as_json: bool) -> None:
+    from split_models.latent_normal import drawn_alike
     from split_models.results import result_document, write_result
     from split_models.tables import ROWS
     from tactiledata.store.reader import Store
@@ -151,9 +152,10 @@ def _table(workshop: Any, as_json: bool) -> None:
     recipe = workshop.recipe
     if recipe.table is None:
         raise UsageError(f"the recipe {recipe.name} has no table", "`table: …` in it", "`tactiledata train` is for it.")
-    rows = ROWS[recipe.table](workshop)
+    with drawn_alike(recipe.seed):
+        rows = ROWS[recipe.table](workshop)
     document = result_document(recipe, rows, Store.open(workshop.store).digest)
-    paths = write_result(workshop.out / recipe.name / recipe.scale, document)
+    paths = write_result(workshop.tables, document)
     if as_json:
         emit({**document, "files": {name: str(path) for name, path in paths.items()}})
         return

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from split_models.data import TouchFrames
 from split_models.latent import LatentImageToMesh, LatentMeshToImage, Latents
+from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop
-from tactiledata.contract.atomic import write_atomic
 from tactiledata.errors import UnknownName
 from tactiledata.metrics.image_similarity import ssim
 from tactiledata.metrics.mesh_distance import rmse
@@ -106,9 +105,7 @@ def cyclic_rows(workshop: Workshop) -> list[dict[str, Any]]:
                     for score, one in values.items()
                 }
                 rows.append({"part": part, "method": name, "cycle": cycle + 1, "scores": scores})
-            write_strip(
-                workshop.out / workshop.recipe.name / f"strip-{part}-{name}.png", forth, back, frames, chosen[-2:]
-            )
+            write_strip(workshop.tables / f"strip-{part}-{name}.png", forth, back, frames, chosen[-2:])
     return rows
 
 
@@ -116,11 +113,9 @@ def write_strip(
     path: Path, forth: LatentMeshToImage, back: LatentImageToMesh, frames: TouchFrames, numbers: NDArray[np.int64]
 ) -> None:
     """A picture: for each frame a row with the recorded picture and those of the first cycles."""
-    bands = []
+    rows = []
     for number in numbers:
         shown = frames.pictures([int(number)])
         background = frames.background(frames.sensors[number])
-        made = [one.pictures[0] for one in cycles(forth, back, shown, background, STRIP)]
-        bands.append(np.concatenate([shown[0], *made], axis=1))
-    _, encoded = cv2.imencode(".png", np.concatenate(bands)[..., ::-1])
-    write_atomic(path, encoded.tobytes())
+        rows.append([shown[0], *(one.pictures[0] for one in cycles(forth, back, shown, background, STRIP))])
+    write_grid(path, rows)

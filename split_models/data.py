@@ -156,6 +156,30 @@ class TouchFrames:
         return self._kept[kind][places]
 
 
+LEAST_SHARE = 0.1
+"""Vertices that move less than this share of the root mean square over all of them are scaled as if they moved so much:
+bonded nodes, and vertices that the touches of the train part happened to miss, would become huge on other touches."""
+
+
+def vertex_scale(frames: TouchFrames) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean and spread (v, 3), m, by which displacements of every vertex are scaled.
+
+    Raises
+    ------
+    UsageError
+        Nothing moves in any frame.
+    """
+    mean, spread = vertex_moments(frames)
+    least = LEAST_SHARE * float(np.sqrt(np.square(spread).mean()))
+    if least == 0.0:
+        raise UsageError(
+            f"no vertex moves in any of the {len(frames)} frames of {frames.part}",
+            "touches with deformed meshes",
+            "Look at the replay's page, or take other bounds of the force.",
+        )
+    return mean, np.maximum(spread, least)
+
+
 def vertex_moments(frames: TouchFrames) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mean and standard deviation (v, 3), m, of every vertex's displacement over all frames."""
     total: Any = 0.0

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import torch
 from torch import Tensor
 
@@ -23,3 +26,11 @@ def divergence(mean: Tensor, log_variance: Tensor) -> Tensor:
 def annealed(final: float, epoch: float, epochs: int) -> float:
     """The weight of the divergence: from 0 linearly to ``final`` over ``epochs``."""
     return final * min(1.0, epoch / epochs) if epochs > 0 else final
+
+
+@contextmanager
+def drawn_alike(seed: int) -> Iterator[None]:
+    """Within, all that PyTorch draws depends on the seed alone; outside, nothing has happened."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        yield

@@ -17,9 +17,6 @@ from split_models.mesh_graph import Hierarchy
 from split_models.network import Network
 from split_models.sparse_map import SparseMap
 
-LEAST_SPREAD = 1e-6
-"""m; vertices that move less are scaled as if they moved so much: bonded nodes, and the solver's last digits."""
-
 
 class ChebyshevConvolution(nn.Module):
     """A graph convolution: a polynomial in the scaled Laplacian, learned in Chebyshev's basis.

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from split_models.cyclic import cyclic_rows, prepare_cyclic
+from split_models.data import TouchFrames
 from split_models.evaluate import image_values, mesh_values, summarised
 from split_models.inference_time import prepare_time, time_rows
-from split_models.methods import IMAGE_TO_MESH, MESH_TO_IMAGE
+from split_models.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, for_sensor
+from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop, predicted_forces
 from tactiledata.errors import UsageError
 from tactiledata.metrics.force_error import FORCE_ERROR
@@ -53,7 +55,18 @@ def image_rows(workshop: Workshop) -> Rows:
             values = image_values(method, frames, names)
             summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], IMAGE_SIMILARITY.scores)
             rows.append({"part": part, "method": name, "scores": summary})
+        write_grid(workshop.tables / f"pictures-{part}.png", side_by_side(methods, frames))
     return rows
+
+
+def side_by_side(methods: dict[str, Any], frames: TouchFrames, count: int = 6) -> list[list[np.ndarray]]:
+    """For some frames, evenly spaced, a row: the true picture, then each method's."""
+    shown = []
+    for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
+        sensor, moved = frames.sensors[number], frames.displacements([int(number)])
+        made = [for_sensor(one, sensor).predict(moved, frames.background(sensor))[0] for one in methods.values()]
+        shown.append([frames.pictures([int(number)])[0], *made])
+    return shown
 
 
 # -- meshes ----------------------------------------------------------------------------------------------------------

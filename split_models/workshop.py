@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, cast
@@ -14,28 +13,28 @@ import torch
 from torch import Tensor
 
 from split_models.augment import Augmentation
-from split_models.checkpoint import Stamps, load_checkpoint, require_stamps, require_topology
-from split_models.data import TouchFrames, vertex_moments
+from split_models.checkpoint import Stamps
+from split_models.data import TouchFrames, vertex_scale
 from split_models.device import Ranks
 from split_models.end_to_end import EndToEnd
 from split_models.force_head import ForceHead, Forces, RawForces
 from split_models.image_vae import ImageVae, as_input
 from split_models.items import FrameItems, Items, PictureItems, TensorItems
+from split_models.kept_models import Build, KeptModels
 from split_models.latent import encode_displacements, encode_pictures, subtract
+from split_models.latent_normal import drawn_alike
 from split_models.mesh_graph import Hierarchy, Topology, build_hierarchy
-from split_models.mesh_vae import LEAST_SPREAD, MeshVae
+from split_models.mesh_vae import MeshVae
 from split_models.network import Network
 from split_models.objectives import ImageVaeObjective, MeshVaeObjective, Objective, Regression, scaled_forces
 from split_models.prepare import mesh_name, prepare_store, store_place
 from split_models.projection import Projection
 from split_models.recipe import Recipe
-from split_models.train import BEST, LAST, TrainOptions, train
+from split_models.train import TrainOptions
 from tactiledata.contract.provenance import digest_of
-from tactiledata.errors import UsageError
 
 Tell = Callable[..., None]
 Direction = Literal["mesh_to_image", "image_to_mesh"]
-Build = Callable[[], tuple[Objective, Items, Items]]
 MODELS = "models"
 
 
@@ -67,16 +66,17 @@ class Workshop:
         workers: int = 1,
         may_train: bool = True,
     ) -> None:
-        self.recipe, self.out, self.device = recipe, out, device
+        self.recipe, self.out, self.device, self.workers = recipe, out, device, workers
         self.ranks = ranks or Ranks()
         self.tell: Tell = tell or (lambda done, total, what="": None)
-        self.workers, self.may_train = workers, may_train
+        self.kept = KeptModels(out / MODELS, device, self.ranks, self.tell, may_train)
         self._frames: dict[str, TouchFrames] = {}
-        self._networks: dict[str, Network] = {}
         self._latents: dict[str, Tensor] = {}
-        self._keys: dict[str, str] = {}
-        self.folders: dict[str, str] = {}
-        """Where the models lie that were asked for, by name."""
+
+    @property
+    def tables(self) -> Path:
+        """Where the recipe's table and pictures go."""
+        return self.out / self.recipe.name / self.recipe.scale
 
     # -- data --------------------------------------------------------------------------------------------------------
 
@@ -115,8 +115,7 @@ class Workshop:
     @cached_property
     def vertex_scale(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean and spread (v, 3), m, of the train part."""
-        mean, spread = vertex_moments(self.frames("train"))
-        return mean, np.maximum(spread, LEAST_SPREAD)
+        return vertex_scale(self.frames("train"))
 
     @cached_property
     def force_scale(self) -> tuple[list[float], list[float]]:
@@ -254,7 +253,7 @@ class Workshop:
             return objective, self._items("train", given, "force"), self._items("val", given, "force")
 
         options = self.recipe.training("raw_forces", seed)
-        parents = {vae.kind: self._keys[vae.kind]}
+        parents = {vae.kind: self.kept.keys[vae.kind]}
         return cast(
             "RawForces",
             self._learned(
@@ -280,7 +279,8 @@ class Workshop:
         """Latent vectors (n, d) of the frames of a part; of force heads' inputs see `force_head`."""
         key = f"{part}/{kind}"
         if key not in self._latents:
-            self._latents[key] = self._encoded(part, kind)
+            with drawn_alike(self.recipe.seed):
+                self._latents[key] = self._encoded(part, kind)
         return self._latents[key]
 
     def _encoded(self, part: str, kind: str) -> Tensor:
@@ -320,7 +320,7 @@ class Workshop:
 
     def _vaes(self) -> dict[str, str]:
         """Keys of both VAEs, trained where they are not."""
-        return {vae.kind: self._keys[vae.kind] for vae in (self.image_vae, self.mesh_vae)}
+        return {vae.kind: self.kept.keys[vae.kind] for vae in (self.image_vae, self.mesh_vae)}
 
     def _projections_of(self, given: str) -> dict[str, str]:
         if not given.startswith("projected"):
@@ -328,7 +328,7 @@ class Workshop:
         is_split = given == "projected_split"
         self.projection("image_to_mesh", is_split)
         name = f"projection_image_to_mesh_{'split' if is_split else 'nosplit'}"
-        return {name: self._keys[name]}
+        return {name: self.kept.keys[name]}
 
     def _learned(
         self,
@@ -340,52 +340,14 @@ class Workshop:
         build: Build,
         topology: str = "",
     ) -> Network:
-        """A network from memory, from disk, or trained."""
-        if name in self._networks:
-            return self._networks[name]
-        # how often it is saved changes no weight
-        described = {**vars(replace(options, save_seconds=0.0))}
-        key = digest_of(
-            {
-                "data": self.recipe.data,
-                "latents": self.recipe.models["latents"] if parents else "",
-                "section": {inner: value for inner, value in section.items() if inner != "training"},
-                "options": described,
-                "parents": dict(parents),
-            }
-        )
-        folder = self.out / MODELS / f"{name}-{key[:12]}"
-        stamps = Stamps(key, self.frames("train").split_digest, fingerprint, topology)
-        network = self._ready(folder, stamps) or self._train(name, folder, stamps, options, build)
-        if topology:
-            require_topology(network, topology, str(self.store))
-        self._keys[name] = key
-        self.folders[name] = str(folder)
-        self._networks[name] = network
-        return network
-
-    def _ready(self, folder: Path, stamps: Stamps) -> Network | None:
-        if not (folder / LAST).exists():
-            return None
-        kept = load_checkpoint(folder / LAST)
-        require_stamps(kept.stamps, stamps, str(folder / LAST))
-        return load_checkpoint(folder / BEST).network().to(self.device) if kept.progress["is_over"] else None
-
-    def _train(self, name: str, folder: Path, stamps: Stamps, options: TrainOptions, build: Build) -> Network:
-        if not self.may_train:
-            raise UsageError(
-                f"the model {name} of the recipe {self.recipe.name} is not trained yet ({folder})",
-                "all models of the recipe",
-                f"Run `tactiledata train {self.recipe.name} --scale {self.recipe.scale}` first.",
-            )
-        with torch.random.fork_rng():
-            torch.manual_seed(options.seed)
-            objective, items, validation = build()
-
-        def told(done: int, total: int, what: str = "") -> None:
-            self.tell(done, total, f"{name}: {what}")
-
-        return train(objective, items, validation, options, folder, stamps, self.device, self.ranks, told).network
+        described = {
+            "data": self.recipe.data,
+            "latents": self.recipe.models["latents"] if parents else "",
+            "section": {inner: value for inner, value in section.items() if inner != "training"},
+            "parents": dict(parents),
+        }
+        stamps = Stamps("", self.frames("train").split_digest, fingerprint, topology)
+        return self.kept.learned(name, described, stamps, options, build)
 
 
 def _gathered(frames: TouchFrames, encode: Callable[[range], Tensor], chunk: int = 256) -> Tensor:

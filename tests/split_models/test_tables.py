@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import cv2
 import numpy as np
 import pytest
 import torch
@@ -99,6 +100,8 @@ def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsy
     assert (out / "digit_images" / "small" / "table.md").read_text().strip() in printed
     assert {folder: (folder / LAST).stat().st_mtime_ns for folder in (out / "models").iterdir()} == before
     assert all((folder / "curve.csv").exists() for folder in before)
+    grid = cv2.imread(str(out / "digit_images" / "small" / "pictures-test.png"))
+    assert grid.shape == (6 * 40, 5 * 30, 3)
 
 
 @pytest.mark.parametrize("table", ["mesh", "force", "cyclic"])
@@ -121,7 +124,7 @@ def test_the_other_tables(table, touch_store, out, monkeypatch, capsys):
         assert document["rows"][2]["scores"]["norm"]["seeds"] == 2
     if table == "cyclic":
         assert max(row["cycle"] for row in document["rows"]) == 3
-        assert (out / "cyclic" / "strip-test-split.png").stat().st_size > 0
+        assert (out / "cyclic" / "small" / "strip-test-split.png").stat().st_size > 0
 
 
 @pytest.mark.slow
