@@ -1,0 +1,112 @@
+"""Pictures of deformed meshes without latent spaces: height map, slopes, a colour model, shadows, background."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.errors import UsageError
+from tactiledata.optics.height_map import Indentation, slopes
+from tactiledata.optics.registration import Touch
+from tactiledata.optics.shadows import Shadows, fit_shadows, light_azimuths
+from tactiledata.optics.surface import GelSurface
+from tactiledata.optics.taxim_calibration import Press, calibrate
+from tactiledata.optics.view import View
+
+Colours = Callable[[NDArray[np.float32]], NDArray[np.float32]]
+"""Change of colour (rows, columns, 3), grey levels, by slopes (rows, columns, 2)."""
+
+SMOOTHING = 2e-4
+"""m: standard deviation of the blur that takes the facets of the mesh out of a height map."""
+
+
+@dataclass(frozen=True)
+class OpticalMethod:
+    """Taxim and FOTS: they differ in their colours and in the plane that shadows fall on.
+
+    Parameters
+    ----------
+    name : str
+    surface : GelSurface
+        The mesh that displacements belong to.
+    view : View
+        What the camera sees; for backgrounds of another size it is scaled.
+    colours : callable
+    shadows : Shadows, optional
+    """
+
+    name: str
+    surface: GelSurface
+    view: View
+    colours: Colours
+    shadows: Shadows | None = None
+
+    def predict(self, displacements: Any, background: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Pictures (n, rows, columns, 3) uint8 of displacements (n, k, 3), m, on a background (rows, columns, 3)."""
+        view = self.view.scaled((background.shape[0], background.shape[1]))
+        drawn, base = Indentation(self.surface, view), background.astype(np.float32)
+        pictures = np.empty((len(displacements), *background.shape), np.uint8)
+        for row, displacement in enumerate(displacements):
+            depth = smooth_indentation(drawn, displacement)
+            picture = base + self.colours(slopes(depth, view))
+            if self.shadows is not None:
+                picture -= base * self.shadows.darkening(depth, view)
+            pictures[row] = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+        return pictures
+
+
+def calibrated(
+    name: str,
+    surface: GelSurface,
+    view: View,
+    touches: Sequence[Touch],
+    learn: Callable[[list[Press]], Colours],
+    is_planar: bool,
+) -> OpticalMethod:
+    """A method calibrated on one unit's touches of known meshes, seen through its registered camera.
+
+    Parameters
+    ----------
+    name, surface, view
+        As of ``OpticalMethod``.
+    touches : sequence of Touch
+    learn : callable
+        Colours from presses.
+    is_planar : bool
+        Whether shadows fall on the flat gel.
+
+    Raises
+    ------
+    UsageError
+        No touch, or none that shows a contact.
+    """
+    if not touches:
+        raise UsageError(f"no touch to calibrate {name} on", "pictures with their meshes", "")
+    rows, columns = touches[0].picture.shape[:2]
+    here = view.scaled((rows, columns))
+    drawn = Indentation(surface, here)
+    depths = [smooth_indentation(drawn, touch.displacement) for touch in touches]
+    presses = [_press(touch, depth, here) for touch, depth in zip(touches, depths, strict=True)]
+    colours = learn(presses)
+    residuals = [press.change - colours(press.slopes) for press in presses]
+    azimuths = light_azimuths(calibrate(presses, "for the directions of the lights"))
+    shadows = fit_shadows(residuals, [touch.background for touch in touches], depths, here, azimuths, is_planar)
+    return OpticalMethod(name, surface, view, colours, shadows)
+
+
+def _press(touch: Touch, depth: NDArray[np.float32], view: View) -> Press:
+    """The frame as a press of known slopes, everywhere on the picture."""
+    change = touch.picture.astype(np.float32) - touch.background
+    return Press(change, slopes(depth, view), np.ones(depth.shape, bool))
+
+
+def smooth_indentation(drawn: Indentation, displacement: Any) -> NDArray[np.float32]:
+    """An indentation (rows, columns), metres, of a mesh (k, 3), without its facets."""
+    across, down = drawn.view.pitches
+    blurred: Any = cv2.GaussianBlur(drawn.of(displacement), (0, 0), sigmaX=SMOOTHING / across, sigmaY=SMOOTHING / down)
+    return blurred
