@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import typer
 
 from tactiledata.cli.explain import damage_explains
@@ -57,12 +59,16 @@ def audit(
     store: str = STORE_ARGUMENT,
     split: str = typer.Option("default", "--split", help="Name of the split."),
     images: bool = typer.Option(True, "--images/--no-images", help="Look for near copies among the images, too."),
+    parents: str = typer.Option(
+        None, "--parents", help="The store that this one's trajectories were derived from: their parts are compared."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Look for leaks between the parts of a split. Exit 1 where there is one.
 
     Example: tactiledata audit --split default
     """
+    from tactiledata.splits.across import audit_across
     from tactiledata.splits.audit import audit as look
     from tactiledata.store.reader import Store
 
@@ -70,6 +76,9 @@ def audit(
     with damage_explains(location), progress("auditing", quiet=as_json) as tell:
         opened = Store.open(location)
         report = look(opened, split, images, tell)
+        if parents is not None:
+            across = audit_across(opened, Store.open(parents), split)
+            report = dataclasses.replace(report, findings=(*report.findings, *across))
     if as_json:
         emit(report.document())
     else:
