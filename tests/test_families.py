@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from split_models.pixel_transfer import PIXEL_TRANSFERS
 from tactiledata.compute import SCHEDULERS
 from tactiledata.effects import EFFECTS
 from tactiledata.errors import BrokenLog, TactileDataError, UnknownName
@@ -28,6 +29,7 @@ TABLES = {
     "compute": SCHEDULERS,
     "effects": EFFECTS,
     "metrics": METRICS,
+    "pixel_transfer": PIXEL_TRANSFERS,
 }
 
 

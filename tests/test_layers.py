@@ -14,7 +14,7 @@ LAYERS = [  # bottom first; packages of one row never import one another
     ["tactiledata.formats", "tactiledata.store", "tactiledata.metrics", "tactiledata.gel"],
     ["tactiledata.splits", "tactiledata.nuisance", "tactiledata.effects"],
     ["tactiledata.ingest", "tactiledata.loaders", "tactiledata.replay", "tactiledata.optics"],
-    ["tactiledata.calibrate"],
+    ["tactiledata.calibrate", "tactiledata.scoring"],
     ["tactiledata.diagnose", "tactiledata.export"],
     ["tactiledata.rig"],
     ["tactiledata.proof"],
@@ -28,6 +28,7 @@ FAMILIES = [
     "tactiledata.indenters",
     "tactiledata.metrics",
     "tactiledata.sensors",
+    "split_models.pixel_transfer",
 ]
 RIG_MAY_IMPORT = {
     "tactiledata.errors",
