@@ -45,6 +45,11 @@ MESH_TO_IMAGE = Registry(
     {
         "no_contact": "split_models.methods:no_contact",
         "end_to_end": "split_models.methods:end_to_end",
+        "taxim_published": "split_models.baselines:taxim_published",
+        "taxim_calibrated": "split_models.baselines:taxim_calibrated",
+        "fots_published": "split_models.baselines:fots_published",
+        "fots_calibrated": "split_models.baselines:fots_calibrated",
+        "across": "split_models.baselines:across",
         "nosplit": "split_models.methods:nosplit",
         "split": "split_models.methods:split",
     },
