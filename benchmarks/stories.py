@@ -4,8 +4,9 @@
 
 Each is a world of benchmarks/naming_worlds.py: the rig's layer solver presses 25 touches and conceals one effect in a
 formula of its own; the gel engine is the simulation that lacks it. It is calibrated as the SPLIT paper does, by the
-norm of the force, and by the whole wrench; then diagnosed. What the gel played (TACTILEDATA_CACHE) and what the rig
-solved (--bank) serve all stories, and the other benchmarks of naming; what is not there yet takes an hour first.
+norm of the force, then diagnosed; intervals are those of the likelihood's curvature. What the gel played
+(TACTILEDATA_CACHE) and what the rig solved (--bank) serve all stories, and the other benchmarks of naming; what is not
+there yet takes an hour first.
 """
 
 from __future__ import annotations
@@ -57,9 +58,9 @@ def tell(story: str, bench: Bench, maker: Maker, out: Path, pictures: Path | Non
     cases = bench.maker.cases(bench.maker.recorded(SEED, truth, STORIES[story]), bench.family)
     print(f"\n## {story}: {len(cases.cases)} touches; truth {_words(known)}")
     experiment = _experiment(plan, maker, truth, story)
-    numbers = [_calibrated(loss, experiment, cases.cases[0].noise, plan) for loss in ("norm", "vector")]
+    numbers = [_calibrated(experiment, cases.cases[0].noise, plan)]
     began = time.process_time()
-    naming = name_effects(cases, START, NamingOptions(effects=bench.effects))
+    naming = name_effects(cases, START, NamingOptions(effects=bench.effects, profile=False))
     shown = show(naming)
     print(f"diagnosed in {time.process_time() - began:.0f} s of the processor")
     for sentence in naming_sentences(naming, shown.located, shown):
@@ -85,25 +86,24 @@ def _experiment(plan: Plan, maker: Maker, truth: GelMaterial, story: str) -> Exp
         for touch, wrench, free in zip(to_play(maker.touches), recorded.wrenches, recorded.free, strict=True)
     ]
     nodes = ResponsePlan.of(plan.bounds)
-    plays = play_nodes(plan.mesh, _options("vector", plan).mechanics, touches, list(nodes.nodes()))
+    plays = play_nodes(plan.mesh, _options(plan).mechanics, touches, list(nodes.nodes()))
     found = assemble(touches, nodes, plays)
     assert isinstance(found, Experiment)
     return found
 
 
-def _options(loss: str, plan: Plan) -> CalibrationOptions:
-    return CalibrationOptions(loss=loss, fidelity="linear" if plan.is_quick else "finite-strain", hold_out=0.0)
+def _options(plan: Plan) -> CalibrationOptions:
+    return CalibrationOptions(loss="norm", fidelity="linear" if plan.is_quick else "finite-strain", hold_out=0.0)
 
 
-def _calibrated(loss: str, experiment: Experiment, noise: WrenchNoise, plan: Plan) -> Numbers:
-    """What a calibration says, printed."""
-    options = _options(loss, plan)
+def _calibrated(experiment: Experiment, noise: WrenchNoise, plan: Plan) -> Numbers:
+    """What a calibration by the paper's loss says, printed."""
+    options = _options(plan)
     found = fit(experiment, noise, plan.bounds, options)
-    print(f"calibrated, {loss} loss: {_words(found.parameters)}; {loss} loss {found.losses[loss].fitted:.3f}")
-    for one in remarks(found, plan.bounds, options.offset_prior, {}, loss == "vector", options.shape_share):
+    print(f"calibrated by the norm: {_words(found.parameters)}; loss {found.losses['norm'].fitted:.3f} N")
+    for one in remarks(found, plan.bounds, options.offset_prior, {}, False, options.shape_share):
         print(f"  {one.severity} {one.code}: {one.message}", flush=True)
-    title = {"norm": "paper's loss", "vector": "vector loss"}[loss]
-    return Numbers(title, tuple(float(value) for value in found.parameters))
+    return Numbers("paper's loss", tuple(float(value) for value in found.parameters))
 
 
 def _words(parameters: Sequence[float] | np.ndarray) -> str:
