@@ -28,7 +28,7 @@ def sensors(
     ),
     licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
     source: str = typer.Option("", "--source", help="With add: where the picture is from."),
-    unchecked: bool = typer.Option(False, "--unchecked", help="With add: also where red and blue seem swapped."),
+    unchecked: bool = typer.Option(False, "--unchecked", help="With add: also where the picture looks doubtful."),
     replace: bool = typer.Option(False, "--replace", help="With add: put it in the place of another picture."),
     store: str = typer.Option(None, "--store", help="With add, remove: the store [default: the only *.zarr here]."),
     as_json: bool = JSON_OPTION,

@@ -15,8 +15,9 @@ from tactiledata.errors import MissingFile, UsageError
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.average_background import average_background, refuse_swapped_channels
 from tactiledata.sensors.base import Sensor
-from tactiledata.sensors.image_checks import orientation_of
+from tactiledata.sensors.image_checks import CONTACT_LEVELS, orientation_of, shows_contact
 from tactiledata.store.commit import recover
+from tactiledata.store.free_air import free_air_median
 from tactiledata.store.keep_sensors import BY_HAND, keep_sensors, remove_picture
 from tactiledata.store.layout import INTAKE_LOCK
 from tactiledata.store.lock import writing_lock
@@ -56,13 +57,14 @@ def add_sensor(
     replace : bool
         Put the picture in the place of another one, whether that was added or came with a recording.
     unchecked : bool
-        Take a DIGIT's picture also where red and blue seem to be swapped.
+        Take the picture also where red and blue seem to be swapped, or the store's own frames of the sensor in free
+        air look otherwise.
 
     Raises
     ------
     MissingFile, UsageError
-        No picture there; not a picture; a frame that shows a touch; red and blue swapped; the store knows this sensor
-        with another picture.
+        No picture there; not a picture; a touch in it; red and blue swapped; the store knows this sensor with another
+        picture.
     UnknownName
         No such model.
     """
@@ -82,8 +84,8 @@ def add_sensor(
             raise UsageError(f"the store knows {name!r} as a {known}", f"--model {known}, not {model}", "Leave it out.")
         chosen = model or known or "digit"
         sensor = SENSORS[chosen]
-        if sensor.name == "digit" and not unchecked:
-            refuse_swapped_channels(image, " and ".join(names[:3]))
+        if not unchecked:
+            _refuse_doubtful(Store.open(folder), name, image, sensor, " and ".join(names[:3]))
         there = manifest["references"].get(name)
         if there == image_crc(image) and name in facts:
             return []
@@ -93,6 +95,22 @@ def add_sensor(
         reference = Reference(image, _origin(names, source), licence, chosen)
         keep_sensors(folder, {name: {**facts.get(name, {}), "model": chosen}}, {name: reference})
     return _findings(name, image, sensor, len(paths))
+
+
+def _refuse_doubtful(store: Store, name: str, image: NDArray[np.uint8], sensor: Sensor, what: str) -> None:
+    """Nothing, unless colours are swapped, or the store's own frames of the sensor in free air look otherwise."""
+    if sensor.name == "digit":
+        refuse_swapped_channels(image, what)
+    middle = free_air_median(store, name)
+    if middle is None or middle.shape != image.shape:
+        return
+    contact = shows_contact(image, middle)
+    if contact.is_contact:
+        raise UsageError(
+            f"{what} differs by {contact.score:.0f} grey levels from what {name!r} shows in free air in this store",
+            f"the untouched sensor, less than {CONTACT_LEVELS:.0f} levels away",
+            "It shows a touch, or the sensor was changed (then give it another name); --unchecked takes it as it is.",
+        )
 
 
 def _origin(names: Sequence[str], source: str) -> str:

@@ -13,6 +13,7 @@ from tactiledata.errors import UsageError
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.add_sensor import add_sensor, remove_sensor
 from tactiledata.store.check import check
+from tactiledata.store.free_air import free_air_median
 from tactiledata.store.reader import Store
 
 
@@ -36,7 +37,7 @@ def test_a_picture_of_a_recording_is_replaced_only_when_asked(store: Path, pictu
         add_sensor(store, serial, picture)
     before = Store.open(store)
     assert before.reference(serial).image.mean() != 77
-    add_sensor(store, serial, picture, replace=True)
+    add_sensor(store, serial, picture, replace=True, unchecked=True)
     after = Store.open(store)
     assert (after.reference(serial).image == 77).all()
     assert after.digest != before.digest
@@ -46,7 +47,7 @@ def test_a_picture_of_a_recording_is_replaced_only_when_asked(store: Path, pictu
 def test_a_picture_by_hand_outlasts_a_replaced_recording(store: Path, picture: Path, tiny_mcaps: list[Path]) -> None:
     """What was added by hand stays when the recordings of the sensor are read again."""
     serial = next(iter(Store.open(store).references()))
-    add_sensor(store, serial, picture, replace=True)
+    add_sensor(store, serial, picture, replace=True, unchecked=True)
     ingest(tiny_mcaps, store, replace=True)
     assert (Store.open(store).reference(serial).image == 77).all()
 
@@ -60,7 +61,7 @@ def test_what_was_added_wrongly_is_removed(store: Path, picture: Path, tiny_mcap
     after = Store.open(store)
     assert (after.sensors(), list(after.references())) == (before.sensors(), list(before.references()))
     serial, recorded = next(iter(before.references().items()))
-    add_sensor(store, serial, picture, replace=True)
+    add_sensor(store, serial, picture, replace=True, unchecked=True)
     remove_sensor(store, serial)
     assert serial in Store.open(store).sensors()
     assert serial not in Store.open(store).references()
@@ -74,3 +75,17 @@ def test_pictures_of_recordings_are_not_removed(store: Path) -> None:
     for name in (next(iter(Store.open(store).references())), "D9"):
         with pytest.raises(UsageError, match="ingest RECORDING --replace"):
             remove_sensor(store, name)
+
+
+def test_a_touch_is_told_by_the_stores_own_frames(store: Path, tmp_path: Path) -> None:
+    """A frame of largest force is refused as a background; one of another moment in free air is taken."""
+    opened = Store.open(store)
+    serial = next(name for name in opened.references() if free_air_median(opened, name) is not None)
+    frames = opened.frames(["sensor", "contact_force"]).to_pandas()
+    own = frames[frames["sensor"] == serial]
+    for row, name in ((own["contact_force"].idxmax(), "touched"), (own["contact_force"].idxmin(), "free")):
+        cv2.imwrite(str(tmp_path / f"{name}.png"), np.asarray(opened.images([int(row)])[0])[..., ::-1])
+    with pytest.raises(UsageError, match=r"touched\.png differs by .* in free air"):
+        add_sensor(store, serial, tmp_path / "touched.png", replace=True)
+    add_sensor(store, serial, tmp_path / "free.png", replace=True)
+    assert "free.png" in Store.open(store).reference(serial).origin
