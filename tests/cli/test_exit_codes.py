@@ -24,6 +24,7 @@ MISSING_PATH = {
     "calibrate": [NOWHERE],
     "diagnose": ["nowhere.csv"],
     "scene": [NOWHERE, "--trajectory", "t00000"],
+    "transfer": [NOWHERE, "--to", "ycb-sensorA"],
     "train": ["nowhere.yaml"],
     "evaluate": ["nowhere.yaml"],
     "run": ["nowhere.yaml"],
