@@ -30,6 +30,7 @@ KINDS = Registry(
         "force_head": "split_models.force_head:ForceHead",
         "raw_forces": "split_models.force_head:RawForces",
         "end_to_end": "split_models.end_to_end:EndToEnd",
+        "zhu": "split_models.zhu:ZhuNetwork",
     },
     group="split_models.networks",
 )

@@ -61,6 +61,7 @@ IMAGE_TO_MESH = Registry(
     "image-to-mesh method",
     {
         "at_rest": "split_models.methods:at_rest",
+        "zhu": "split_models.zhu_row:zhu",
         "nosplit": "split_models.methods:nosplit_mesh",
         "split": "split_models.methods:split_mesh",
     },

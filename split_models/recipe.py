@@ -93,6 +93,16 @@ DEFAULTS: dict[str, Any] = {
                 "patience": 30, "save_seconds": 120.0,
             },
         },
+        "zhu": {
+            "size": [80, 60],
+            "channels": [16, 32, 64, 64],
+            "adaptation_weight": 1.0,
+            "anneal": 10,
+            "training": {
+                "epochs": 100, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
+                "patience": 10, "save_seconds": 120.0,
+            },
+        },
         "raw_forces": {
             "training": {
                 "epochs": 100, "batch_size": 512, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
