@@ -1,0 +1,1 @@
+"""Metrics over stores: how far apart the pictures of sensors are."""

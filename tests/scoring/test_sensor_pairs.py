@@ -1,0 +1,130 @@
+"""Pairs of sensors: who is compared with whom, on which frames and pixels, and what the command says."""
+
+import json
+
+import numpy as np
+import pytest
+from cli.command import run_command
+from loaders.loader_stores import write_loader_store
+
+from split_models.pixel_transfer import PIXEL_TRANSFERS
+from split_models.transfer import transfer_store
+from tactiledata.errors import StoreError, UnknownName
+from tactiledata.metrics.base import Score, metric
+from tactiledata.scoring.sensor_pairs import score_pairs, set_scores
+from tactiledata.scoring.sensor_sets import contact_masks, load_pictures, sensor_sets
+from tactiledata.store.merge import merge
+from tactiledata.store.reader import Store
+from tactiledata.store.targets import find_target
+
+CHILDREN = "D2 of D1 by background_swap"
+
+
+def shade_gap(first, second, masks=None):
+    """Distance of each picture's mean from the mean of the other set."""
+    if masks is None:
+        return np.abs(first.mean(axis=(1, 2, 3)) - second.mean())
+    inside = np.array([p[m].mean() if m.any() else np.nan for p, m in zip(first, masks[0], strict=True)])
+    return np.abs(inside - second[masks[1]].mean())
+
+
+SHADE = metric(
+    "shade", "shade", "image sets", [Score("shade_gap", "shade gap", "grey levels", "lower", 0.0, shade_gap)]
+)
+TRUTH = metric("truth", "needs truths", "images", [Score("l1", "l1", "", "lower", 0.0, shade_gap)])
+
+
+@pytest.fixture(autouse=True)
+def _a_metric_of_sets(monkeypatch):
+    monkeypatch.setattr("tactiledata.scoring.sensor_pairs.METRICS", {"shade": SHADE, "truth": TRUTH})
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    """Two sensors, and the first one's touches transferred to the second."""
+    folder = tmp_path_factory.mktemp("scored")
+    parents = write_loader_store(folder / "parents.zarr", damaged=(1, 2))
+    transfer_store(
+        parents, find_target("D2", parents), PIXEL_TRANSFERS["background_swap"], folder / "c.zarr", sensors=["D1"]
+    )
+    merge([parents, folder / "c.zarr"], folder / "both.zarr")
+    return Store.open(folder / "both.zarr")
+
+
+def test_sets_keep_recorded_and_transferred_apart(store):
+    """Two sensors and what was made of one: three sets, of whole frames in contact, each with its own trajectories."""
+    sets = {one.name: one for one in sensor_sets(store, 1000)}
+    assert set(sets) == {"D1", "D2", CHILDREN}
+    assert [one.name for one in sets.values() if one.is_derived] == [CHILDREN]
+    assert len(sets[CHILDREN].rows) == len(sets["D1"].rows) == 6 * 4 - 2
+    forces = store.frames()["contact_force"].to_numpy()
+    for one in sets.values():
+        assert ((forces[one.rows] >= 1) & (forces[one.rows] <= 13)).all()
+    assert not set(sets["D1"].trajectories) & set(sets[CHILDREN].trajectories)
+
+
+def test_few_frames_are_spread_over_a_set(store):
+    """A limit takes frames from the first trajectory to the last."""
+    one = sensor_sets(store, 5)[0]
+    whole = sensor_sets(store, 1000)[0]
+    assert len(one.rows) == 5
+    assert (one.rows[0], one.rows[-1]) == (whole.rows[0], whole.rows[-1])
+
+
+def test_all_pairs_or_all_against_one(store):
+    """Unnamed, every pair once; against one, every other set once, and it is the second."""
+    sets, scores = sensor_sets(store, 1000), set_scores(["shade"])
+    every = list(score_pairs(store, scores, sets))
+    assert {frozenset((one.first, one.second)) for one in every if one.region == "frame"} == {
+        frozenset(pair) for pair in (("D1", "D2"), ("D1", CHILDREN), ("D2", CHILDREN))
+    }
+    against = [one for one in score_pairs(store, scores, sets, ["D2"]) if one.region == "frame"]
+    assert [(one.first, one.second, one.is_synthetic) for one in against] == [
+        ("D1", "D2", False),
+        (CHILDREN, "D2", True),
+    ]
+
+
+def test_values_are_the_scores_own(store):
+    """Each value is what the score gives for the two sets, in the frame and inside their contacts."""
+    sets = {one.name: one for one in sensor_sets(store, 1000)}
+    pictures = {name: load_pictures(store, one) for name, one in sets.items()}
+    masks = {name: contact_masks(store, one, pictures[name]) for name, one in sets.items()}
+    for one in score_pairs(store, set_scores(["shade_gap"]), list(sets.values())):
+        pair = (pictures[one.first], pictures[one.second])
+        inside = (masks[one.first], masks[one.second])
+        values = shade_gap(*pair) if one.region == "frame" else shade_gap(*pair, inside)
+        assert one.interval.value == pytest.approx(np.nanmean(values))
+        assert one.interval.trajectories == len(set(sets[one.first].trajectories))
+    assert masks["D1"].any()
+
+
+def test_names_of_scores_and_metrics():
+    """A score by its own name or its metric's, once; those that need truths and unknown ones are refused."""
+    assert [score.name for _, score in set_scores(["shade", "shade_gap"])] == ["shade_gap"]
+    for name in ("truth", "l1", "shadow"):
+        with pytest.raises(UnknownName, match=r"one of: shade, shade_gap"):
+            set_scores([name])
+
+
+def test_one_sensor_alone_is_refused(tmp_path):
+    """A store of one sensor has no pair: what to do is said."""
+    alone = write_loader_store(tmp_path / "alone.zarr", n_sources=1)
+    with pytest.raises(StoreError, match=r"touches of D1; expected two sensors.*merge"):
+        sensor_sets(alone, 10)
+
+
+def test_command(store, capsys):
+    """A table for people, a document for machines, exit 2 for a set that is not there."""
+    words = ("score", store.location, "--metric", "shade", "--against", "D2")
+    code, out, _ = run_command(capsys, *words)
+    assert code == 0
+    assert "Synth." in out
+    assert "Real" in out
+    code, out, _ = run_command(capsys, *words, "--json")
+    found = json.loads(out)["scores"]
+    assert {(one["first"], one["second"], one["region"]) for one in found} >= {(CHILDREN, "D2", "frame")}
+    assert all(np.isfinite(one["value"]) for one in found)
+    code, _, err = run_command(capsys, "score", store.location, "--metric", "shade", "--against", "D3")
+    assert code == 2
+    assert "Did you mean D" in err
