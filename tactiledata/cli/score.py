@@ -33,9 +33,9 @@ def score(
     from tactiledata.store.reader import Store
 
     location = working_store(store)
-    scores = set_scores(_listed(metric))
     with damage_explains(location):
         opened = Store.open(location)
+        scores = set_scores(_listed(metric))
         sets = sensor_sets(opened, most)
         named = None if against is None else _listed(against)
         for name in named or ():

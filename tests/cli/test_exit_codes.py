@@ -25,6 +25,7 @@ MISSING_PATH = {
     "diagnose": ["nowhere.csv"],
     "scene": [NOWHERE, "--trajectory", "t00000"],
     "transfer": [NOWHERE, "--to", "ycb-sensorA"],
+    "score": [NOWHERE, "--metric", "shade"],
     "train": ["nowhere.yaml"],
     "evaluate": ["nowhere.yaml"],
     "run": ["nowhere.yaml"],
