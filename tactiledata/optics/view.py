@@ -82,11 +82,11 @@ class View:
         here, across, down = self.points_at(middle + np.array([[0, 0], [1, 0], [0, 1]]))
         return float(np.linalg.norm(across - here)), float(np.linalg.norm(down - here))
 
-    def points_at(self, pixels: Array) -> Array:
+    def points_at(self, pixels: NDArray[np.floating]) -> Array:
         """Gel points (..., 2), metres, that pixels (..., 2) see; a pixel is (column, row)."""
         return _mapped(self.gel_from_pixel, pixels)
 
-    def pixels_at(self, points: Array) -> Array:
+    def pixels_at(self, points: NDArray[np.floating]) -> Array:
         """Pixels (..., 2), (column, row), that see gel points (..., 2)."""
         return _mapped(np.linalg.inv(self.gel_from_pixel), points)
 
@@ -104,7 +104,7 @@ class View:
         return View((int(shape[0]), int(shape[1])), self.gel_from_pixel @ old_from_new)
 
 
-def _mapped(matrix: Array, places: Array) -> Array:
+def _mapped(matrix: Array, places: NDArray[np.floating]) -> Array:
     mapped = np.asarray(places, np.float64) @ matrix[:, :2].T + matrix[:, 2]
     result: Array = mapped[..., :2] / mapped[..., 2:]
     return result

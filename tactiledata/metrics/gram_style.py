@@ -1,0 +1,209 @@
+"""How alike the texture of two sets of pictures is: distance of Gram matrices of VGG-19's features.
+
+Source: Gatys et al. 2016, equations 3 to 5: five layers, equal weights. The official weights are torchvision's file;
+where there are none, a network of random weights serves, under another name: its numbers mean nothing beside VGG's.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tactiledata.errors import MissingFile, SchemaError, UsageError
+from tactiledata.metrics.base import Score, Values, image_masks, images, metric
+
+if TYPE_CHECKING:
+    from torch import Tensor, nn
+
+WIDTHS = (64, 64, 0, 128, 128, 0, 256, 256, 256, 256, 0, 512, 512, 512, 512, 0, 512, 512, 512, 512, 0)
+"""Output channels of VGG-19's convolutions, each followed by ReLU; 0: maxima of 2 x 2."""
+STYLE_LAYERS = (1, 6, 11, 20, 29)
+"""After ReLU of conv1_1, conv2_1, conv3_1, conv4_1 and conv5_1."""
+WEIGHTS = "vgg19-dcbb9e9d.pth"
+"""torchvision's name of the file; the digits are the beginning of its SHA-256."""
+MEAN, SPREAD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+"""Of ImageNet, by which the weights were learned."""
+NARROWER = 8
+"""The random network has so many times fewer channels: it must be quick, not wise."""
+CHUNK = 8
+
+
+def build_features(narrower: int = 1) -> nn.Sequential:
+    """VGG-19's convolutional part, its parameters named as torchvision's ``features``."""
+    from torch import nn
+
+    parts: list[nn.Module] = []
+    inputs = 3
+    for width in WIDTHS:
+        if width == 0:
+            parts.append(nn.MaxPool2d(2))
+            continue
+        outputs = width // narrower
+        parts += [nn.Conv2d(inputs, outputs, 3, padding=1), nn.ReLU()]
+        inputs = outputs
+    return nn.Sequential(*parts).eval().requires_grad_(False)
+
+
+def find_weights(path: Path | None = None) -> Path | None:
+    """The file of official weights: the one named, else torchvision's in PyTorch's cache, else None.
+
+    Raises
+    ------
+    MissingFile
+        The named one is not there.
+    """
+    import torch
+
+    if path is not None:
+        if not path.is_file():
+            raise MissingFile(f"no weights at {path}", f"torchvision's {WEIGHTS}", "", path=str(path))
+        return path
+    cached = Path(torch.hub.get_dir()) / "checkpoints" / WEIGHTS
+    return cached if cached.is_file() else None
+
+
+@cache
+def vgg19_features(path: Path) -> nn.Sequential:
+    """The network with official weights.
+
+    Raises
+    ------
+    SchemaError
+        Not those weights.
+    """
+    import torch
+
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    if path.name == WEIGHTS and not digest.startswith(path.stem.rpartition("-")[2]):
+        raise SchemaError(f"{path} has SHA-256 {digest[:8]}…", f"{WEIGHTS} as it was published", "Fetch it again.")
+    network = build_features()
+    try:
+        kept = torch.load(path, map_location="cpu", weights_only=True)
+        own = {name.removeprefix("features."): kept[name] for name in kept if name.startswith("features.")}
+        network.load_state_dict(own)
+    except Exception as error:  # whatever a foreign file makes PyTorch raise
+        raise SchemaError(
+            f"{path} holds no weights of VGG-19: {str(error)[:200]}", "a state dict with features.0.weight, …", ""
+        ) from error
+    return network
+
+
+@cache
+def random_features() -> nn.Sequential:
+    """A network of VGG-19's shape with an eighth of its channels and random weights, always the same."""
+    import torch
+
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(19)
+        network = build_features(NARROWER)
+        for part in network:
+            if isinstance(part, torch.nn.Conv2d):
+                torch.nn.init.kaiming_normal_(part.weight, nonlinearity="relu")
+                torch.nn.init.zeros_(part.bias)
+    return network
+
+
+def gram_style(
+    pictures: Any, others: Any, mask: Any = None, others_mask: Any = None, weights: Path | None = None
+) -> Values:
+    """Style distance (n,) of each picture to the mean Gram matrices of another set, by VGG-19; 0 is alike.
+
+    Parameters
+    ----------
+    pictures, others : (n, H, W, 3), (m, H, W, 3), uint8 RGB
+        At least 32 x 32.
+    mask, others_mask : bool, optional
+        Restrict the Gram matrices to the masks' pixels; a picture with an empty mask has no value.
+    weights : Path, optional
+        torchvision's ``vgg19-dcbb9e9d.pth``; that in PyTorch's cache unless stated.
+
+    Raises
+    ------
+    UsageError
+        No weights; pictures that are too small.
+    """
+    path = find_weights(weights)
+    if path is None:
+        raise UsageError(
+            "the official weights of VGG-19 are not there",
+            f"{WEIGHTS} in PyTorch's cache, or a path to it",
+            "Take `gram_style_random` instead: another measure under another name.",
+        )
+    return _distances(vgg19_features(path), pictures, others, mask, others_mask)
+
+
+def gram_style_random(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
+    """Style distance (n,) by random features; not to be compared with ``gram_style``."""
+    return _distances(random_features(), pictures, others, mask, others_mask)
+
+
+def style_score(weights: Path | None = None) -> str:
+    """The score that can be had here: ``gram_style`` where there are weights, else ``gram_style_random``.
+
+    Choose once for a table: the two are never mixed in one.
+    """
+    return "gram_style" if find_weights(weights) is not None else "gram_style_random"
+
+
+def _distances(network: nn.Sequential, pictures: Any, others: Any, mask: Any, others_mask: Any) -> Values:
+    reference = _grams(network, others, others_mask, "others")
+    is_there = ~np.isnan(reference[0][:, 0, 0])
+    if not is_there.any():
+        raise UsageError("no picture of the other set has a pixel in its mask", "at least one", "")
+    total: Values = np.zeros(len(pictures))
+    for ours, theirs in zip(_grams(network, pictures, mask, "pictures"), reference, strict=True):
+        mean = theirs[is_there].mean(axis=0)
+        # equation 4 with Gram matrices already over the number of places: 1 / (4 N²) of the squares' sum
+        total += np.square(ours - mean).sum(axis=(1, 2)) / (4 * mean.shape[0] ** 2) / len(STYLE_LAYERS)
+    return total
+
+
+def _grams(network: nn.Sequential, pictures: Any, mask: Any, what: str) -> list[Values]:
+    """Gram matrices (n, c, c) of each style layer, over the number of places; NaN where a mask is empty."""
+    import torch
+
+    batch = images(pictures, what)
+    if min(batch.shape[1:3]) < 32:
+        raise UsageError(f"{what} of {batch.shape[1]} x {batch.shape[2]}", "at least 32 px a side", "")
+    inside = image_masks(mask, batch)
+    weight = np.ones(batch.shape[:3], bool) if inside is None else inside
+    found: list[list[Values]] = [[] for _ in STYLE_LAYERS]
+    for start in range(0, len(batch), CHUNK):
+        some = slice(start, start + CHUNK)
+        with torch.no_grad():
+            layers = _layer_grams(network, torch.from_numpy(batch[some]), torch.from_numpy(weight[some]))
+        for kept, gram in zip(found, layers, strict=True):
+            kept.append(gram.double().numpy())
+    return [np.concatenate(kept) for kept in found]
+
+
+def _layer_grams(network: nn.Sequential, pictures: Tensor, weight: Tensor) -> list[Tensor]:
+    import torch
+
+    values = pictures.permute(0, 3, 1, 2).float() / 255
+    values = (values - torch.tensor(MEAN).view(3, 1, 1)) / torch.tensor(SPREAD).view(3, 1, 1)
+    grams = []
+    for number, part in enumerate(network[: max(STYLE_LAYERS) + 1]):
+        values = part(values)
+        if number in STYLE_LAYERS:
+            share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].float(), values.shape[2:])
+            places = share.sum(dim=(2, 3))[..., None]
+            flat = values.flatten(2)
+            gram = torch.einsum("ncp,ndp,np->ncd", flat, flat, share.flatten(1)) / places
+            grams.append(gram)
+    return grams
+
+
+GRAM_STYLE = metric(
+    "gram_style",
+    "how alike the texture of each picture and of another set is",
+    "image sets",
+    [
+        Score("gram_style", "style distance (VGG-19)", "", "lower", 0.0, gram_style),
+        Score("gram_style_random", "style distance (random features)", "", "lower", 0.0, gram_style_random),
+    ],
+)
