@@ -21,6 +21,10 @@ MIN_FREE_AIR = 10
 DRIFT_WORTH_SAYING = 0.2
 """N. Range of the zeros of one recording's trajectories, from which on it is reported."""
 
+SURELY_FREE = 0.5
+"""Share of the samples before a touch is noticed that is free air for sure: a slow press is under the threshold for as
+long as it was in the air, and the median of both was up to 0.1 N off."""
+
 MAX_DRIFT = 5.0
 """N. A trajectory whose start is farther than this from the recording's zero starts in contact, not in free air."""
 
@@ -138,8 +142,7 @@ def _free_air_zero(samples: Values, general: np.ndarray, noise: float) -> np.nda
         return None
     contact = np.flatnonzero(touching(np.linalg.norm((rows - first)[:, :3], axis=1), touch_threshold(noise)))
     free = rows[: contact[0]] if len(contact) else rows
-    # the last tenth before the touch may already be the touch, below the threshold
-    free = free[: max(MIN_FREE_AIR, int(0.9 * len(free)))]
+    free = free[: max(MIN_FREE_AIR, int(SURELY_FREE * len(free)))]
     return np.median(free, axis=0) if len(free) >= MIN_FREE_AIR else None
 
 

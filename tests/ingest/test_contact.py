@@ -118,6 +118,16 @@ def test_each_trajectory_gets_its_own_zero():
     assert "zero-drift" in {finding.code for finding in zero.findings}
 
 
+def test_a_slow_press_does_not_pull_the_zero():
+    """Half a second of air, then a press of 1 N a second that the noise hides at first: the zero is that of the air."""
+    rng = np.random.default_rng(6)
+    t_ns = START + np.arange(300) * 10_000_000
+    load = rng.normal(0, 0.1, (300, 6)) * [1, 1, 1, 0.02, 0.02, 0.02]
+    load[:, 2] -= np.maximum(np.arange(300) - 60, 0) * 0.01
+    zero = find_zero(t_ns, load, [("t", int(t_ns[0]), int(t_ns[-1]))], [])
+    assert abs(zero.bias[150, 2]) < 0.05
+
+
 def test_a_trajectory_that_begins_in_contact_is_not_zeroed_there():
     """Starting at 9 N keeps the recording's zero, and is said."""
     rng = np.random.default_rng(4)
