@@ -36,8 +36,9 @@ def _density(z: Array) -> Array:
 class Clipping(Effect):
     """Components of the force end at +-1 / inverse_limit; norms near the ends of the chosen range are biased inwards.
 
-    ``inverse_limit`` is one over the limit, so that its null is no limit. ``noise`` is that of the norm by which frames
-    were chosen (`selection_bias`): close to 1 N those are kept whose noise was positive.
+    ``inverse_limit`` is one over the limit, so that its null is no limit; components are those of the sensor, where the
+    touch tells its axes. ``noise`` is that of the norm by which frames were chosen (`selection_bias`): close to 1 N
+    those are kept whose noise was positive. Data that were not chosen so have no such bias.
 
     Source: truncated normal distribution; the SPLIT paper keeps frames of 1 to 13 N.
     """
@@ -49,7 +50,7 @@ class Clipping(Effect):
     parameters = (
         strength(
             "inverse_limit", "1/N", "one over the largest component that is read",
-            bounds=(0.0, 1.0), plausible=(0.0, 0.1), deviation=0.05, source="limits of 10 N and more; estimate",
+            bounds=(0.0, 1.0), plausible=(0.0, 0.25), deviation=0.25, source="limits of 4 N and more; estimate",
         ),
         strength(
             "noise", "N", "standard deviation of the norm by which frames were chosen",
@@ -60,15 +61,17 @@ class Clipping(Effect):
     told_apart_by = "Choose the frames by depth in place of force: the bias is gone."
     detectability = "0.1 N of noise biases frames at the 1 N threshold by 0.08 N, those at 1.2 N by nothing."
     reference = "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, ch. 13"
-    needs = ("selection",)
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        low, high = state.covariate("selection", self.name)
-        wrench = state.wrench.copy()
-        force = wrench[:, :3]
+        touch, wrench = state.touch, state.wrench.copy()
         if values["inverse_limit"] > 0:
-            force = np.clip(force, -1.0 / values["inverse_limit"], 1.0 / values["inverse_limit"])
-        if values["noise"] > 0:
+            limit, told = 1.0 / values["inverse_limit"], touch.to_sensor(wrench)
+            told[:, :3] = np.clip(told[:, :3], -limit, limit)
+            lost = told - touch.to_sensor(wrench)
+            wrench = wrench if not lost.any() else touch.from_sensor(told)
+        force = wrench[:, :3]
+        if values["noise"] > 0 and touch.selection is not None:
+            low, high = touch.selection
             size = np.linalg.norm(force, axis=1)
             bias = selection_bias(size, values["noise"], low, high)
             force = force * (1.0 + np.divide(bias, size, out=np.zeros_like(size), where=size > 0))[:, None]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tactiledata.effects.base import Effect
-from tactiledata.effects.parameter import strength
+from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState, wrench_at
 
 
@@ -15,8 +15,8 @@ class PadEdge(Effect):
     """A border that is softer than simulated, and a housing on which a wide indenter comes to rest.
 
     Within about one contact radius a of the border the stiffness falls: factor 1 - drop exp(-b / a), b the distance of
-    the contact's centre from the nearest side of the outline. Where the body reaches below the rim at the border, the
-    housing pushes with k times the overlap, at the border.
+    the contact's centre from the nearest side of the outline, less an inset where the pad ends before it. Where the
+    body reaches below the rim at the border, the housing pushes with k times the overlap, at the border.
 
     Source: geometry; the reach of one contact radius is that of the elastic half space's border.
     """
@@ -34,6 +34,10 @@ class PadEdge(Effect):
             "housing", "N/m", "stiffness of the housing's rim under an indenter that reaches it",
             bounds=(0.0, 1e6), plausible=(0.0, 2e5), deviation=5e4, source="estimate: plastic on a plastic rim",
         ),
+        shape(
+            "inset", "m", "by how much the pad is smaller than its stated outline, on every side",
+            default=0.0, bounds=(0.0, 8e-3), grid=(0.0, 2e-3, 4e-3, 6e-3), source="gels cut or cast short; estimate",
+        ),
     )  # fmt: skip
     look_alikes = ("dome", "soft_region", "thickness")
     told_apart_by = "The same press at 1, 2, 4 and 8 mm from the border: only the nearest differ."
@@ -47,7 +51,7 @@ class PadEdge(Effect):
         half = np.asarray(geometry.outline) / 2.0
         room = half - np.abs(contact.centre)
         side = np.argmin(room, axis=1)
-        distance = np.maximum(room[np.arange(len(room)), side], 0.0)
+        distance = np.maximum(room[np.arange(len(room)), side] - values["inset"], 0.0)
         reach = np.where(contact.touching, contact.radius, 1.0)
         state = state.stiffened(np.where(contact.touching, 1.0 - values["drop"] * np.exp(-distance / reach), 1.0))
         if values["housing"] == 0.0:

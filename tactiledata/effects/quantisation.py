@@ -15,7 +15,9 @@ Array = NDArray[np.float64]
 
 
 class Quantisation(Effect):
-    """Components of the force smaller than ``dead_band`` read 0; all are rounded to multiples of their step.
+    """Components smaller than their dead-band read 0; all are rounded to multiples of their step.
+
+    Components are those of the sensor, where the touch tells its frame; of the gel frame otherwise.
 
     Source: the FT 300-S sends counts of 0.01 N and 0.001 N m; drivers add dead-bands of their own.
     """
@@ -37,6 +39,10 @@ class Quantisation(Effect):
             "dead_band", "N", "smallest force that is not read as 0",
             bounds=(0.0, 3.0), plausible=(0.0, 0.5), deviation=0.2, source="0.1 to 0.5 N; estimate",
         ),
+        strength(
+            "torque_dead_band", "N m", "smallest torque that is not read as 0",
+            bounds=(0.0, 0.2), plausible=(0.0, 0.02), deviation=0.005, source="0.02 m times a force's; estimate",
+        ),
     )  # fmt: skip
     look_alikes = ("clipping", "mount_offset")
     told_apart_by = "A slow press from free air: a staircase, or zeros below one value; a histogram shows the comb."
@@ -44,11 +50,14 @@ class Quantisation(Effect):
     reference = "Robotiq FT 300-S instruction manual, data stream"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        wrench = state.wrench.copy()
-        force = np.where(np.abs(wrench[:, :3]) < values["dead_band"], 0.0, wrench[:, :3])
-        wrench[:, :3] = _rounded(force, values["step"])
-        wrench[:, 3:] = _rounded(wrench[:, 3:], values["torque_step"])
-        return state.read(wrench)
+        told = state.touch.to_sensor(state.wrench)
+        force = _rounded(_told(told[:, :3], values["dead_band"]), values["step"])
+        torque = _rounded(_told(told[:, 3:], values["torque_dead_band"]), values["torque_step"])
+        return state.read(state.touch.from_sensor(np.concatenate([force, torque], axis=1)))
+
+
+def _told(rows: Array, least: float) -> Array:
+    return np.where(np.abs(rows) < least, 0.0, rows)
 
 
 def _rounded(rows: Array, step: float) -> Array:

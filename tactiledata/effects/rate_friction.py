@@ -5,17 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
+
+Array = NDArray[np.float64]
 
 SLOWEST = 1e-3
 """Of the reference speed: slower, the law is not followed further down."""
 
 
 class RateFriction(Effect):
-    """mu(v) = mu (1 + beta log10(v / v0)), v the speed of the tip along the gel; at rest that of the last move.
+    """mu(v) = mu (1 + beta log10(v / v0)), v the speed at which the contact slides.
+
+    While the tip moves that is its speed. Where it stands and beta > 0, the contact creeps on under its own shear: with
+    k dx = -dF and F on the law, v = u / (1 + u t / L), L = beta mu N / (k ln 10), k = 8 G a / (2 - nu), t the rest
+    after a move at u: after a moment only L / t counts. Touches that do not tell their rest keep the last move's speed.
 
     Source: Vorvolakos and Chaudhury, Langmuir 19, 2003: the shear stress of silicone rises with speed up to a maximum;
     beyond, it levels out or falls, which is a negative beta here. The logarithm is the usual form between.
@@ -41,8 +48,24 @@ class RateFriction(Effect):
     reference = "Vorvolakos and Chaudhury, Langmuir 19, 2003"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        moving = state.touch.lateral_speed
+        touch = state.touch
+        if touch.pace is not None and touch.rest is not None:
+            speed = _creeping(state, values["beta"], touch.pace, touch.rest)
+            ratio = np.maximum(speed / values["speed"], SLOWEST)
+            return state.rubbed(np.where(touch.pace > 0, 1.0 + values["beta"] * np.log10(ratio), 1.0))
+        moving = touch.lateral_speed
         last = np.maximum.accumulate(np.where(moving > SLOWEST * values["speed"], np.arange(len(moving)), 0))
         ratio = np.maximum(moving[last] / values["speed"], SLOWEST)
         has_moved = np.maximum.accumulate(moving > SLOWEST * values["speed"])
         return state.rubbed(np.where(has_moved, 1.0 + values["beta"] * np.log10(ratio), 1.0))
+
+
+def _creeping(state: TouchState, beta: float, pace: Array, rest: Array) -> Array:
+    """Speed (n,) of the contact, m/s."""
+    gel, contact = state.touch.material, state.contact
+    spring = 8.0 * gel.shear_modulus * contact.radius / (2.0 - gel.poisson_ratio)
+    limit = max(beta, 0.0) * gel.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0) / np.log(10.0)
+    way = np.divide(limit, spring, out=np.zeros_like(spring), where=spring > 0)
+    creeps = (way > 0) & (rest > 0)
+    slowed: Array = pace / (1.0 + np.divide(pace * rest, way, out=np.zeros_like(way), where=creeps))
+    return slowed

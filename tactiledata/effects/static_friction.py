@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,19 +13,17 @@ from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
 
 Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-ROUNDS = 2
-"""When it slides depends on how long it rested, and that on when it slid."""
 
 
 class StaticFriction(Effect):
-    """mu times 1 + (excess + ageing log10(1 + hold / time)) exp(-slip / length), until it rests again.
+    """mu times 1 + excess exp(-slip / length) + ageing log10(1 + age / time).
 
-    ``hold`` is how long the contact stuck, ``slip`` how far it slid since. Which frames slide is asked of the gel with
-    the static friction that rest has built up.
+    ``slip`` is how far the contact slid since it stuck, ``age`` how old it is: d age / dt = 1 - v age / length, so that
+    it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier. When and how far it
+    slides on its way into a frame is that of a slider on a spring of 8 G a / (2 - nu); what it has at the end of its
+    move counts where it slid. Pace and rest are the touch's own where it tells them.
 
-    Source: Baumberger and Caroli, Adv. Phys. 55, 2006: ageing at rest, renewal over a memory length.
+    Source: Dieterich's ageing law, as in Baumberger and Caroli, Adv. Phys. 55, 2006.
     """
 
     name = "static_friction"
@@ -46,7 +45,7 @@ class StaticFriction(Effect):
         ),
         shape(
             "time", "s", "rest after which ageing counts",
-            default=1.0, bounds=(0.01, 100.0), grid=(1.0,), source="usual reference of ageing laws",
+            default=1.0, bounds=(0.01, 100.0), grid=(0.1, 1.0), source="0.01 to 1 s; estimate",
         ),
     )  # fmt: skip
     look_alikes = ("rate_friction", "partial_slip", "area_friction")
@@ -57,41 +56,61 @@ class StaticFriction(Effect):
     reference = "Baumberger and Caroli, Adv. Phys. 55, 2006"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        touching = state.contact.touching
-        held = _held(state, touching, np.zeros(len(touching), dtype=bool))
-        for _ in range(ROUNDS):
-            limit = self._aged(held, values)
-            sliding = state.rubbed(1.0 + limit).contact.sliding
-            held = _held(state, touching, sliding)
-        slipped = _slipped(state, touching & sliding)
-        excess = self._aged(held, values) * np.exp(-slipped / values["length"])
-        return state.rubbed(np.where(touching, 1.0 + excess, 1.0))
-
-    @staticmethod
-    def _aged(held: Array, values: Mapping[str, float]) -> Array:
-        return values["excess"] + values["ageing"] * np.log10(1.0 + held / values["time"])
-
-
-def _held(state: TouchState, touching: Flags, sliding: Flags) -> Array:
-    """How long (n,), s, the contact has stuck, or had stuck when it began to slide."""
-    held = np.zeros(len(touching))
-    now, has_slid = 0.0, False
-    for frame, span in enumerate(state.touch.time_steps):
-        if not touching[frame]:
-            now, has_slid = 0.0, False
-        elif sliding[frame]:
-            has_slid = True
-        else:
-            now, has_slid = span + (0.0 if has_slid else now), False
-        held[frame] = now
-    return held
+        touch, contact = state.touch, state.contact
+        steps = np.diff(touch.tips[:, :2], axis=0, prepend=touch.tips[:1, :2])
+        spring = 8.0 * touch.material.shear_modulus * contact.radius / (2.0 - touch.material.poisson_ratio)
+        limit = touch.material.friction * state.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0)
+        paces = touch.lateral_speed if touch.pace is None else touch.pace
+        rests = np.zeros(len(touch)) if touch.rest is None else np.minimum(touch.rest, touch.time_steps)
+        factors = np.ones(len(touch))
+        now = _Interface(values)
+        for frame in range(len(touch)):
+            if not (contact.touching[frame] and spring[frame] > 0):
+                now = _Interface(values)
+                continue
+            way = _Way(steps[frame], float(touch.time_steps[frame]), float(paces[frame]), float(rests[frame]))
+            factors[frame] = now.moved(way, float(spring[frame]), float(limit[frame]))
+        return state.rubbed(factors)
 
 
-def _slipped(state: TouchState, sliding: Flags) -> Array:
-    """How far (n,), m, it had slid before each frame, since it last stuck."""
-    slipped = np.zeros(len(sliding))
-    now = 0.0
-    for frame, way in enumerate(state.touch.lateral_steps):
-        slipped[frame] = now if sliding[frame] else 0.0
-        now = now + way if sliding[frame] else 0.0
-    return slipped
+class _Way(NamedTuple):
+    """From one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end."""
+
+    step: Array
+    seconds: float
+    pace: float
+    rest: float
+
+
+class _Interface:
+    """A contact that ages and forgets."""
+
+    def __init__(self, values: Mapping[str, float]) -> None:
+        self._values = values
+        self._pull = np.zeros(2)
+        self._age, self._slipped = 0.0, 0.0
+
+    @property
+    def factor(self) -> float:
+        """On the kinetic friction."""
+        fresh = self._values["excess"] * np.exp(-self._slipped / self._values["length"])
+        return float(1.0 + fresh + self._values["ageing"] * np.log10(1.0 + self._age / self._values["time"]))
+
+    def moved(self, way: _Way, spring: float, limit: float) -> float:
+        """The factor at the end of a move; rest comes after it."""
+        self._pull = self._pull + spring * way.step
+        size = float(np.linalg.norm(self._pull))
+        most = limit * self.factor
+        if size <= most:
+            self._age, self._slipped = self._age + way.seconds, 0.0
+            return self.factor
+        slip = (size - most) / spring
+        # a contact may slide where nothing moves, because its load falls
+        speed = way.pace if way.pace > 0 else slip / way.seconds
+        kept = float(np.exp(-slip / self._values["length"]))
+        self._age = kept * self._age + (1.0 - kept) * self._values["length"] / speed
+        self._slipped += slip
+        factor = self.factor
+        self._pull = self._pull * (min(limit * factor, size) / size)
+        self._age += way.rest
+        return factor

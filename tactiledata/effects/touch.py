@@ -46,6 +46,14 @@ class Touch:
         The range of measured force norms to which the data were cut.
     tare : (n,) bool, optional
         Frames of free air from which the measured zero was taken.
+    pace, rest : (n,) m/s and s, optional
+        Speed of the tip along the gel, or of its last move where it stands, and for how long it has stood: see
+        `tactiledata.effects.last_move`. Without them both are guessed from the frames.
+    gel_from_sensor : (n, 4, 4), optional
+        Where the force sensor is.
+    sensor_weight : (n, 6) N, N m, optional
+        What the force sensor reads of the tool's weight, in its own frame, since it was set to zero: it is taken off
+        measured wrenches, but limits and steps of the sensor act on the sum.
 
     Raises
     ------
@@ -68,9 +76,13 @@ class Touch:
     earlier_contacts: Array | None = None
     selection: tuple[float, float] | None = None
     tare: NDArray[np.bool_] | None = None
+    pace: Array | None = None
+    rest: Array | None = None
+    gel_from_sensor: Array | None = None
+    sensor_weight: Array | None = None
 
     def __post_init__(self) -> None:
-        shapes = {"poses": (4, 4), "gravity": (3,), "joints": (6,)}
+        shapes = {"poses": (4, 4), "gravity": (3,), "joints": (6,), "gel_from_sensor": (4, 4), "sensor_weight": (6,)}
         for field in fields(self):
             value = getattr(self, field.name)
             wanted = (len(self.seconds), *shapes.get(field.name, ()))
@@ -101,3 +113,27 @@ class Touch:
     def lateral_speed(self) -> Array:
         """Speed (n,), m/s, of the tip along the gel on its way into each frame; 0 at the first."""
         return np.divide(self.lateral_steps, self.time_steps, out=np.zeros(len(self)), where=self.time_steps > 0)
+
+    def to_sensor(self, wrench: Array) -> Array:
+        """What the sensor reads (n, 6), in its frame, of a wrench (n, 6) on the indenter, gel frame.
+
+        The load on the sensor is its opposite, and the tool's weight; where the touch does not tell the sensor's frame,
+        it counts as the gel's.
+        """
+        force, torque = -wrench[:, :3], -wrench[:, 3:]
+        if self.gel_from_sensor is not None:
+            turn, lever = self.gel_from_sensor[:, :3, :3], self.gel_from_sensor[:, :3, 3]
+            torque = np.einsum("nji,nj->ni", turn, torque - np.cross(lever, force))
+            force = np.einsum("nji,nj->ni", turn, force)
+        load = np.concatenate([force, torque], axis=1)
+        return load if self.sensor_weight is None else load + self.sensor_weight
+
+    def from_sensor(self, reading: Array) -> Array:
+        """The other way."""
+        load = reading if self.sensor_weight is None else reading - self.sensor_weight
+        force, torque = load[:, :3], load[:, 3:]
+        if self.gel_from_sensor is not None:
+            turn, lever = self.gel_from_sensor[:, :3, :3], self.gel_from_sensor[:, :3, 3]
+            force = np.einsum("nij,nj->ni", turn, force)
+            torque = np.einsum("nij,nj->ni", turn, torque) + np.cross(lever, force)
+        return -np.concatenate([force, torque], axis=1)

@@ -1,5 +1,7 @@
 """Effects of the interface while it sticks and slides."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,24 @@ def test_rate_friction_is_a_line_over_the_logarithm_of_speed(touch, play, moved)
     assert factor[0] == 1.0
 
 
+def test_a_contact_at_rest_creeps_down_the_law_of_speed(touch, play, moved):
+    """After a slide F falls by A ln(1 + k u t / A), A = beta mu N / ln 10: what dF = -k v dt gives on the law."""
+    there = np.concatenate([np.zeros(2), np.linspace(0.0, 4e-3, 41), np.full(4, 4e-3)])
+    depth = np.concatenate([[0.0], np.full(46, DEPTH)])
+    path = moved(touch, np.arange(47.0), depth, x=there)
+    pace, rest = np.full(len(path), 1e-3), np.zeros(len(path))
+    rest[-4:] = [0.01, 0.1, 1.0, 10.0]
+    path = dataclasses.replace(path, pace=pace, rest=rest)
+    state, gel = play("rate_friction", on=path, beta=0.12), touch.material
+    normal = state.wrench[-1, 2]
+    scale = 0.12 * gel.friction * normal / np.log(10.0)
+    spring = 8 * gel.shear_modulus * state.contact.radius[-1] / (2 - gel.poisson_ratio)
+    wanted = gel.friction * normal - scale * np.log1p(spring * 1e-3 * rest[-5:] / scale)
+    np.testing.assert_allclose(np.hypot(*state.wrench[-5:, :2].T), wanted, rtol=1e-9)
+    # what slides the easier the faster does not creep
+    np.testing.assert_array_equal(play("rate_friction", on=path, beta=-0.12).friction[-4:], 1.0)
+
+
 def test_static_friction_peaks_once_and_dies_out(touch, play, moved):
     """The peak is mu N (1 + excess); it decays over the memory length; sliding on has no second one, a rest has."""
     limit = play(on=slide(touch, moved, np.linspace(0.0, 4e-3, 401))).wrench[-1]
@@ -79,6 +99,15 @@ def test_static_friction_ages_with_the_logarithm_of_rest(touch, play, moved):
         peaks.append(-wrench[:, 0].min() / wrench[-1, 2] / touch.material.friction)
     rests = np.array([0.0, 100.0, 10000.0]) + 2.4  # from the first contact until it slips
     np.testing.assert_allclose(peaks, 1.2 + 0.04 * np.log10(1 + rests), atol=0.01)
+
+
+def test_a_long_slide_is_as_old_as_it_takes_to_forget(touch, play, moved):
+    """At steady speed the age is length / v, so that a fast slide is easier: Dieterich's law."""
+    for speed in (1e-4, 1e-3, 1e-2):
+        path = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=speed)
+        wrench = play("static_friction", on=path, ageing=0.1, length=1e-4, time=0.05).wrench[-1]
+        wanted = touch.material.friction * (1 + 0.1 * np.log10(1 + 1e-4 / speed / 0.05))
+        assert np.hypot(*wrench[:2]) / wrench[2] == pytest.approx(wanted, rel=1e-6)
 
 
 def test_partial_slip_is_mindlins_curve(touch, play, moved):

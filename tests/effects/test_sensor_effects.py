@@ -126,6 +126,39 @@ def test_readings_are_multiples_of_a_step(play):
     np.testing.assert_array_equal(dead[~small], plain[:, :3][~small])
 
 
+def in_a_sensor(touch, weight):
+    """The touch with a sensor that is turned and stands apart, and reads a weight beside the contact."""
+    turn = Rotation.from_euler("zyx", [0.8, 0.2, -0.1]).as_matrix()
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = turn, [0.01, -0.02, 0.12]
+    count = len(touch)
+    return dataclasses.replace(
+        touch, gel_from_sensor=np.tile(frame, (count, 1, 1)), sensor_weight=np.tile(weight, (count, 1))
+    )
+
+
+def test_the_sensors_frame_goes_there_and_back(touch):
+    """A reading of the contact alone is its wrench again, and a pure force has its lever's torque."""
+    there = in_a_sensor(touch, np.zeros(6))
+    wrench = np.random.default_rng(0).normal(size=(len(touch), 6))
+    np.testing.assert_allclose(there.from_sensor(there.to_sensor(wrench)), wrench, atol=1e-12)
+    pushed = np.zeros((len(touch), 6))
+    pushed[:, 2] = 1.0
+    torque = -there.to_sensor(pushed)[0, 3:] @ there.gel_from_sensor[0, :3, :3].T
+    np.testing.assert_allclose(torque, np.cross([-0.01, 0.02, -0.12], [0.0, 0.0, 1.0]), atol=1e-12)
+
+
+def test_a_dead_band_is_of_the_sensors_own_reading(touch, play):
+    """What the sensor reads of contact and weight together is 0 or untouched, axis by axis."""
+    there = in_a_sensor(touch, np.array([0.2, -0.1, 0.3, 0.0, 0.0, 0.0]))
+    before = there.to_sensor(play(on=there).wrench)
+    after = there.to_sensor(play("quantisation", on=there, dead_band=0.5, torque_dead_band=0.02).wrench)
+    least = np.repeat([0.5, 0.02], 3)
+    small = np.abs(before) < least
+    assert small.any(axis=0).all()
+    np.testing.assert_allclose(after, np.where(small, 0.0, before), atol=1e-12)
+
+
 def test_readings_end_at_the_limit(play):
     """No component is beyond it, those within are left."""
     plain, wrench = play().wrench, play("clipping", inverse_limit=0.5).wrench
