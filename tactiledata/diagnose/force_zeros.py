@@ -14,7 +14,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.gravity import tool_weight
-from tactiledata.ingest.tare import component_noise, touch_threshold, touching
+from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.store.reader import SignalRows, Store
 from tactiledata.transforms import pose_matrices
 
@@ -25,8 +25,6 @@ PIECES = 8
 """Most pieces that a stretch of free air is cut into, each with the mean of its readings."""
 FEWEST_READINGS = 10
 """Of a piece."""
-SETTLED = 0.9
-"""Share of the readings before a touch that is free air for sure."""
 
 
 @dataclass(frozen=True)
@@ -99,14 +97,14 @@ class _Reader:
             and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
         ):
             load = load - weight
-        load, t_ns = _free_air(load, wrench.t_ns)
-        count = min(PIECES, len(load) // FEWEST_READINGS)
+        load, t_ns = free_air_readings(load, wrench.t_ns)
+        parts = pieces_of(len(load))
         joints = self._signal("joints", spans)
         switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
         since = self._start(row["source"]) if switched_on is None else switched_on
         tares = np.asarray(description.wrench.get("tare_ns", []), dtype=np.int64)
         found = []
-        for part in np.array_split(np.arange(len(load)), count) if count else []:
+        for part in parts:
             middle = int(t_ns[part[len(part) // 2]])
             pose = pose_matrices(_nearest(tcp, middle)[None])[0]
             angles = None if joints is None else _nearest(joints, middle)[:6]
@@ -138,8 +136,14 @@ class _Reader:
         return int(starts.min())
 
 
-def _free_air(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
-    """Readings before the first touch, each reading once."""
+def pieces_of(count: int) -> list[Indices]:
+    """Rows of so many readings, cut into pieces; none where they are too few."""
+    pieces = min(PIECES, count // FEWEST_READINGS)
+    return np.array_split(np.arange(count), pieces) if pieces else []
+
+
+def free_air_readings(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
+    """Readings (n, 6) of a trajectory before its first touch, each reading once, and their times (n,)."""
     is_new = np.ones(len(load), dtype=bool)
     is_new[1:] = (np.diff(load, axis=0) != 0).any(axis=1)
     load, t_ns = load[is_new], t_ns[is_new]
@@ -148,7 +152,7 @@ def _free_air(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
     from_start = load[:, :3] - np.median(load[:FEWEST_READINGS, :3], axis=0)
     touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(component_noise(load))))
     first = int(touched[0]) if len(touched) else len(load)
-    return load[: int(SETTLED * first)], t_ns[: int(SETTLED * first)]
+    return load[: int(SURELY_FREE * first)], t_ns[: int(SURELY_FREE * first)]
 
 
 def _nearest(signal: StoredSignal, moment: int) -> Array:

@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
-from tactiledata.diagnose.shear_memory import shear_change, shear_stiffness
+from tactiledata.diagnose.shear_memory import friction_change, shear_change, shear_stiffness
 from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import UsageError
@@ -127,7 +127,8 @@ class PlayedResponse:
     """`BaseResponse` of a touch from its plays.
 
     Between plays the wrench is interpolated; friction and offset of a frame act as if the whole path had had them. A
-    shift that differs from frame to frame stretches or relieves sticking shear, by a spring of the contact's size.
+    shift, or friction, that differs from frame to frame stretches or relieves sticking shear, by a spring of the
+    contact's size.
 
     Parameters
     ----------
@@ -155,15 +156,21 @@ class PlayedResponse:
         )
         centre = np.where(touching[:, None], centre, tips[:, :2] + shift)
         area = np.where(touching, np.maximum(columns[:, AREA], 0.0), 0.0)
-        limit = np.where(touching, frictions * normal, 0.0)
-        unit = unit + self._sheared(unit, shift, area, limit, centre)
+        load = np.where(touching, normal, 0.0)
+        limit = frictions * load
+        unit = unit + self._sheared(unit, shift, area, (frictions, load), centre)
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         return ContactResponse(unit * self.material.youngs_modulus, area, centre, depth, sliding)
 
-    def _sheared(self, unit: Array, shift: Array, area: Array, limit: Array, centre: Array) -> Array:
-        """Change (n, 6) of the wrench by a shift that differs from frame to frame."""
+    def _sheared(self, unit: Array, shift: Array, area: Array, rubs: tuple[Array, Array], centre: Array) -> Array:
+        """Change (n, 6) of the wrench by a shift, and by friction, that differ from frame to frame.
+
+        ``rubs``: friction and load of each frame.
+        """
+        path, (frictions, load) = self.touch.tips[:, :2], rubs
+        limit = frictions * load
         stiffness = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
-        change = shear_change(self.touch.tips[:, :2], shift, stiffness, limit)
+        change = shear_change(path, shift, stiffness, limit) + friction_change(path, stiffness, load, frictions)
         if not change.any():
             return np.zeros_like(unit)
         shear = unit[:, :2] + change

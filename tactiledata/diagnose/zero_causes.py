@@ -22,7 +22,7 @@ TIMES = (100.0, 300.0, 900.0, 2700.0)
 DRAWS = 299
 LEVEL = 0.01
 WORTH = 0.2
-"""Share of the squares of trajectories that were not fitted, from which on a cause is named."""
+"""Share of the squares beyond the noise of trajectories that were not fitted, from which on a cause is named."""
 LEAST = 0.02
 """N: zeros that differ by less are no news."""
 FEWEST = 8
@@ -39,7 +39,7 @@ class ZeroCause:
     p : float
         Trajectories exchanged.
     explained : float
-        Share of the squares of trajectories that were held out.
+        Share of the squares, beyond what the noise of pieces makes of them, of trajectories that were held out.
     before, after : N
         Root mean square of the zeros' force about their mean, without it and with it; a cause may be in torques alone.
     values : dict, name -> number
@@ -86,7 +86,7 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
     models, taken = _models(zeros, scale), np.empty((6 * len(zeros), 0))
     found: list[ZeroCause] = []
     target = (_centred(zeros, zeros.load) / scale).ravel()
-    before = spread
+    before, floor = spread, _noise(zeros, scale)
     for _ in range(len(models)):
         rest = [model for model in models if model.effect not in {cause.effect for cause in found}]
         tried = [(_unseen(zeros, np.hstack([taken, model.field]), target), model) for model in rest]
@@ -94,7 +94,7 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
             break
         base = _unseen(zeros, taken, target)
         cost, best = min(tried, key=lambda one: one[0])
-        explained = 1.0 - cost / base
+        explained = min(1.0, (base - cost) / max(base - floor, base - cost, 1e-300))
         p = _exchanged(zeros, taken, best.field, target, seed)
         if explained < WORTH or p > LEVEL:
             break
@@ -216,6 +216,13 @@ def _scatter(zeros: ForceZeros) -> Array:
     deviations = _centred(zeros, zeros.load).std(axis=0).reshape(2, 3)
     sizes: Array = np.repeat(np.maximum(deviations.mean(axis=1), 1e-9), 3)
     return sizes
+
+
+def _noise(zeros: ForceZeros, scale: Array) -> float:
+    """Squares that noise alone leaves, from pieces of one trajectory that follow one another."""
+    together = np.diff(zeros.trajectory) == 0
+    steps = np.diff(zeros.load, axis=0)[together] / scale
+    return float((steps**2).sum(axis=1).mean() / 2.0 * len(zeros)) if together.any() else 0.0
 
 
 def _unseen(zeros: ForceZeros, design: Array, target: Array) -> float:

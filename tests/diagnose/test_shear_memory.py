@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.shear_memory import shear_change, shear_stiffness
+from tactiledata.diagnose.shear_memory import friction_change, shear_change, shear_stiffness
 
 FRAMES = 21
 PATH = np.column_stack([np.linspace(0.0, 1e-4, FRAMES), np.zeros(FRAMES)])
@@ -47,3 +47,20 @@ def test_stiffness_has_both_limits():
         8 * modulus * np.sqrt(small[0] / np.pi) / (2 - ratio), rel=0.05
     )
     assert shear_stiffness(wide, ratio, thickness)[0] == pytest.approx(modulus * wide[0] / thickness, rel=0.15)
+
+
+def test_what_slid_further_is_missing_afterwards():
+    """A dip of friction in one frame relieves the shear that sticks from then on, by what it slid; none before."""
+    load, frictions = np.ones(FRAMES), np.full(FRAMES, 1.0)
+    frictions[10] = 0.5 * STIFFNESS[0] * PATH[10, 0]
+    changed = friction_change(PATH, STIFFNESS, load, frictions)
+    slid = STIFFNESS[0] * PATH[10, 0] - frictions[10]
+    assert not changed[:11].any()  # the frame itself has what its own friction gives
+    assert np.allclose(changed[11:, 0], slid)
+
+
+def test_friction_that_is_one_changes_nothing():
+    """Uniform friction is the play's own, and a slide to the end forgets what was before."""
+    assert not friction_change(PATH, STIFFNESS, np.ones(FRAMES), np.full(FRAMES, 1e-8)).any()
+    frictions = np.linspace(1e-8, 2e-8, FRAMES)
+    assert np.allclose(friction_change(PATH, STIFFNESS, np.ones(FRAMES), frictions), 0.0)
