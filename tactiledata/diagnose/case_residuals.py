@@ -69,7 +69,7 @@ def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]
     answers = contacts(white.cases, fit.model.material, fit.model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     fields: dict[str, Array] = {}
-    for one in effect_signatures(white, fit.model.material, effects, fit.model.settings):
+    for one in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
         shapes = "".join(f", {name} {value:g}" for name, value in one.shapes.items())
         for place, strength in enumerate(one.strengths):
             changed = white.with_zeros(one.field[:, :, place]) * _single(white)

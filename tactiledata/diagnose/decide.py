@@ -87,7 +87,7 @@ def decide(
     dispersion : float
         Mean square of what the best fit leaves.
     """
-    left = dispersion > scale.dispersion
+    is_left = dispersion > scale.dispersion
     ranked = sorted(singles, key=lambda one: -one.gain)
     best = next((one for one in ranked if not one.objections(scale)), None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
@@ -99,35 +99,26 @@ def decide(
         if best is None or _exceeds(gains[pair.label] - gains[best.label], scale):
             best = pair
         break
+    if best is not None and is_left and best.excess_share < scale.explains:
+        # it takes off the smaller part of what is there: something else is, and takes this one's place
+        return Decision(
+            "none of the known effects", best, (), _probabilities([*singles, *pairs], scale, dispersion),
+            (f"{100 * best.excess_share:.0f} % of the excess gone, and structure is left",), dispersion, True,
+        )  # fmt: skip
     if best is not None:
         ties = _ties(best, ranked, gains, metric, scale) if len(best.names) == 1 else ()
         verdict: Verdict = "one of a set" if ties else "named"
         chances = _probabilities([*singles, *pairs], scale, dispersion)
-        return Decision(verdict, best, ties, chances, (), dispersion, left)
+        return Decision(verdict, best, ties, chances, (), dispersion, is_left)
     hint = ranked[0] if ranked else None
     chances = _probabilities([*singles, *pairs], scale, dispersion)
     objections = hint.objections(scale) if hint is not None else ()
-    if left or (hint is not None and _is_structure(hint, scale)):
-        return Decision("none of the known effects", hint, (), chances, objections, dispersion, left)
-    if hint is not None and _is_trace(hint, scale):
+    if is_left or (hint is not None and hint.is_structure(scale)):
+        return Decision("none of the known effects", hint, (), chances, objections, dispersion, is_left)
+    if hint is not None and hint.is_trace(scale):
         ties = _ties(hint, ranked, gains, metric, scale)
-        return Decision("below detection", hint, ties, chances, objections, dispersion, left)
-    return Decision("nothing is missing", hint, (), chances, objections, dispersion, left)
-
-
-def _is_structure(one: Judged, scale: EvidenceScale) -> bool:
-    """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
-    return one.gain >= 2.0 * scale.claim and one.is_certain(scale)
-
-
-def _is_trace(one: Judged, scale: EvidenceScale) -> bool:
-    """Whether all but the size of its gain speaks for it."""
-    return (
-        0.5 * scale.claim <= one.gain < scale.claim
-        and one.is_certain(scale)
-        and one.signature_before >= scale.cure
-        and not one.implausible
-    )
+        return Decision("below detection", hint, ties, chances, objections, dispersion, is_left)
+    return Decision("nothing is missing", hint, (), chances, objections, dispersion, is_left)
 
 
 def _exceeds(difference: Array, scale: EvidenceScale) -> bool:

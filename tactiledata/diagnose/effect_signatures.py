@@ -96,13 +96,22 @@ def playable(cases: WhitenedCases, names: Iterable[str] | None = None) -> tuple[
 
 
 def effect_signatures(
-    cases: WhitenedCases, material: GelMaterial, names: Iterable[str], settings: Sequence[EffectSetting] = ()
+    cases: WhitenedCases,
+    material: GelMaterial,
+    names: Iterable[str],
+    settings: Sequence[EffectSetting] = (),
+    offsets: Array | None = None,
 ) -> list[Signature]:
     """Signatures of effects beside others that are set already.
 
     Strengths that leave nothing in these touches are left out, and effects without any.
+
+    Parameters
+    ----------
+    offsets : (t,) m
+        Of the trajectories: what slides, and what is beyond a limit, depends on them.
     """
-    before = cases.cases.play(material, settings)
+    before = cases.cases.play(material, settings, offsets)
     found = []
     for name in names:
         member: Effect = EFFECTS[name]()
@@ -111,7 +120,7 @@ def effect_signatures(
             for parameter in strengths_of(member):
                 scale = deviation_of(parameter)
                 setting = EffectSetting(name, {**shapes, parameter.name: SHARE * scale})
-                changed = cases.cases.play(material, [*settings, setting])
+                changed = cases.cases.play(material, [*settings, setting], offsets)
                 field = cases.white(changed - before) / SHARE
                 if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                     fields.append(field)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class EvidenceScale:
@@ -23,6 +25,8 @@ class EvidenceScale:
         That the held-out gain must have of its own standard error over trajectories.
     excess : float
         Share of what is left beyond the noise that must vanish on indenters held out.
+    explains : float
+        Share of the excess that what is claimed must explain where structure is left beside it.
     cure : float
         Signature statistic above which an effect is seen, and below which it is cured.
     agreement : float
@@ -42,6 +46,7 @@ class EvidenceScale:
     claim: float = 26.0
     standard_errors: float = 2.0
     excess: float = 0.05
+    explains: float = 0.5
     cure: float = 3.0
     agreement: float = 6.0
     tie: float = 0.95
@@ -50,6 +55,11 @@ class EvidenceScale:
     slope: float = 0.5
     temperature: float = 3.0
     other: float = 4.0
+
+    @property
+    def visible(self) -> float:
+        """Signal over noise whose gain, half its square, reaches the claim."""
+        return float(np.sqrt(2.0 * self.claim))
 
 
 ESTIMATED = EvidenceScale()

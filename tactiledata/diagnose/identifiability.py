@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, nuisance, playable
+from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.touch_case import CaseSet
@@ -18,8 +19,8 @@ from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
 
-VISIBLE = 3.0
-"""Signal over noise, after all that a refit imitates, from which an effect can be seen."""
+VISIBLE = ESTIMATED.visible
+"""Signal over noise, after all that a refit imitates, from which an effect can be claimed."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +52,18 @@ class Identifiability:
     without_trace: tuple[str, ...] = ()
 
     @property
+    def ends(self) -> Array:
+        """Ends (k,) of the plausible ranges, the farther ones, without sign."""
+        return np.array([_end(*pair) for pair in zip(self.effects, self.strengths, strict=True)])
+
+    @property
+    def shows_from(self) -> Array:
+        """Sizes (k,) of the strengths from which a signal can be claimed, to first order; infinite where none can."""
+        return np.divide(self.ends * VISIBLE, self.reach, out=np.full(len(self.reach), np.inf), where=self.reach > 0)
+
+    @property
     def undetectable(self) -> tuple[str, ...]:
-        """Effects that could be as strong as they ever are and not be seen in these trajectories."""
+        """Effects that could be as strong as they ever are and not be claimed in these trajectories."""
         seen = {name for name, reach in zip(self.effects, self.reach, strict=True) if reach >= VISIBLE}
         return (*(name for name in dict.fromkeys(self.effects) if name not in seen), *self.without_trace)
 
@@ -75,9 +86,10 @@ class Identifiability:
                 "strength": strength,
                 "concealment": float(hidden),
                 "reach": float(reach),
+                "shows_from": float(least) if np.isfinite(least) else None,
             }
-            for effect, strength, hidden, reach in zip(
-                self.effects, self.strengths, self.concealment, self.reach, strict=True
+            for effect, strength, hidden, reach, least in zip(
+                self.effects, self.strengths, self.concealment, self.reach, self.shows_from, strict=True
             )
         ]
 
@@ -116,11 +128,10 @@ def identifiability_of(
     left_any = {one.effect for one in signatures}
     best: dict[tuple[str, str], tuple[float, float, Array]] = {}
     for one in signatures:
-        ends = {each.name: max(map(abs, each.plausible)) for each in EFFECTS[one.effect]().parameters}
         left = np.einsum("nkp,nkp->p", one.field, metric.weigh(one.field))
         whole = np.einsum("nkp,nkp->p", one.field, one.field)
         for place, strength in enumerate(one.strengths):
-            reach = float(np.sqrt(max(left[place], 0.0))) * ends[strength] / float(one.scales[place])
+            reach = float(np.sqrt(max(left[place], 0.0))) * _end(one.effect, strength) / float(one.scales[place])
             hidden = 1.0 - float(np.clip(left[place] / whole[place], 0.0, 1.0))
             key = one.effect, strength
             if key not in best or reach > best[key][0]:
@@ -136,3 +147,7 @@ def identifiability_of(
         not_told,
         tuple(name for name in asked if name not in left_any),
     )
+
+
+def _end(effect: str, strength: str) -> float:
+    return next(max(map(abs, one.plausible)) for one in EFFECTS[effect]().parameters if one.name == strength)

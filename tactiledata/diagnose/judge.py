@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 AT_BOUND = 0.01
 """Share of its bounds, that near to which a number stands at one."""
+BEST = 1
+"""Trajectories that a gain may not hang on."""
 STANDS_OUT = 2.0
 """Standard errors by which an implausible number must differ from nothing to count against an effect."""
 
@@ -29,8 +31,8 @@ class Judged:
     Parameters
     ----------
     fit : JointFit
-    gain, gain_error : float
-        Rise of the held-out log-likelihood over trajectories, over the dispersion, and its standard error.
+    gains : (t,)
+        Rise of the held-out log-likelihood of each trajectory, over the dispersion.
     indenter_gain, indenter_error : float
         The same over indenters; NaN where there is one only.
     excess_share : float
@@ -45,8 +47,7 @@ class Judged:
     """
 
     fit: JointFit
-    gain: float
-    gain_error: float
+    gains: Array
     indenter_gain: float
     indenter_error: float
     excess_share: float
@@ -65,13 +66,50 @@ class Judged:
         """For tables."""
         return " + ".join(self.names) if self.names else "none"
 
+    @property
+    def gain(self) -> float:
+        """Of all trajectories together."""
+        return float(self.gains.sum())
+
+    @property
+    def gain_error(self) -> float:
+        """Its standard error over trajectories."""
+        return _error(self.gains)
+
+    @property
+    def gain_of_others(self) -> float:
+        """What is left of the gain without the trajectory that brings most."""
+        return float(np.sort(self.gains)[:-BEST].sum())
+
     def is_certain(self, scale: EvidenceScale) -> bool:
         """Whether trajectories at large, and not one of them, speak for it.
 
         A gain is a square: an effect that only fast touches show has most of it from few of them, and a large error.
-        The signature weighs each trajectory by what it can tell, so that it may be certain where the gain is not.
+        The signature weighs each trajectory by what it can tell, so that it may be certain where the gain is not. And
+        an effect of one place is under few touches: what is left without the best of them may be enough.
         """
-        return self.gain >= scale.standard_errors * self.gain_error or self.signature_before >= scale.agreement
+        return (
+            self.gain >= scale.standard_errors * self.gain_error
+            or self.signature_before >= scale.agreement
+            or self.gain_of_others >= scale.claim
+        )
+
+    def is_agreed(self, scale: EvidenceScale) -> bool:
+        """Whether trajectories agree on its direction, or enough of them gain by it on their own."""
+        return self.signature_before >= scale.cure or self.gain_of_others >= scale.claim
+
+    def is_structure(self, scale: EvidenceScale) -> bool:
+        """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
+        return self.gain >= 2.0 * scale.claim and self.is_certain(scale)
+
+    def is_trace(self, scale: EvidenceScale) -> bool:
+        """Whether all but the size of its gain speaks for it."""
+        return (
+            0.5 * scale.claim <= self.gain < scale.claim
+            and self.is_certain(scale)
+            and self.is_agreed(scale)
+            and not self.implausible
+        )
 
     def objections(self, scale: EvidenceScale) -> tuple[str, ...]:
         """Why it cannot be claimed; empty where it can."""
@@ -84,7 +122,7 @@ class Judged:
             found.append(f"held-out gain {self.gain:.1f} within {scale.standard_errors:g} standard errors")
         if self.excess_share < scale.excess:
             found.append(f"{100 * self.excess_share:.0f} % of the excess gone where it was not fitted")
-        if self.signature_before < scale.cure:
+        if not self.is_agreed(scale):
             found.append(f"trajectories do not agree on it ({self.signature_before:.1f} standard errors)")
         elif abs(self.signature_after) > max(scale.cure, 0.5 * self.signature_before):
             found.append("what it should cure is still there")
@@ -109,7 +147,7 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
     before, after = _signature(base, fit, base.undone), _signature(base, fit, _without(base, fit))
     implausible, at_bounds = _range_checks(fit)
     return Judged(
-        fit, float(gains.sum()), _error(gains), float(of_indenters.sum()) if len(of_indenters) else float("nan"),
+        fit, gains, float(of_indenters.sum()) if len(of_indenters) else float("nan"),
         _error(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after, implausible, at_bounds,
     )  # fmt: skip
 

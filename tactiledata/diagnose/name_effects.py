@@ -119,11 +119,11 @@ def name_effects(
     if chosen.robust:
         white = white.trusting(_huber(base.residual))
         base = _plain_fit(white, base.model.material)
-    numerical = white.numerical(base.model.material)
+    numerical = white.numerical(base.model.material, base.model.offsets)
     base = joint_fit(white, numerical, base.model)
     names, not_tried = playable(white, chosen.effects)
     progress("screen")
-    signatures = effect_signatures(white, base.model.material, names)
+    signatures = effect_signatures(white, base.model.material, names, offsets=base.model.offsets)
     screened = screen(base.metric, base.undone, signatures)
     fits = Refits(white, numerical, base, chosen, progress)
     singles = fits.singles(screened)
@@ -133,7 +133,8 @@ def name_effects(
     claimed = decision.best is not None and not decision.objections
     best = decision.best.fit if decision.best is not None else base
     before, after = (
-        intervals(white, fit, numerical, decision.dispersion, chosen.profile and claimed) for fit in (base, best)
+        intervals(white, fit, numerical, max(1.0, decision.dispersion), chosen.profile and claimed)
+        for fit in (base, best)
     )
     identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
     return Naming(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
@@ -192,7 +193,8 @@ class Refits:
         for first in best[: self.options.most_first]:
             self.progress(f"what {first.names[0]} leaves")
             others = [fit.names[0] for fit in best if fit is not first]
-            signatures = effect_signatures(self.white, first.model.material, others, first.model.settings)
+            model = first.model
+            signatures = effect_signatures(self.white, model.material, others, model.settings, model.offsets)
             for second in screen(first.metric, first.undone, signatures):
                 if second.evidence < self.options.scale.claim:
                     continue
@@ -215,16 +217,14 @@ class Refits:
         outs: list[HeldOut] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
         expected = self.white.expected
         left = [float(out.by_trajectory.sum()) / expected for out in (base_out, *outs)]
-        dispersion = max(1.0, min(left))
+        least = min(left)
+        dispersion = max(1.0, least)
         judged = [
             judge(self.base, fit, base_out, out, expected, dispersion)
             for fit, out in zip((*singles, *pairs), outs, strict=True)
         ]
-        gains = {
-            one.label: 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
-            for one, out in zip(judged, outs, strict=True)
-        }
-        decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, dispersion, scale)
+        gains = {one.label: one.gains for one in judged}
+        decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, least, scale)
         return judged, decision
 
     def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit:

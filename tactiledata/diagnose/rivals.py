@@ -122,7 +122,7 @@ def _screened(naming: Naming, effect: str, values: dict[str, float]) -> Rival:
     errors = len(base.errors)
     model = joint_model(base.material, [(effect, values)], len(base.offsets), errors, box=base.box)
     model = replace(model, offsets=base.offsets, errors=base.errors)
-    return Rival(effect, joint_fit(naming.cases, naming.cases.numerical(base.material), model, rounds=0))
+    return Rival(effect, joint_fit(naming.cases, naming.cases.numerical(base.material, base.offsets), model, rounds=0))
 
 
 def _unseen(naming: Naming) -> Rivals:

@@ -125,7 +125,7 @@ def show(
         progress("where they differ")
         located = locate_touches(white, base, seed)
     progress("what is held out")
-    numerical = white.numerical_wrenches(base.model.material)
+    numerical = white.numerical_wrenches(base.model.material, base.model.offsets)
     errors = held_out_errors(white, (base, after), numerical, seed)
     progress("the ceiling")
     ceiling = black_box(located.projection, seed)

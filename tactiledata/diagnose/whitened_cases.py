@@ -179,13 +179,19 @@ class WhitenedCases:
         """Measured less predicted (N, 6), whitened."""
         return self.white(self.measured - np.where(np.isfinite(predicted), predicted, self.measured))
 
-    def numerical(self, material: GelMaterial) -> Array:
-        """Whitened wrenches (N, 6, i + 2), one standard deviation each: an error per indenter, of law, of shear."""
-        return self.white(self.numerical_wrenches(material))
+    def numerical(self, material: GelMaterial, offsets: Array | None = None) -> Array:
+        """Whitened wrenches (N, 6, i + 2), one standard deviation each: an error per indenter, of law, of shear.
 
-    def numerical_wrenches(self, material: GelMaterial) -> Array:
+        Parameters
+        ----------
+        offsets : (t,) m
+            Of the trajectories, where they are known.
+        """
+        return self.white(self.numerical_wrenches(material, offsets))
+
+    def numerical_wrenches(self, material: GelMaterial, offsets: Array | None = None) -> Array:
         """The same as they are, N and N m."""
-        plain = np.nan_to_num(self.cases.play(material, []))
+        plain = np.nan_to_num(self.cases.play(material, [], offsets))
         owner = self.indenter[self.trajectory]
         count = int(self.indenter.max()) + 1
         shapes = plain[:, :, None] * (owner[:, None] == np.arange(count))[:, None, :] * self.errors.shape

@@ -1,0 +1,52 @@
+"""What a refit's gains by trajectory allow to be said."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tactiledata.diagnose.decide import decide
+from tactiledata.diagnose.evidence_scale import ESTIMATED
+from tactiledata.diagnose.identifiability import Identifiability
+from tactiledata.diagnose.judge import Judged
+
+
+def judged(gains, signature=1.0, share=0.9, name="lag"):
+    """A refit that gained so much in each trajectory."""
+    fit = SimpleNamespace(names=(name,))
+    return Judged(fit, np.asarray(gains, dtype=float), 10.0, 1.0, share, signature, 0.0, (), ())
+
+
+def spread(*gains, count=25):
+    return [*gains, *[0.0] * (count - len(gains))]
+
+
+def test_an_effect_of_one_place_is_agreed_on_by_a_few_touches():
+    """Three touches of 25 that gain much each are enough; one that gains as much alone is not."""
+    few, one = judged(spread(40.0, 30.0, 30.0)), judged(spread(100.0))
+    assert few.gain == one.gain == 100.0
+    assert few.gain < ESTIMATED.standard_errors * few.gain_error
+    assert few.gain_of_others == 60.0
+    assert few.objections(ESTIMATED) == ()
+    assert len(one.objections(ESTIMATED)) == 2
+
+
+def test_a_name_that_explains_the_smaller_part_is_not_given():
+    """With structure left, what takes off a third of the excess is not what is there; without, it is named."""
+    third = judged([20.0] * 25, signature=9.0, share=0.33)
+    left = ESTIMATED.dispersion + 0.1
+    asked = [third], [], {"lag": third.gains}, None
+    assert decide(*asked, left, ESTIMATED).verdict == "none of the known effects"
+    assert decide(*asked, 1.0, ESTIMATED).verdict == "named"
+    most = dataclasses.replace(third, excess_share=0.8)
+    assert decide([most], [], {"lag": most.gains}, None, left, ESTIMATED).verdict == "named"
+
+
+def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
+    """A reach of twice the claim's signal shows from half its range; half of it at no plausible strength."""
+    reach = ESTIMATED.visible * np.array([2.0, 0.5])
+    known = Identifiability(("lag", "wear"), ("delay", "stiffness_change"), np.zeros(2), np.eye(2), reach, ())
+    assert known.undetectable == ("wear",)
+    assert known.shows_from == pytest.approx(known.ends / [2.0, 0.5])
+    assert ESTIMATED.visible**2 / 2 == pytest.approx(ESTIMATED.claim)
