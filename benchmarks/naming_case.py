@@ -9,57 +9,39 @@ from typing import Any
 
 import numpy as np
 from naming_plan import Plan
+from naming_zeros import Log, readings_of, weight_since_zero, zeros_of
 from numpy.typing import NDArray
 
-from tactiledata.calibrate.measured import SETTLED
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
+from tactiledata.diagnose.force_zeros import ForceZeros
 from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
+from tactiledata.effects.last_move import last_move
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
 from tactiledata.ingest.align import align
 from tactiledata.ingest.contact import contact_wrench
-from tactiledata.ingest.tare import component_noise, touch_threshold, touching
+from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import noise_at_rest
 from tactiledata.rig import ur5e
 from tactiledata.rig.contact import TouchSetup, contact_times
 from tactiledata.rig.contact_bank import BankedContact, ContactBank
-from tactiledata.rig.describe import describe
 from tactiledata.rig.hidden_base import HiddenEffect
 from tactiledata.rig.motion import Path as TouchPath
-from tactiledata.rig.play import Performance, Play, Solve, Stage
+from tactiledata.rig.play import Play, Solve, Stage
 from tactiledata.rig.record import BETWEEN_LOGS_NS
-from tactiledata.rig.sampling import SAMPLING, tare_times, wrench_samples
 from tactiledata.rig.scenario import Gel, Scenario, load_scenario
-from tactiledata.transforms import matrix_poses
-from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 Array = NDArray[np.float64]
 Times = NDArray[np.int64]
 
 BESIDE = 2e-3
 """m within which an earlier touch counts as one of the same place."""
+POSES = 125.0
+"""Hz of the stream of poses."""
 CLEAR = 1e-4
 """m over the gel, as commanded, from which a frame is free air."""
-
-
-@dataclass(frozen=True)
-class Log:
-    """One unit's touches in time, and what the log says of itself."""
-
-    stage: Stage
-    index: int
-    performance: Performance
-
-    @property
-    def description(self) -> LogDescription:
-        """As the log would state it."""
-        serials = list(dict.fromkeys(play.touch.sensor for play in self.performance.plays))
-        tares = tare_times(self.stage.scenario, self.performance)
-        return LogDescription.checked(describe(self.stage, self.performance, serials, tares), "the rig")
 
 
 def play_logs(scenario: Scenario, solve: Solve) -> list[Log]:
@@ -96,6 +78,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
     """What a store tells of each touch: poses as commanded, gravity, joints, what the place went through before."""
     performance, scenario = log.performance, log.stage.scenario
     robot = scenario.robot
+    gel_from_ft = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix
     found: list[Touch] = []
     for play, (_, mounted) in zip(performance.plays, performance.poses, strict=True):
         host = frame_times(play)
@@ -120,9 +103,19 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
             earlier_depth=np.full(len(host), max((-float(one.tips[:, 2].min()) for one in earlier), default=0.0)),
             earlier_contacts=np.full(len(host), float(len(earlier))),
             tare=(commanded < -CLEAR) & (seconds < seconds[int(np.argmax(commanded))]),
+            **_history(play, host),
+            gel_from_sensor=np.tile(gel_from_ft, (len(host), 1, 1)),
+            sensor_weight=weight_since_zero(log, host),
         )
         found.append(touch)
     return found
+
+
+def _history(play: Play, host: Times) -> dict[str, Array]:
+    """How the tip moved until each frame, from the stream of poses."""
+    dense = np.arange(0.0, play.path.duration, 1.0 / POSES)
+    pace, rest = last_move((host - play.start_ns) * 1e-9, dense, play.path.at(dense)[:, :2])
+    return {"pace": pace, "rest": rest}
 
 
 def _is_beside(other: Touch, play: Play) -> bool:
@@ -139,6 +132,15 @@ def to_play(touches: Sequence[Touch]) -> list[MeasuredTouch]:
         )
         for number, touch in enumerate(touches)
     ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Contact wrenches at the frames (n, 6) of each touch, samples in free air before it (m, 6), zeros of all."""
+
+    wrenches: list[Array]
+    free: list[Array]
+    zeros: ForceZeros
 
 
 @dataclass(frozen=True)
@@ -173,36 +175,37 @@ class Maker:
         """The same with some of the frames: those that the gel engine could solve."""
         return replace(self, touches=[_part(*pair) for pair in zip(self.touches, rows, strict=True)], rows=rows)
 
-    def measured(
+    def recorded(
         self,
         seed: int,
         material: GelMaterial,
         hidden: list[dict[str, Any]],
         more: tuple[HiddenEffect, ...] = (),
         is_exact: bool = False,
-    ) -> list[tuple[Array, Array]]:
-        """Contact wrenches at the frames (n, 6), and samples in free air before the touch (m, 6), of each touch.
-
-        ``is_exact``: by a force sensor without noise and quanta.
-        """
+    ) -> Recorded:
+        """What is recorded of the touches; ``is_exact``: by a force sensor without noise and quanta."""
         scenario = load_scenario(self.plan.scenario(seed, material, hidden))
         scenario = replace(scenario, hidden=(*scenario.hidden, *more))
         if is_exact:
             exact = dict.fromkeys(("force_noise", "torque_noise", "force_quantum", "torque_quantum"), 0.0)
             scenario = replace(scenario, imperfections=replace(scenario.imperfections, **exact))
-        stored = [pair for log in play_logs(scenario, self.bank.contact) for pair in _as_stored(log)]
-        return [(wrench[rows], free) for (wrench, free), rows in zip(stored, self.rows, strict=True)]
+        logs = [(log, readings_of(log)) for log in play_logs(scenario, self.bank.contact)]
+        stored = [pair for log, readings in logs for pair in _as_stored(log, *readings)]
+        kept = [(wrench[rows], free) for (wrench, free), rows in zip(stored, self.rows, strict=True)]
+        return Recorded([wrench for wrench, _ in kept], [free for _, free in kept], zeros_of(logs))
 
-    def cases(self, measured: Sequence[tuple[Array, Array]], base: BaseFamily) -> CaseSet:
+    def cases(self, recorded: Recorded, base: BaseFamily) -> CaseSet:
         """The trajectories of a case, with their noise as a calibration estimates it."""
-        stretches = [free for _, free in measured]
+        stretches = recorded.free
         steps = np.concatenate([np.diff(touch.seconds) for touch in self.touches])
         noise = noise_at_rest(stretches, max(1, round(100.0 * float(np.median(steps)))))
         assert noise is not None
         return CaseSet(
             [
                 TouchCase(touch, wrench, noise, touch.tips[:, 2] > CLEAR, float(len(free)), f"t{number}")
-                for number, (touch, (wrench, free)) in enumerate(zip(self.touches, measured, strict=True))
+                for number, (touch, wrench, free) in enumerate(
+                    zip(self.touches, recorded.wrenches, recorded.free, strict=True)
+                )
             ],
             base,
             self.plan.bounds,
@@ -214,13 +217,9 @@ def _part(touch: Touch, rows: NDArray[np.bool_]) -> Touch:
     return Touch(**{key: one[rows] if isinstance(one, np.ndarray) else one for key, one in values.items()})
 
 
-def _as_stored(log: Log) -> list[tuple[Array, Array]]:
+def _as_stored(log: Log, wrench: StoredSignal, tcp: StoredSignal) -> list[tuple[Array, Array]]:
     """Readings through what a store does with them: weight off, zero of each touch, gel frame, at the frames."""
-    scenario, performance = log.stage.scenario, log.performance
-    chance = np.random.default_rng([scenario.seed, SAMPLING, log.index])
-    samples = wrench_samples(scenario, performance, log.index, tare_times(scenario, performance), chance)
-    wrench = _stored("wrench", samples.stamp_ns, samples.values, "ft")
-    tcp = _stored("tcp", samples.host_ns, matrix_poses(performance.tcp(samples.host_ns)), "base")
+    performance = log.performance
     spans = [(play.touch.name, play.start_ns, play.end_ns) for play in performance.plays]
     contact = contact_wrench(log.description, wrench, tcp, spans).signal
     found = []
@@ -230,12 +229,7 @@ def _as_stored(log: Log) -> list[tuple[Array, Array]]:
     return found
 
 
-def _stored(name: str, t_ns: Times, values: Array, frame: str) -> StoredSignal:
-    columns = SIGNAL_COLUMNS[name]
-    return StoredSignal(t_ns, np.asarray(values), columns, signal_units(columns), frame, Stamps(t_ns))
-
-
 def _before_touch(values: Array) -> Array:
     threshold = touch_threshold(component_noise(values))
     contact = np.flatnonzero(touching(np.linalg.norm(values[:, :3], axis=1), threshold))
-    return values[: int(SETTLED * (int(contact[0]) if len(contact) else len(values)))]
+    return values[: int(SURELY_FREE * (int(contact[0]) if len(contact) else len(values)))]

@@ -11,23 +11,30 @@ Case = dict[str, Any]
 CLAIMS = ("named", "one of a set")
 QUIET = ("nothing is missing", "below detection")
 VISIBLE = 3.0
+DRIFT = "sensor_drift"
+"""A cause of zeros that every world has: 0.02 N a minute."""
 
 
 def outcome(case: Case) -> str:
-    """``named``, ``in the set``, ``one of two``, ``undetectable`` (said so), ``missed``, ``unnamed`` or ``wrong``."""
+    """``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, and said so), ``too weak`` (weaker
+    than what the answer says it needs), ``missed``, ``unnamed`` or ``wrong``. What zeros follow is named, too.
+    """
     truth = set(case["truth"])
     claimed = case["verdict"] in CLAIMS
-    if claimed and truth and truth <= set(case["names"]):
+    of_zeros = set(case["zeros"])
+    if truth and truth <= set(case["names"]) | of_zeros:
         return "named"
-    if claimed and truth and truth <= set(case["set"]):
+    if truth and truth <= set(case["set"]) | of_zeros:
         return "in the set"
-    if claimed and truth & set(case["set"]):
+    if truth & (set(case["set"]) | of_zeros):
         return "one of two"
-    if claimed:
+    if claimed or of_zeros - {DRIFT}:
         return "wrong"
-    if case["verdict"] in QUIET:
-        return "undetectable" if truth and truth <= set(case["undetectable"]) else "missed"
-    return "unnamed"
+    if case["verdict"] not in QUIET:
+        return "unnamed"
+    if truth and truth <= set(case["undetectable"]):
+        return "undetectable"
+    return "too weak" if case["signal"] < case["visible"] else "missed"
 
 
 def summary(cases: Sequence[Case]) -> str:
@@ -35,7 +42,7 @@ def summary(cases: Sequence[Case]) -> str:
     lines = []
     nulls = [case for case in cases if case["kind"] == "nulls"]
     if nulls:
-        said = [case for case in nulls if case["verdict"] != "nothing is missing"]
+        said = [case for case in nulls if case["verdict"] != "nothing is missing" or set(case["zeros"]) - {DRIFT}]
         lines.append(f"\nnulls: {len(nulls)}, answers other than 'nothing is missing': {len(said)}")
         lines += [f"    {case['case']}: {case['verdict']} {case['set'] or case['nearest']}" for case in said]
         gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]

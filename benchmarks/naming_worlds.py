@@ -27,11 +27,13 @@ from naming_summary import summary
 from naming_truth import OUTSIDE, PAIRS, TITLES, WrongRadius
 
 from tactiledata.diagnose.answer import Answer
+from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
 from tactiledata.diagnose.play_touches import play_touches
 from tactiledata.diagnose.touch_plays import PlayedFamily
+from tactiledata.diagnose.zero_causes import zero_causes
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.material import GelMaterial
@@ -108,13 +110,14 @@ class Bench:
     maker: Maker
     family: PlayedFamily
     effects: tuple[str, ...]
+    _kept: tuple[tuple[int, GelMaterial], np.ndarray] | None = None
 
     @staticmethod
-    def of(plan: Plan, bank: Path, with_variants: bool) -> Bench:
-        """Everything that all cases share; what was not played yet is played."""
+    def of(plan: Plan, bank: Path, with_variants: bool, varied: Iterable[str] = tuple(EFFECTS)) -> Bench:
+        """Everything that all cases share; what was not played yet is played, and ``varied`` effects' other gels."""
         maker = Maker.of(plan, bank)
         fidelity: Fidelity = "linear" if plan.is_quick else "finite-strain"
-        wanted = variants_of(EFFECTS) if with_variants else ()
+        wanted = variants_of(varied) if with_variants else ()
         plays = play_touches(
             plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, tell=_tell, variants=wanted
         )
@@ -125,6 +128,13 @@ class Bench:
         family = PlayedFamily(maker.touches, [one.part(one.known) for one in plays])
         return Bench(plan, maker, family, tried)
 
+    def _clean(self, seed: int, truth: GelMaterial) -> np.ndarray:
+        """Wrenches of the world without what it hides, without noise; those of the last seed are kept."""
+        if self._kept is None or self._kept[0] != (seed, truth):
+            clean = self.maker.recorded(seed, truth, [], is_exact=True)
+            self._kept = (seed, truth), np.concatenate(clean.wrenches)
+        return self._kept[1]
+
     def run(self, asked: Asked) -> dict[str, Any]:
         """One case from the rig to the answer."""
         truth = GelMaterial(
@@ -132,22 +142,22 @@ class Bench:
             self.plan.truth.poisson_ratio,
             self.plan.truth.friction,
         )
-        measured = self.maker.measured(asked.seed, truth, asked.hidden, asked.more)
-        cases = self.maker.cases(measured, self.family)
+        recorded = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more)
+        cases = self.maker.cases(recorded, self.family)
         began = time.perf_counter()
         naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False))
         seconds = time.perf_counter() - began
-        felt, clean = (
-            self.maker.measured(asked.seed, truth, hidden, more, is_exact=True)
-            for hidden, more in ((asked.hidden, asked.more), ([], ()))
-        )
-        change = np.concatenate([one - other for (one, _), (other, _) in zip(felt, clean, strict=True)])
+        change = np.zeros((int(cases.counts.sum()), 6))
+        if asked.hidden or asked.more:
+            felt = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more, is_exact=True)
+            change = np.concatenate(felt.wrenches) - self._clean(asked.seed, truth)
         return {
             "case": asked.label,
             **{key: value for key, value in asdict(asked).items() if key != "wrong"},
             "truth": list(asked.truth),
             "material": asdict(truth),
             "seconds": round(seconds, 2),
+            "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],
             **_found(naming, asked, change),
         }
 
@@ -160,6 +170,7 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
     signal = float(np.sqrt(max(metric.cost(field_), 0.0)))
     best = naming.decision.best
     known = naming.identifiable
+    ranked = sorted(naming.judged, key=lambda each: -each.gain)
     reach = {
         name: max((float(r) for n, r in zip(known.effects, known.reach, strict=True) if n == name), default=0.0)
         for name in asked.truth
@@ -171,7 +182,10 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
         "set": list(answer.candidates),
         "nearest": list(best.names) if best else [],
         "ties": [tie.name for tie in naming.decision.ties],
-        "candidates": document["candidates"],
+        "candidates": [
+            {**told, "gains": one.gains.round(2).tolist()}
+            for told, one in zip(document["candidates"], ranked, strict=True)
+        ],
         "screen": document["screen"][:10],
         "before": [one["value"] for one in document["before"]],
         "after": [one["value"] for one in document["after"][:3]],
@@ -180,6 +194,7 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
         "signal": round(signal, 2),
         "cosine": float(cosines(metric, [field_, best.fit.effect_change])[0, 1]) if best and signal > 0 else None,
         "reach": reach,
+        "visible": ESTIMATED.visible,
     }
 
 
@@ -196,6 +211,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--strength", choices=("weak", "medium", "strong"), default="medium")
     parser.add_argument("--without-variants", action="store_true", help="leave out effects that need other gels played")
+    parser.add_argument("--varied", nargs="*", default=list(EFFECTS), help="of these, the ones to be played")
     parser.add_argument("--only", nargs="*", help="of the rig's effects")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
@@ -210,7 +226,8 @@ def main() -> None:
     done = {one["case"] for one in found if one["plan"] == options.plan}
     todo = [one for one in cases if one.label not in done]
     with_variants = not (options.quick or options.without_variants)
-    bench = Bench.of(Plan(options.plan, options.quick), options.bank, with_variants) if todo else None
+    plan = Plan(options.plan, options.quick)
+    bench = Bench.of(plan, options.bank, with_variants, options.varied) if todo else None
     for one in todo:
         assert bench is not None
         result = {"plan": options.plan, **bench.run(one)}
