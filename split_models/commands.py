@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -90,18 +91,17 @@ def _workshop(
     recipe: str, scale: str, device: str, out: Path, workers: int, as_json: bool, may_train: bool = True
 ) -> Iterator[Any]:
     """The recipe's workshop; wrong usage is said before anything is made."""
-    try:
-        import torch  # noqa: F401
-    except ImportError as error:
-        raise UsageError(
-            "PyTorch is not installed", "it, to train and evaluate", "pip install -c constraints.txt -e '.[models]'"
-        ) from error
-    from split_models.device import find_device, processes
     from split_models.recipe import load_recipe
-    from split_models.workshop import Workshop
 
     with wrong_document_is_wrong_usage():
         loaded = load_recipe(recipe, scale)
+    if find_spec("torch") is None:
+        raise UsageError(
+            "PyTorch is not installed", "it, to train and evaluate", "pip install -c constraints.txt -e '.[models]'"
+        )
+    from split_models.device import find_device, processes
+    from split_models.workshop import Workshop
+
     place = find_device(device)
     with processes(place) as ranks, _by_steps(as_json or not ranks.is_first) as tell:
         yield Workshop(loaded, out, place, ranks, tell, workers, may_train)

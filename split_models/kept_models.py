@@ -15,7 +15,8 @@ from split_models.items import Items
 from split_models.latent_normal import drawn_alike
 from split_models.network import Network
 from split_models.objectives import Objective
-from split_models.train import BEST, LAST, TrainOptions, train
+from split_models.train import BEST, LAST, train
+from split_models.train_options import TrainOptions
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import UsageError
 

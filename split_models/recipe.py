@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from split_models.train import TrainOptions
+from split_models.train_options import TrainOptions
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.schema import check_document, parse_document, read_document, shipped_folder
 from tactiledata.errors import SchemaError, UnknownName, UsageError

@@ -21,6 +21,7 @@ from split_models.device import Ranks, uses_bfloat16
 from split_models.items import Batch, Items
 from split_models.network import Network
 from split_models.objectives import Losses, Objective
+from split_models.train_options import TrainOptions
 from tactiledata.errors import NotFinite, UsageError
 from tactiledata.loaders.order import Order
 
@@ -29,40 +30,6 @@ Tell = Callable[..., None]
 T = TypeVar("T")
 
 LAST, BEST = "last.pt", "best.pt"
-
-
-@dataclass(frozen=True)
-class TrainOptions:
-    """How a network learns.
-
-    Parameters
-    ----------
-    epochs : int
-        At most.
-    batch_size : int
-        Of all processes together.
-    learning_rate : float
-    decay : float
-        Factor on the learning rate after every epoch.
-    weight_decay : float
-    patience : int
-        Epochs without a better validation loss after which it stops; 0: never.
-    settle : int
-        Epochs before patience begins to count: those in which a weight is annealed.
-    seed : int
-    save_seconds : float
-        A checkpoint is kept at least so often, within epochs as well.
-    """
-
-    epochs: int
-    batch_size: int
-    learning_rate: float = 1e-3
-    decay: float = 1.0
-    weight_decay: float = 0.0
-    patience: int = 0
-    settle: int = 0
-    seed: int = 0
-    save_seconds: float = 120.0
 
 
 @dataclass

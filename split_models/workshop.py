@@ -30,7 +30,7 @@ from split_models.objectives import ImageVaeObjective, MeshVaeObjective, Objecti
 from split_models.prepare import mesh_name, prepare_store, store_place
 from split_models.projection import Projection
 from split_models.recipe import Recipe
-from split_models.train import TrainOptions
+from split_models.train_options import TrainOptions
 from tactiledata.contract.provenance import digest_of
 
 Tell = Callable[..., None]

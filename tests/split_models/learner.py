@@ -12,7 +12,8 @@ from split_models.device import processes
 from split_models.items import TensorItems
 from split_models.objectives import Regression
 from split_models.projection import Projection
-from split_models.train import TrainOptions, train
+from split_models.train import train
+from split_models.train_options import TrainOptions
 
 STAMPS = Stamps(recipe="r", split="s", items="i")
 

@@ -18,7 +18,8 @@ from split_models.device import find_device
 from split_models.items import TensorItems
 from split_models.objectives import Regression
 from split_models.projection import Projection
-from split_models.train import TrainOptions, train
+from split_models.train import train
+from split_models.train_options import TrainOptions
 from tactiledata.errors import CheckpointError, MissingFile, NotFinite, UnknownName, UsageError
 
 LEARNER = Path(__file__).with_name("learner.py")

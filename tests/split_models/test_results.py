@@ -1,0 +1,43 @@
+"""A finished table reads as what it is."""
+
+import json
+
+from split_models.recipe import load_recipe
+from split_models.results import cell, markdown, result_document, write_result
+
+
+def row(part, method, **scores):
+    return {"part": part, "method": method, "scores": scores}
+
+
+def score(value, **more):
+    return {"value": value, "unit": "mm", "better": "lower", "frames": 7, "trajectories": 3, **more}
+
+
+def test_cells_say_what_is_known():
+    """A value, its interval or its deviation over seeds, and a dash for nothing."""
+    assert cell(score(0.123456)) == "0.1235"
+    assert cell(score(0.5, low=0.4, high=0.6)) == "0.5 [0.4, 0.6]"
+    assert cell(score(0.5, low=None, high=None)) == "0.5"
+    assert cell(score(1.0, deviation=0.0123)) == "1 (0.012)"
+    assert cell(score(None)) == cell(None) == "–"
+
+
+def test_the_page_has_every_part_and_the_papers_own_figures_apart(tmp_path):
+    """Ours with units and arrows; the paper's said to be of another data set, only where a part has them."""
+    recipe = load_recipe("table_mesh")
+    rows = [
+        row("test", "split", rmse=score(0.02, low=0.01, high=0.03)),
+        row("test_unseen", "split", rmse=score(0.05), rmse_contact=score(0.07)),
+    ]
+    document = result_document(recipe, rows, "d" * 64)
+    text = markdown(document)
+    assert "`tactiledata run table_mesh --scale small`, seed 0." in text
+    assert "| SPLIT | 0.02 [0.01, 0.03] |" in text
+    assert "rmse in contact, mm ↓" in text
+    seen, unseen = text.split("## test_unseen")
+    assert "another data set" not in seen
+    assert "| SPLIT | 0.075 | 0.028 | 0.061 |" in unseen
+    paths = write_result(tmp_path, document)
+    assert json.loads(paths["json"].read_text())["rows"] == rows
+    assert paths["markdown"].read_text() == text
