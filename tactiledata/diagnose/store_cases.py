@@ -16,6 +16,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.play_touches import play_touches
+from tactiledata.diagnose.store_motion import StoreMotion
 from tactiledata.diagnose.touch_case import FEWEST_CASES, FEWEST_FRAMES, CaseSet, TouchCase
 from tactiledata.diagnose.touch_plays import PlayedFamily, TouchPlays
 from tactiledata.effects import EFFECTS
@@ -84,7 +85,7 @@ def store_cases(
     wanted = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
     plays = play_touches(measured.mesh, options.fidelity, measured.touches, box, options.workers, tell, variants=wanted)
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
-    make = _CaseMaker(measured, StoreFacts(store, plan.touches), start, geometry)
+    make = _CaseMaker(measured, StoreFacts(store, plan.touches), StoreMotion(store), start, geometry)
     left_out = Counter(measured.left_out)
     cases, kept, uids = [], [], []
     for touch, played in zip(measured.touches, plays, strict=True):
@@ -135,6 +136,7 @@ def _not_played(plays: TouchPlays, options: CalibrationOptions) -> dict[str, str
 class _CaseMaker:
     measured: Measured
     facts: StoreFacts
+    motion: StoreMotion
     material: GelMaterial
     geometry: GelGeometry
 
@@ -160,6 +162,7 @@ class _CaseMaker:
             powered=self.facts.powered(planned, rows) if len(rows) else None,
             earlier_depth=earlier[0],
             earlier_contacts=earlier[1],
+            **self.motion.facts(planned, rows),
         )
         case = TouchCase(at, touch.wrench[known], self.noise, height < -FREE_AIR, touch.free_samples, touch.name)
         return case, part

@@ -1,0 +1,59 @@
+"""What a store tells of how the indenter moved between frames, and of where the force sensor is."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.effects.last_move import last_move
+from tactiledata.replay.plan import PlannedTouch
+from tactiledata.replay.poses import gel_from_indenter
+from tactiledata.store.reader import Store
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class StoreMotion:
+    """Facts of a store's trajectories, at rows of its table of frames.
+
+    Parameters
+    ----------
+    store : Store
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._t_ns: Array = np.asarray(store.frames(["t_ns"])["t_ns"])
+        table = store.trajectories(["uid", "source", "signal_rows"]).to_pylist()
+        self._rows = {row["uid"]: row for row in table}
+        texts = store.sources(["description"])["description"].to_pylist()
+        self._descriptions = [LogDescription(json.loads(text)) for text in texts]
+
+    def facts(self, planned: PlannedTouch, rows: Indices) -> dict[str, Any]:
+        """``pace``, ``rest`` and ``gel_from_sensor`` of a `Touch`, as far as they are known."""
+        return {**self._last_move(planned, rows), **self._sensor(planned, len(rows))}
+
+    def _last_move(self, planned: PlannedTouch, rows: Indices) -> dict[str, Array]:
+        spans = json.loads(self._rows[planned.uid]["signal_rows"])
+        if planned.poses not in spans or planned.tcp_from_gel is None or planned.base_from_indenter is None:
+            return {}
+        signal, span = self._store.signal(planned.poses), spans[planned.poses]
+        values, t_ns = signal.values(*span), signal.t_ns(*span)
+        places = gel_from_indenter(values, planned.tcp_from_gel, planned.base_from_indenter, 0.0)[:, :2, 3]
+        known = np.isfinite(places).all(axis=1)
+        start = self._t_ns[rows[0]] if len(rows) else 0
+        seconds = (t_ns[known] - start) / 1e9
+        pace, rest = last_move((self._t_ns[rows] - start) / 1e9, seconds, places[known])
+        return {"pace": pace, "rest": rest}
+
+    def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
+        tcp_from_ft = self._descriptions[self._rows[planned.uid]["source"]].transform("tcp_from_ft")
+        if tcp_from_ft is None or planned.tcp_from_gel is None:
+            return {}
+        gel_from_sensor = np.linalg.inv(planned.tcp_from_gel) @ tcp_from_ft.matrix
+        return {"gel_from_sensor": np.tile(gel_from_sensor, (count, 1, 1))}

@@ -1,0 +1,45 @@
+"""How the indenter moved, and where the force sensor is, as a store tells it, is what the rig did."""
+
+import numpy as np
+import pytest
+from recorded_touches import recorded_store
+
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.diagnose.store_motion import StoreMotion
+from tactiledata.replay.plan import plan_replay
+from tactiledata.rig.scenario import Robot
+from tactiledata.store.reader import Store
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    store = Store.open(recorded_store(tmp_path_factory.mktemp("world")))
+    return store, plan_replay(store, CalibrationOptions().pads).touches, StoreMotion(store)
+
+
+def test_frames_of_a_step_stand_and_know_the_last_move(recorded):
+    """Pictures are taken at rest; where the tip had slid before, pace is that of a slide, and rest a moment's."""
+    store, planned, motion = recorded
+    slid = 0
+    for touch in planned:
+        rows = np.arange(*touch.frames)
+        found = motion.facts(touch, rows)
+        way = np.ptp(touch.gel_touch(store, 0.0).poses[:, :2, 3], axis=0)
+        if np.linalg.norm(way) < 2e-4:
+            assert (found["pace"] == 0).all()
+            continue
+        slid += 1
+        assert 1e-4 < found["pace"].max() < 2e-2
+        assert found["pace"][0] == 0
+        stood = found["rest"][found["pace"] > 0]
+        assert 0 < np.median(stood) < 5
+    assert slid > 2
+
+
+def test_the_sensor_is_where_the_log_says(recorded):
+    _, planned, motion = recorded
+    robot = Robot()
+    wanted = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix
+    found = motion.facts(planned[0], np.arange(*planned[0].frames))["gel_from_sensor"]
+    np.testing.assert_allclose(found[0], wanted, atol=1e-6)
+    assert len(found) == planned[0].frames[1] - planned[0].frames[0]
