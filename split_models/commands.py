@@ -1,4 +1,4 @@
-"""`train`, `evaluate`, `run` and `transfer`: the verbs that this package adds to the command `tactiledata`."""
+"""`train`, `evaluate`, `run`, `transfer` and `score`: the verbs that this package adds to the command `tactiledata`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from split_models import transfer_command
+from split_models import score_command, transfer_command
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.errors import UsageError
@@ -28,6 +28,7 @@ def register(app: typer.Typer) -> None:
     app.command("evaluate")(evaluate)
     app.command("run")(run)
     transfer_command.register(app)
+    score_command.register(app)
 
 
 def train(

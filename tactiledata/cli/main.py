@@ -10,20 +10,7 @@ from importlib.metadata import entry_points
 import typer
 
 from tactiledata import __version__
-from tactiledata.cli import (
-    calibrate,
-    demo,
-    diagnose,
-    families,
-    ingest,
-    record,
-    replay,
-    scene,
-    score,
-    sensors,
-    split,
-    store,
-)
+from tactiledata.cli import calibrate, demo, diagnose, families, ingest, record, replay, scene, sensors, split, store
 from tactiledata.cli.failure import DEBUG_VARIABLE, INTERRUPTED, report_failure, report_interruption
 from tactiledata.errors import TactileDataError
 
@@ -40,7 +27,7 @@ app = typer.Typer(
 GROUP = "tactiledata.commands"
 """Entry points of packages that add verbs: functions of the application."""
 
-for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene, score):
+for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene):
     module.register(app)
 for point in entry_points(group=GROUP):
     point.load()(app)

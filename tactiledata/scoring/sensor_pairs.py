@@ -1,24 +1,34 @@
-"""Scores of one sensor's pictures against another's, on the full frame and where they show the touch."""
+"""Scores of one sensor's touches against another's: pictures, their contacts, and what they are encoded to."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.errors import UnknownName
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.bootstrap import Interval, bootstrap
-from tactiledata.scoring.sensor_sets import SensorSet, contact_masks, load_pictures
+from tactiledata.scoring.sensor_sets import SensorSet, background_of, contact_masks, load_pictures
 from tactiledata.store.reader import Store
 
 Pictures = NDArray[np.uint8]
-Masks = NDArray[np.bool_]
+Vectors = Mapping[str, NDArray[np.floating]]
+Encode = Callable[[Pictures, Pictures | None], Vectors]
+"""Latent vectors (n, d) by name, of pictures (n, H, W, 3) of a sensor and its picture without contact, if there is."""
 Progress = Callable[..., None]
+
+
+@dataclass(frozen=True)
+class Touches:
+    """What a set is scored by."""
+
+    pictures: Pictures
+    masks: NDArray[np.bool_] | None
+    vectors: Vectors
 
 
 @dataclass(frozen=True)
@@ -26,7 +36,8 @@ class PairScore:
     """One score of one pair.
 
     ``first`` was scored against ``second``; the interval draws the trajectories of ``first``. ``is_synthetic`` says
-    whether ``first`` was made by a transfer: the paper's column Synth., else its column Real.
+    whether ``first`` was made by a transfer: the paper's column Synth., else its column Real. ``looked_at``: the whole
+    ``frame``, the ``contact``, or the name of the latent vectors.
     """
 
     metric: str
@@ -34,38 +45,27 @@ class PairScore:
     first: str
     second: str
     is_synthetic: bool
-    region: str
+    looked_at: str
     interval: Interval
 
     def document(self) -> dict[str, Any]:
         """As JSON."""
-        facts = {name: getattr(self, name) for name in ("metric", "first", "second", "is_synthetic", "region")}
+        facts = {name: getattr(self, name) for name in ("metric", "first", "second", "is_synthetic", "looked_at")}
         about = {name: getattr(self.score, name) for name in ("name", "title", "unit", "better")}
-        return {**facts, "score": about, **vars(self.interval)}
+        numbers = {name: _finite(value) for name, value in vars(self.interval).items()}
+        return {**facts, "score": about, **numbers}
 
 
-def set_scores(names: Sequence[str]) -> list[tuple[str, Score]]:
-    """Scores of whole sets of pictures, each with its metric's name: those of these names, or of metrics so called.
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
-    Raises
-    ------
-    UnknownName
-        Neither a score nor a metric of sets of pictures.
-    """
-    able = {name: METRICS[name].scores for name in METRICS if METRICS[name].takes == "image sets"}
-    found: dict[tuple[str, str], Score] = {}
-    for wanted in names:
-        chosen = [(metric, name) for metric, scores in able.items() for name in scores if wanted in (metric, name)]
-        if not chosen:
-            known = {*able, *(name for scores in able.values() for name in scores)}
-            raise UnknownName(
-                "score of sets of pictures",
-                wanted,
-                known,
-                "Pictures that have a truth beside them are scored by `tactiledata evaluate RECIPE`.",
-            )
-        found.update({key: able[key[0]][key[1]] for key in chosen})
-    return [(metric, score) for (metric, _), score in found.items()]
+
+def load_touches(store: Store, one: SensorSet, encode: Encode | None = None) -> Touches:
+    """Pictures of a set, masks of their contacts, and their latent vectors."""
+    pictures = load_pictures(store, one)
+    background = background_of(store, one)
+    vectors = encode(pictures, background) if encode is not None else {}
+    return Touches(pictures, contact_masks(pictures, background), vectors)
 
 
 def score_pairs(
@@ -73,23 +73,26 @@ def score_pairs(
     scores: Sequence[tuple[str, Score]],
     sets: Sequence[SensorSet],
     against: Sequence[str] | None = None,
+    encode: Encode | None = None,
     progress: Progress | None = None,
 ) -> Iterator[PairScore]:
-    """Scores of all pairs of sets, or of all sets against the named ones.
+    """Scores of all pairs of sets, or of all sets against the named ones; two sets are in memory at once.
 
-    Two sets' pictures are in memory at once. A score is handed both sets, and for the second time both sets' masks of
-    where the pictures show their touches, if both sensors have a picture without contact.
+    Scores of pictures look at the whole frame, and at the contact where both sensors have a picture without contact;
+    scores of latent vectors at each kind of vector.
     """
     pairs = list(_pairs(sets, against))
-    loaded: dict[str, tuple[Pictures, Masks | None]] = {}
+    loaded: dict[str, Touches] = {}
     for done, (first, second) in enumerate(pairs, start=1):
         for gone in set(loaded) - {first.name, second.name}:
             del loaded[gone]
         for one in (first, second):
             if one.name not in loaded:
-                pictures = load_pictures(store, one)
-                loaded[one.name] = pictures, contact_masks(store, one, pictures)
-        yield from _scored(scores, first, second, loaded[first.name], loaded[second.name])
+                loaded[one.name] = load_touches(store, one, encode)
+        for metric, score in scores:
+            for looked_at, values in _values(metric, score, loaded[first.name], loaded[second.name]):
+                interval = bootstrap(values, first.trajectories)
+                yield PairScore(metric, score, first.name, second.name, first.is_derived, looked_at, interval)
         if progress is not None:
             progress(done, len(pairs), f"{first.name} and {second.name}")
 
@@ -101,17 +104,12 @@ def _pairs(sets: Sequence[SensorSet], against: Sequence[str] | None) -> Iterator
                 yield one, other
 
 
-def _scored(
-    scores: Sequence[tuple[str, Score]],
-    first: SensorSet,
-    second: SensorSet,
-    ours: tuple[Pictures, Masks | None],
-    theirs: tuple[Pictures, Masks | None],
-) -> Iterator[PairScore]:
-    for metric, score in scores:
-        facts = (metric, score, first.name, second.name, first.is_derived)
-        yield PairScore(*facts, "frame", bootstrap(score(ours[0], theirs[0]), first.trajectories))
-        if ours[1] is None or theirs[1] is None or not (ours[1].any() and theirs[1].any()):
-            continue
-        inside = score(ours[0], theirs[0], (ours[1], theirs[1]))
-        yield PairScore(*facts, "contact", bootstrap(inside, first.trajectories))
+def _values(metric: str, score: Score, ours: Touches, theirs: Touches) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    if METRICS[metric].takes == "latent sets":
+        for name in ours.vectors:
+            if name in theirs.vectors:
+                yield name, score.compute(ours.vectors[name], theirs.vectors[name])
+        return
+    yield "frame", score.compute(ours.pictures, theirs.pictures)
+    if ours.masks is not None and theirs.masks is not None and ours.masks.any() and theirs.masks.any():
+        yield "contact", score.compute(ours.pictures, theirs.pictures, ours.masks, theirs.masks)

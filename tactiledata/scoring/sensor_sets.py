@@ -100,11 +100,13 @@ def load_pictures(store: Store, one: SensorSet) -> NDArray[np.uint8]:
     return pictures
 
 
-def contact_masks(store: Store, one: SensorSet, pictures: NDArray[np.uint8]) -> NDArray[np.bool_] | None:
-    """Masks (n, H, W) of where each picture shows its touch; None where the sensor has no picture of that size."""
-    if one.sensor not in store.manifest["references"]:
-        return None
-    background = store.reference(one.sensor).image
-    if background.shape != pictures.shape[1:]:
+def background_of(store: Store, one: SensorSet) -> NDArray[np.uint8] | None:
+    """The picture without contact (H, W, 3) of a set's sensor; None where the store has none."""
+    return store.reference(one.sensor).image if one.sensor in store.manifest["references"] else None
+
+
+def contact_masks(pictures: NDArray[np.uint8], background: NDArray[np.uint8] | None) -> NDArray[np.bool_] | None:
+    """Masks (n, H, W) of where each picture shows its touch; None without a background of that size."""
+    if background is None or background.shape != pictures.shape[1:]:
         return None
     return np.stack([shows_contact(picture, background).mask for picture in pictures])

@@ -7,12 +7,16 @@ import pytest
 from cli.command import run_command
 from loaders.loader_stores import write_loader_store
 
+from split_models.latent_vectors import picture_vectors
 from split_models.pixel_transfer import PIXEL_TRANSFERS
 from split_models.transfer import transfer_store
-from tactiledata.errors import StoreError, UnknownName
+from tactiledata.errors import MissingFile, StoreError, UnknownName, UsageError
+from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score, metric
-from tactiledata.scoring.sensor_pairs import score_pairs, set_scores
-from tactiledata.scoring.sensor_sets import contact_masks, load_pictures, sensor_sets
+from tactiledata.scoring.chosen_scores import chosen_scores
+from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
+from tactiledata.scoring.sensor_pairs import load_touches, score_pairs
+from tactiledata.scoring.sensor_sets import sensor_sets
 from tactiledata.store.merge import merge
 from tactiledata.store.reader import Store
 from tactiledata.store.targets import find_target
@@ -20,12 +24,12 @@ from tactiledata.store.targets import find_target
 CHILDREN = "D2 of D1 by background_swap"
 
 
-def shade_gap(first, second, masks=None):
+def shade_gap(first, second, mask=None, others_mask=None):
     """Distance of each picture's mean from the mean of the other set."""
-    if masks is None:
+    if mask is None:
         return np.abs(first.mean(axis=(1, 2, 3)) - second.mean())
-    inside = np.array([p[m].mean() if m.any() else np.nan for p, m in zip(first, masks[0], strict=True)])
-    return np.abs(inside - second[masks[1]].mean())
+    inside = np.array([p[m].mean() if m.any() else np.nan for p, m in zip(first, mask, strict=True)])
+    return np.abs(inside - second[others_mask].mean())
 
 
 SHADE = metric(
@@ -36,7 +40,9 @@ TRUTH = metric("truth", "needs truths", "images", [Score("l1", "l1", "", "lower"
 
 @pytest.fixture(autouse=True)
 def _a_metric_of_sets(monkeypatch):
-    monkeypatch.setattr("tactiledata.scoring.sensor_pairs.METRICS", {"shade": SHADE, "truth": TRUTH})
+    for module in ("sensor_pairs", "chosen_scores"):
+        known = {"shade": SHADE, "truth": TRUTH, "embedding": METRICS["embedding"], "gram_style": METRICS["gram_style"]}
+        monkeypatch.setattr(f"tactiledata.scoring.{module}.METRICS", known)
 
 
 @pytest.fixture(scope="module")
@@ -73,12 +79,12 @@ def test_few_frames_are_spread_over_a_set(store):
 
 def test_all_pairs_or_all_against_one(store):
     """Unnamed, every pair once; against one, every other set once, and it is the second."""
-    sets, scores = sensor_sets(store, 1000), set_scores(["shade"])
+    sets, scores = sensor_sets(store, 1000), chosen_scores(["shade"])
     every = list(score_pairs(store, scores, sets))
-    assert {frozenset((one.first, one.second)) for one in every if one.region == "frame"} == {
+    assert {frozenset((one.first, one.second)) for one in every if one.looked_at == "frame"} == {
         frozenset(pair) for pair in (("D1", "D2"), ("D1", CHILDREN), ("D2", CHILDREN))
     }
-    against = [one for one in score_pairs(store, scores, sets, ["D2"]) if one.region == "frame"]
+    against = [one for one in score_pairs(store, scores, sets, ["D2"]) if one.looked_at == "frame"]
     assert [(one.first, one.second, one.is_synthetic) for one in against] == [
         ("D1", "D2", False),
         (CHILDREN, "D2", True),
@@ -88,23 +94,56 @@ def test_all_pairs_or_all_against_one(store):
 def test_values_are_the_scores_own(store):
     """Each value is what the score gives for the two sets, in the frame and inside their contacts."""
     sets = {one.name: one for one in sensor_sets(store, 1000)}
-    pictures = {name: load_pictures(store, one) for name, one in sets.items()}
-    masks = {name: contact_masks(store, one, pictures[name]) for name, one in sets.items()}
-    for one in score_pairs(store, set_scores(["shade_gap"]), list(sets.values())):
-        pair = (pictures[one.first], pictures[one.second])
-        inside = (masks[one.first], masks[one.second])
-        values = shade_gap(*pair) if one.region == "frame" else shade_gap(*pair, inside)
+    touches = {name: load_touches(store, one) for name, one in sets.items()}
+    assert touches["D1"].masks.any()
+    for one in score_pairs(store, chosen_scores(["shade_gap"]), list(sets.values())):
+        ours, theirs = touches[one.first], touches[one.second]
+        masks = () if one.looked_at == "frame" else (ours.masks, theirs.masks)
+        values = shade_gap(ours.pictures, theirs.pictures, *masks)
         assert one.interval.value == pytest.approx(np.nanmean(values))
         assert one.interval.trajectories == len(set(sets[one.first].trajectories))
-    assert masks["D1"].any()
+
+
+def test_latent_scores_look_at_each_kind_of_vector(store):
+    """Silhouettes of what the touches are encoded to: apart for the pixels, as the sensors' backgrounds are."""
+    sets, scores = sensor_sets(store, 1000), chosen_scores(["silhouette"])
+    found = list(score_pairs(store, scores, sets, encode=picture_vectors))
+    assert {one.looked_at for one in found} == {"pixels", "pixels - background"}
+    values = {(one.first, one.second, one.looked_at): one.interval.value for one in found}
+    # the same touches, moved by the difference of two flat backgrounds: in one place once it is subtracted
+    assert abs(values["D1", CHILDREN, "pixels - background"]) < 0.1
+    assert list(score_pairs(store, scores, sets)) == []
+
+
+def test_embedding_is_drawn(store, tmp_path):
+    """A panel for each kind of vector, a place for each touch."""
+    pytest.importorskip("matplotlib")
+    sets = sensor_sets(store, 8)
+    drawn = embed_sets(store, sets, picture_vectors)
+    assert set(drawn) == {"pixels", "pixels - background"}
+    assert {name: places.shape for name, places in drawn["pixels"].items()} == {one.name: (8, 2) for one in sets}
+    assert draw_embedding(drawn, tmp_path / "new" / "tsne.png").stat().st_size > 1000
 
 
 def test_names_of_scores_and_metrics():
     """A score by its own name or its metric's, once; those that need truths and unknown ones are refused."""
-    assert [score.name for _, score in set_scores(["shade", "shade_gap"])] == ["shade_gap"]
+    assert [score.name for _, score in chosen_scores(["shade", "shade_gap"])] == ["shade_gap"]
     for name in ("truth", "l1", "shadow"):
-        with pytest.raises(UnknownName, match=r"one of: shade, shade_gap"):
-            set_scores([name])
+        with pytest.raises(UnknownName, match=r"one of: .*shade, shade_gap"):
+            chosen_scores([name])
+
+
+def test_style_is_one_of_two_scales(tmp_path, monkeypatch):
+    """Without VGG-19's weights the labelled random network is taken; both in one table are refused."""
+    monkeypatch.setattr(pytest.importorskip("torch").hub, "_hub_dir", str(tmp_path))
+    assert [score.name for _, score in chosen_scores(["gram_style"])] == ["gram_style_random"]
+    (tmp_path / "checkpoints").mkdir()
+    (tmp_path / "checkpoints" / "vgg19-dcbb9e9d.pth").write_bytes(b"")
+    assert [score.name for _, score in chosen_scores(["gram_style"])] == ["gram_style"]
+    with pytest.raises(UsageError, match="cannot be compared"):
+        chosen_scores(["gram_style", "gram_style_random"])
+    with pytest.raises(MissingFile, match=r"nowhere\.pth"):
+        chosen_scores(["gram_style"], tmp_path / "nowhere.pth")
 
 
 def test_one_sensor_alone_is_refused(tmp_path):
@@ -123,7 +162,7 @@ def test_command(store, capsys):
     assert "Real" in out
     code, out, _ = run_command(capsys, *words, "--json")
     found = json.loads(out)["scores"]
-    assert {(one["first"], one["second"], one["region"]) for one in found} >= {(CHILDREN, "D2", "frame")}
+    assert {(one["first"], one["second"], one["looked_at"]) for one in found} >= {(CHILDREN, "D2", "frame")}
     assert all(np.isfinite(one["value"]) for one in found)
     code, _, err = run_command(capsys, "score", store.location, "--metric", "shade", "--against", "D3")
     assert code == 2
