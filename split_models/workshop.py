@@ -141,7 +141,7 @@ class Workshop:
 
         fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self._extra_frames]])
         options = self.recipe.training("image_vae", settle=section["anneal"])
-        return cast("ImageVae", self._learned("image_vae", {}, section, fingerprint, options, build))
+        return cast("ImageVae", self.learned("image_vae", {}, section, fingerprint, options, build))
 
     @cached_property
     def _extra_frames(self) -> list[TouchFrames]:
@@ -169,9 +169,7 @@ class Workshop:
 
         fingerprint = self.frames("train").fingerprint
         options = self.recipe.training("mesh_vae")
-        return cast(
-            "MeshVae", self._learned("mesh_vae", {}, section, fingerprint, options, build, self.topology.digest)
-        )
+        return cast("MeshVae", self.learned("mesh_vae", {}, section, fingerprint, options, build, self.topology.digest))
 
     @property
     def end_to_end(self) -> EndToEnd:
@@ -190,7 +188,7 @@ class Workshop:
 
         fingerprint, options = self.frames("train").fingerprint, self.recipe.training("end_to_end")
         return cast(
-            "EndToEnd", self._learned("end_to_end", {}, section, fingerprint, options, build, self.topology.digest)
+            "EndToEnd", self.learned("end_to_end", {}, section, fingerprint, options, build, self.topology.digest)
         )
 
     def projection(self, direction: Direction, is_split: bool) -> Projection:
@@ -209,7 +207,7 @@ class Workshop:
         described = {"direction": direction, "is_split": is_split, **section}
         return cast(
             "Projection",
-            self._learned(
+            self.learned(
                 name,
                 self._vaes(),
                 described,
@@ -239,7 +237,7 @@ class Workshop:
         options = self.recipe.training("force_head", seed)
         name, described = f"force_head_{given}_{seed}", {"given": given, **section}
         return cast(
-            "ForceHead", self._learned(name, parents, described, self.frames("train").fingerprint, options, build)
+            "ForceHead", self.learned(name, parents, described, self.frames("train").fingerprint, options, build)
         )
 
     def raw_forces(self, given: Literal["mesh", "image"], seed: int) -> RawForces:
@@ -256,7 +254,7 @@ class Workshop:
         parents = {vae.kind: self.kept.keys[vae.kind]}
         return cast(
             "RawForces",
-            self._learned(
+            self.learned(
                 f"raw_forces_{given}_{seed}",
                 parents,
                 {"given": given},
@@ -330,7 +328,7 @@ class Workshop:
         name = f"projection_image_to_mesh_{'split' if is_split else 'nosplit'}"
         return {name: self.kept.keys[name]}
 
-    def _learned(
+    def learned(
         self,
         name: str,
         parents: Mapping[str, str],
@@ -340,6 +338,23 @@ class Workshop:
         build: Build,
         topology: str = "",
     ) -> Network:
+        """A network that learns from the train part: from memory, from disk, or trained.
+
+        Parameters
+        ----------
+        name : str
+        parents : dict
+            Keys of the networks that it is made with.
+        section : dict
+            What of the recipe shapes it.
+        fingerprint : str
+            Of its items.
+        options : TrainOptions
+        build : callable
+            Gives the objective, the items and those to validate on; called only where there is something to train.
+        topology : str
+            Digest of the mesh; empty where it is for none.
+        """
         described = {
             "data": self.recipe.data,
             "latents": self.recipe.models["latents"] if parents else "",

@@ -26,10 +26,11 @@ def zhu(workshop: Workshop) -> ZhuMethod:
         )
         renderer = DepthRenderer(surface_of(workshop), View.nominal(DIGIT, size))
         objective = ZhuObjective(network, renderer, section["adaptation_weight"], section["anneal"])
-        return objective, *(ImprintItems(workshop.frames(part), size) for part in ("train", "val"))
+        train, val = (ImprintItems(workshop.frames(part), size) for part in ("train", "val"))
+        return objective, train, val
 
     described = {**section, "filters": mesh["filters"], "order": mesh["order"]}
     options = workshop.recipe.training("zhu", settle=section["anneal"])
     fingerprint, topology = workshop.frames("train").fingerprint, workshop.topology.digest
-    network = workshop._learned("zhu", {}, described, fingerprint, options, build, topology)
+    network = workshop.learned("zhu", {}, described, fingerprint, options, build, topology)
     return ZhuMethod(cast("ZhuNetwork", network))
