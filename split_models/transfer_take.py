@@ -97,7 +97,8 @@ def _transferred(piece: Piece, transfer: Transfer, rows: NDArray[np.int64]) -> I
         for picture, row in zip(pictures, facts, strict=True):
             content = cv2.imencode(".png", picture[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
             stamps = {name: row[name] for name in ("log_ns", "publish_ns", "header_ns")}
-            yield Image(row["camera"], content, "png", *picture.shape[:2], **stamps, sensor=transfer.target.name)
+            height, width = picture.shape[:2]
+            yield Image(row["camera"], content, "png", height, width, **stamps, sensor=transfer.target.name)
 
 
 def _batch(

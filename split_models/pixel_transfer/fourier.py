@@ -19,7 +19,7 @@ def swap_amplitude(images: Floats, source_background: Floats, target_background:
     goal = np.abs(fft.rfft2(target_background, axes=(0, 1)))
     spectrum = fft.rfft2(images, axes=(1, 2))
     rows, columns = low_frequencies(images.shape[1:3])
-    inside = np.ix_(range(len(images)), rows, columns)
+    inside = np.ix_(np.arange(len(images)), rows, columns)
     low = spectrum[inside]
     phase = np.exp(1j * np.angle(low))
     spectrum[inside] = goal[np.ix_(rows, columns)] * phase
