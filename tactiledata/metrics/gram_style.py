@@ -103,7 +103,7 @@ def random_features() -> nn.Sequential:
         for part in network:
             if isinstance(part, torch.nn.Conv2d):
                 torch.nn.init.kaiming_normal_(part.weight, nonlinearity="relu")
-                torch.nn.init.zeros_(part.bias)
+                part.bias = torch.nn.Parameter(torch.zeros(part.out_channels), requires_grad=False)
     return network
 
 
@@ -187,7 +187,7 @@ def _layer_grams(network: nn.Sequential, pictures: Tensor, weight: Tensor) -> li
     values = pictures.permute(0, 3, 1, 2).float() / 255
     values = (values - torch.tensor(MEAN).view(3, 1, 1)) / torch.tensor(SPREAD).view(3, 1, 1)
     grams = []
-    for number, part in enumerate(network[: max(STYLE_LAYERS) + 1]):
+    for number, part in enumerate(list(network)[: max(STYLE_LAYERS) + 1]):
         values = part(values)
         if number in STYLE_LAYERS:
             share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].float(), values.shape[2:])

@@ -104,7 +104,7 @@ class View:
         return View((int(shape[0]), int(shape[1])), self.gel_from_pixel @ old_from_new)
 
 
-def _mapped(matrix: Array, places: NDArray[np.floating]) -> Array:
+def _mapped(matrix: NDArray[np.floating], places: NDArray[np.floating]) -> Array:
     mapped = np.asarray(places, np.float64) @ matrix[:, :2].T + matrix[:, 2]
     result: Array = mapped[..., :2] / mapped[..., 2:]
     return result
