@@ -179,6 +179,19 @@ def test_the_example_scheduler_keeps_order():
     assert [outcome.result for outcome in scheduler.outcomes(str, tasks)] == [str(task) for task in tasks]
 
 
+def test_the_example_metric_keeps_the_law_of_metrics():
+    """Nothing on itself, the worst pixel inside the mask, no value without one."""
+    score = example("largest_error").LARGEST_ERROR.scores["largest"]
+    true = np.full((2, 8, 8, 3), 50, np.uint8)
+    ours = true.copy()
+    ours[:, 2, 2, 1], ours[:, 6, 6, 0] = 90, 20
+    assert score(true, true).tolist() == [score.best] * 2
+    assert score(ours, true).tolist() == [40, 40]
+    mask = np.zeros((2, 8, 8), bool)
+    mask[0, 5:, 5:] = True
+    np.testing.assert_array_equal(score(ours, true, mask), [30, np.nan])
+
+
 def test_the_error_tree_is_drawn_as_it_is():
     """The tree in errors.py names every class, each with the builtin that it also is."""
     import tactiledata.errors as errors
