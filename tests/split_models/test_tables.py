@@ -1,7 +1,11 @@
 """From a store to every table, by the command, on models of which nothing is expected but that they run."""
 
 import json
+import os
 import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -138,6 +142,22 @@ def test_the_table_of_times(touch_store, out, monkeypatch, capsys):
         "simulation, low resolution", "simulation, high resolution", "mesh to image, no_contact", "mesh to image, split"
     ]  # fmt: skip
     assert rows["mesh to image, no_contact"] < rows["mesh to image, split"]
+
+
+@pytest.mark.slow
+def test_two_processes_train_a_recipe(touch_store, tmp_path):
+    """The whole command under torchrun: one of them writes and speaks, and both end."""
+    path = recipe_file(tmp_path, touch_store, "mesh", methods=["split"])
+    done = subprocess.run(
+        [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2", "-m", "split_models",
+         "train", str(path), "--out", str(tmp_path / "out"), "--json"],
+        capture_output=True, text=True, check=False, timeout=400, cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2]), "OMP_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    models = json.loads(done.stdout[done.stdout.index("{") :])["models"]
+    assert list(models) == ["image_vae", "mesh_vae", "projection_image_to_mesh_split"]
+    assert all(load_checkpoint(Path(folder) / LAST).progress["is_over"] for folder in models.values())
 
 
 def test_a_model_that_is_not_trained_is_said(touch_store, tmp_path, monkeypatch, capsys):
