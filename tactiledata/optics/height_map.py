@@ -62,37 +62,42 @@ def covered(
 
     Shares are barycentric: the pixel's centre is that sum of the triangle's corners.
     """
-    corner = corners[triangles]
-    first = np.ceil(corner.min(axis=1) - EDGE).astype(np.int64).clip(0)
-    last = np.floor(corner.max(axis=1) + EDGE).astype(np.int64)
-    last = np.minimum(last, [shape[1] - 1, shape[0] - 1])
-    which, column, row = _candidates(first, (last - first + 1).clip(0))
-    # twice the areas that a pixel spans with each side, over that of the triangle
+    functions = _share_functions(corners[triangles])
+    rows = corners[triangles, 1]
+    first = np.ceil(rows.min(axis=1) - EDGE).astype(np.int64).clip(0)
+    last = np.minimum(np.floor(rows.max(axis=1) + EDGE).astype(np.int64), shape[0] - 1)
+    which, row = _expanded(first, np.where(np.isfinite(functions).all(axis=(1, 2)), last - first + 1, 0))
+    # in a row a share is linear in the column, and none of the three may be negative
+    slope, rest = functions[which, :, 0], functions[which, :, 1] * row[:, None] + functions[which, :, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = -(rest + EDGE) / slope
+    left = np.where(slope > 0, bound, -np.inf).max(axis=1)
+    right = np.where(slope < 0, bound, np.inf).min(axis=1)
+    right[((slope == 0) & (rest < -EDGE)).any(axis=1)] = -1.0
+    first = np.ceil(left.clip(0, shape[1])).astype(np.int64)
+    last = np.floor(right.clip(-1, shape[1] - 1)).astype(np.int64)
+    span, column = _expanded(first, last - first + 1)
+    return row[span] * shape[1] + column, which[span], slope[span] * column[:, None] + rest[span]
+
+
+def _share_functions(corner: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Barycentric shares (t, 3, 3) of triangles (t, 3, 2): each is f0 column + f1 row + f2; not finite without area."""
     a, b, c = (corner[:, index] for index in range(3))
-    area = _cross(b - a, c - a)
-    is_flat = area == 0
-    scale = np.divide(1.0, area, out=np.zeros_like(area), where=~is_flat)[which]
-    centre = np.stack([column, row], axis=1) - a[which]
-    share_b = _cross(centre, (c - a)[which]) * scale
-    share_c = _cross((b - a)[which], centre) * scale
-    shares = np.stack([1.0 - share_b - share_c, share_b, share_c], axis=1)
-    is_inside = (shares.min(axis=1) >= -EDGE) & ~is_flat[which]
-    return (row * shape[1] + column)[is_inside], which[is_inside], shares[is_inside]
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    found = np.empty((len(corner), 3, 3))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for index, (one, other) in enumerate(((b, c), (c, a), (a, b))):
+            found[:, index, 0] = (one[:, 1] - other[:, 1]) / area
+            found[:, index, 1] = (other[:, 0] - one[:, 0]) / area
+            found[:, index, 2] = (one[:, 0] * other[:, 1] - other[:, 0] * one[:, 1]) / area
+    return found
 
 
-def _candidates(
-    first: NDArray[np.int64], sides: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Triangle, column and row of every pixel in the box around every triangle."""
-    counts = sides[:, 0] * sides[:, 1]
+def _expanded(first: NDArray[np.int64], counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Index and number of every number from ``first`` on, so many each."""
+    counts = counts.clip(0)
     which = np.repeat(np.arange(len(first)), counts)
-    place = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
-    width = sides[which, 0]
-    return which, first[which, 0] + place % width, first[which, 1] + place // width
-
-
-def _cross(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    return which, np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts) + first[which]
 
 
 class Indentation:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ class TaximTable:
     bin has, for each channel, a quadratic of the pixel's place: ``a u² + b v² + c u v + d u + e v + f``, in grey
     levels. Here u and v run from -1 to 1 over the picture, along columns and rows: one table serves pictures of any
     size.
+
+    Flat gel, the first bin of the angle, changes nothing, whatever the table says of it.
 
     Parameters
     ----------
@@ -54,10 +57,16 @@ class TaximTable:
 
         ``slopes`` are those of the indentation along columns and rows, m/m, as ``height_map.slopes`` gives them.
         """
-        rows, columns = slopes.shape[:2]
         angle, direction = slope_bins(slopes, self.bins)
-        chosen = self.coefficients.astype(np.float32)[angle, direction]
-        return np.einsum("rckt,rct->rck", chosen, place_terms((rows, columns)), optimize=True)
+        change = np.zeros((*angle.shape, 3), np.float32)
+        steep = angle > 0
+        terms = place_terms((angle.shape[0], angle.shape[1]))[steep]
+        change[steep] = np.einsum("nkt,nt->nk", self._single[angle[steep], direction[steep]], terms)
+        return change
+
+    @cached_property
+    def _single(self) -> NDArray[np.float32]:
+        return self.coefficients.astype(np.float32)
 
     def save(self, path: Path) -> None:
         """Write the table (.npz)."""
