@@ -16,7 +16,6 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.play_touches import play_touches
-from tactiledata.diagnose.store_motion import StoreMotion
 from tactiledata.diagnose.touch_case import FEWEST_CASES, FEWEST_FRAMES, CaseSet, TouchCase
 from tactiledata.diagnose.touch_plays import PlayedFamily, TouchPlays
 from tactiledata.effects import EFFECTS
@@ -26,6 +25,7 @@ from tactiledata.gel.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.replay.plan import PlannedTouch, plan_replay
 from tactiledata.replay.store_facts import StoreFacts
+from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.sensors.base import GelGeometry
 from tactiledata.store.reader import Store
 

@@ -19,6 +19,7 @@ from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.scaled import scaled
 from tactiledata.replay.plan import NOMINAL, PlannedPad, PlannedTouch, ReplayPlan
 from tactiledata.replay.store_facts import StoreFacts
+from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.store.reader import Store
 
 APART = 1e-9
@@ -71,6 +72,7 @@ class ReplayEffects:
 
     def __init__(self, store: Store, plan: ReplayPlan, settings: Sequence[EffectSetting]) -> None:
         self._facts = StoreFacts(store, plan.touches)
+        self._motion = StoreMotion(store)
         self._plain = {touch.uid: touch for touch in plan.touches}
         _need_places(settings, [self._places(touch) for touch in plan.touches])
         self._acting = {touch.uid: self._acting_on(touch, settings) for touch in plan.touches}
@@ -134,6 +136,7 @@ class ReplayEffects:
             powered=self._facts.powered(planned, rows) if "powered" in needs else None,
             earlier_depth=depth,
             earlier_contacts=contacts,
+            **self._motion.facts(planned, rows),
         )
         for setting in settings:
             _need_covariates(setting, touch, planned)

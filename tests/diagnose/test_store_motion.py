@@ -5,8 +5,8 @@ import pytest
 from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.diagnose.store_motion import StoreMotion
 from tactiledata.replay.plan import plan_replay
+from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.rig.scenario import Robot
 from tactiledata.store.reader import Store
 
