@@ -1,6 +1,6 @@
 """Naming missing physics: ours beside a BIC ladder, sparse regression and a Gaussian process, on the same cases.
 
-    python benchmarks/naming_rivals.py [--quick] [--bank FOLDER] [--nulls 5] [--out FILE.jsonl] [--with-variants]
+    python benchmarks/naming_rivals.py [--quick] [--bank FOLDER] [--nulls 5] [--only EFFECT ...] [--out FILE.jsonl]
 
 The cases are those of benchmarks/naming_worlds.py: the rig's layer solver presses and hides effects in formulas of its
 own. A name is right where what is hidden stands first among what a method says, and in the set where it is said at
@@ -76,10 +76,11 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="ten touches on a coarse linear pad; shows that it works")
     parser.add_argument("--with-variants", action="store_true", help="effects that need other gels played, too")
     parser.add_argument("--nulls", type=int, default=5)
+    parser.add_argument("--only", nargs="*", default=HIDDEN, help="of the rig's effects")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
-    hidden = ("frame_rotation",) if options.quick else HIDDEN
+    hidden = ("frame_rotation",) if options.quick else options.only
     cases = asked_cases(("nulls",), 1 if options.quick else options.nulls, "none")
     cases += [one for one in asked_cases(("effects",), 1, "medium") if one.effects[0] in hidden]
     lines = options.out.read_text().splitlines() if options.out and options.out.is_file() else []
