@@ -48,31 +48,12 @@ def _followed(path: Array, stiffness: Array, limit: Array) -> Array:
     return pull
 
 
-def friction_change(path: Array, stiffness: Array, normal: Array, frictions: Array) -> Array:
-    """Change (n, 2) of the force on an indenter by friction (n,) that is another at each frame of a path (n, 2), m.
+def friction_change(path: Array, stiffness: Array, limit: Array, changed: Array) -> Array:
+    """Change (n, 2) of the force on an indenter on a path (n, 2), m, whose limit (n,) of sliding is another at times.
 
-    Beside what each frame has with its own friction along the whole path: what slid further at one frame is missing in
-    the shear that sticks after it.
+    What slid further at one frame is missing in the shear that sticks after it.
     """
-    if (frictions == frictions[0]).all():
+    if (limit == changed).all():
         return np.zeros_like(path)
-    change: Array = _at_own_friction(path, stiffness, normal, frictions)
-    change -= _followed(path, stiffness, frictions * normal)
+    change: Array = _followed(path, stiffness, limit) - _followed(path, stiffness, changed)
     return change
-
-
-def _at_own_friction(path: Array, stiffness: Array, normal: Array, frictions: Array) -> Array:
-    """Pull (n, 2) on the gel at each frame, had the whole path had its friction."""
-    half = 0.5 * (stiffness + np.roll(stiffness, 1))
-    steps = np.diff(path, axis=0, prepend=path[:1]) * half[:, None]
-    pull = np.zeros((len(path), 2))
-    own = np.zeros_like(pull)
-    for frame, load in enumerate(normal.tolist()):
-        if not load > 0.0:
-            pull[:] = 0.0
-            continue
-        pull += steps[frame]
-        size = np.hypot(pull[:, 0], pull[:, 1])
-        pull *= np.minimum(1.0, np.divide(frictions * load, size, out=np.ones_like(size), where=size > 0))[:, None]
-        own[frame] = pull[frame]
-    return own

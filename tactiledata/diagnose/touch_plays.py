@@ -126,9 +126,9 @@ class TouchPlays:
 class PlayedResponse:
     """`BaseResponse` of a touch from its plays.
 
-    Between plays the wrench is interpolated; friction and offset of a frame act as if the whole path had had them. A
-    shift, or friction, that differs from frame to frame stretches or relieves sticking shear, by a spring of the
-    contact's size.
+    Between plays the wrench is interpolated; the offset of a frame acts as if the whole path had had it, and so does
+    the median of its friction. Friction that is another at a frame, or a shift that differs from frame to frame, lets a
+    spring of the contact's size slide further or less far, and shear that sticks afterwards remembers it.
 
     Parameters
     ----------
@@ -144,7 +144,8 @@ class PlayedResponse:
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
         """As `BaseResponse.respond`."""
         frictions = self.material.friction * friction
-        columns = self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
+        usual = np.full(len(frictions), self._usual(frictions))
+        columns = self.plays.at(self.material.poisson_ratio, usual, offset, shift)
         tips = self.touch.tips
         depth = self.plays.height - tips[:, 2] + offset
         touching = (columns[:, 2] > LEAST_FORCE) & (depth > 0)
@@ -158,25 +159,30 @@ class PlayedResponse:
         area = np.where(touching, np.maximum(columns[:, AREA], 0.0), 0.0)
         load = np.where(touching, normal, 0.0)
         limit = frictions * load
-        unit = unit + self._sheared(unit, shift, area, (frictions, load), centre)
+        unit = unit + self._sheared(unit, shift, area, (usual * load, limit), centre)
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         return ContactResponse(unit * self.material.youngs_modulus, area, centre, depth, sliding)
 
-    def _sheared(self, unit: Array, shift: Array, area: Array, rubs: tuple[Array, Array], centre: Array) -> Array:
-        """Change (n, 6) of the wrench by a shift, and by friction, that differ from frame to frame.
+    def _usual(self, frictions: Array) -> float:
+        """The friction that stands for the path: the median over frames that touch."""
+        deep = np.isfinite(frictions) & (self.plays.height > self.touch.tips[:, 2])
+        return float(np.median(frictions[deep])) if deep.any() else self.material.friction
 
-        ``rubs``: friction and load of each frame.
+    def _sheared(self, unit: Array, shift: Array, area: Array, limits: tuple[Array, Array], centre: Array) -> Array:
+        """Change (n, 6) of the wrench by a shift, and by a limit of friction, that differ from frame to frame.
+
+        ``limits``: with the path's usual friction, and with that of each frame.
         """
-        path, (frictions, load) = self.touch.tips[:, :2], rubs
-        limit = frictions * load
+        path, (before, limit) = self.touch.tips[:, :2], limits
         stiffness = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
-        change = shear_change(path, shift, stiffness, limit) + friction_change(path, stiffness, load, frictions)
+        change = shear_change(path, shift, stiffness, limit) + friction_change(path, stiffness, before, limit)
         if not change.any():
             return np.zeros_like(unit)
         shear = unit[:, :2] + change
         size = np.hypot(shear[:, 0], shear[:, 1])
         # what slides already may be a little over the limit, by the interpolation
-        most = np.maximum(limit, np.hypot(unit[:, 0], unit[:, 1]))
+        over = np.divide(np.hypot(unit[:, 0], unit[:, 1]), before, out=np.ones_like(limit), where=before > 0)
+        most = limit * np.maximum(over, 1.0)
         shear *= np.divide(most, size, out=np.ones_like(size), where=size > most)[:, None]
         force = np.column_stack([shear - unit[:, :2], np.zeros(len(unit))])
         at = np.column_stack([centre, self.touch.tips[:, 2]])

@@ -17,6 +17,8 @@ CRITICAL_SLIP = 3e-5
 HALVINGS = 30
 """Of the logarithm of the sliding speed, from ``SLOWEST`` to ``FASTEST`` m/s."""
 SLOWEST, FASTEST = 1e-9, 1.0
+CREEP = 1e-5
+"""m/s: slower, a contact creeps under whatever pull it is under, and no pull is beyond its limit."""
 
 
 def slide(
@@ -31,7 +33,8 @@ def slide(
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Pull (n, 2), N, on the gel; its limit (n,), N; whether all slides (n,).
 
-    The speed of sliding is found so that springs, path and limit agree in each step.
+    The speed of sliding is found so that springs, path and limit agree in each step. The limit that is returned is that
+    of sliding at ``CREEP`` at least: a law that falls with the logarithm of speed has none at rest.
 
     Parameters
     ----------
@@ -61,7 +64,7 @@ def slide(
         x, y = held.sum(axis=0).tolist()
         trial, direction = float(np.hypot(x, y)), float(np.arctan2(y, x))
         pressure = force / max(float(areas[moment]), 1e-9)
-        limit, speed = _limit(
+        limit, speed, most = _limit(
             trial, float(stiffness[moment]) * dt, friction * force, Slide(0.0, pressure, age, direction), factors
         )
         shares = limit * parts / len(parts)
@@ -69,14 +72,17 @@ def slide(
         over = sizes > shares
         held[over] *= (shares[over] / sizes[over])[:, None]
         age = (age + dt) / (1 + dt * speed / CRITICAL_SLIP)
-        pulls[moment], limits[moment], slips[moment] = held.sum(axis=0), limit, over.all()
+        pulls[moment], limits[moment], slips[moment] = held.sum(axis=0), most, over.all()
     return pulls, limits, slips
 
 
 def _limit(
     trial: float, give: float, coulomb: float, state: Slide, factors: Sequence[FrictionFactor]
-) -> tuple[float, float]:
-    """Limit, N, and the speed of sliding, m/s, at which a pull of ``trial`` falls to it; ``give``: N s/m."""
+) -> tuple[float, float, float]:
+    """Limit, N, the speed of sliding, m/s, at which a pull falls to it, and the limit at ``CREEP`` at least.
+
+    ``trial``: N, before it slides; ``give``: N s/m.
+    """
 
     def limit_at(speed: float) -> float:
         slid = state._replace(speed=speed)
@@ -87,7 +93,7 @@ def _limit(
 
     still = limit_at(SLOWEST)
     if trial <= still or give <= 0:
-        return still, 0.0
+        return still, 0.0, max(still, limit_at(CREEP))
     low, high = np.log(SLOWEST), np.log(FASTEST)
     for _ in range(HALVINGS if factors else 0):
         middle = (low + high) / 2
@@ -97,7 +103,7 @@ def _limit(
         else:
             high = middle
     speed = float(np.exp(low)) if factors else (trial - still) / give
-    return limit_at(speed), speed
+    return limit_at(speed), speed, limit_at(max(speed, CREEP))
 
 
 def areas_of(radius: Any) -> Array:

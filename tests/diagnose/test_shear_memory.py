@@ -50,17 +50,17 @@ def test_stiffness_has_both_limits():
 
 
 def test_what_slid_further_is_missing_afterwards():
-    """A dip of friction in one frame relieves the shear that sticks from then on, by what it slid; none before."""
-    load, frictions = np.ones(FRAMES), np.full(FRAMES, 1.0)
-    frictions[10] = 0.5 * STIFFNESS[0] * PATH[10, 0]
-    changed = friction_change(PATH, STIFFNESS, load, frictions)
-    slid = STIFFNESS[0] * PATH[10, 0] - frictions[10]
-    assert not changed[:11].any()  # the frame itself has what its own friction gives
-    assert np.allclose(changed[11:, 0], slid)
+    """A dip of the limit in one frame relieves the shear that sticks from then on, by what it slid; none before."""
+    limit = FAR.copy()
+    limit[10] = 0.5 * STIFFNESS[0] * PATH[10, 0]
+    changed = friction_change(PATH, STIFFNESS, FAR, limit)
+    slid = STIFFNESS[0] * PATH[10, 0] - limit[10]
+    assert not changed[:10].any()
+    assert np.allclose(changed[10:, 0], slid)
 
 
-def test_friction_that_is_one_changes_nothing():
-    """Uniform friction is the play's own, and a slide to the end forgets what was before."""
-    assert not friction_change(PATH, STIFFNESS, np.ones(FRAMES), np.full(FRAMES, 1e-8)).any()
-    frictions = np.linspace(1e-8, 2e-8, FRAMES)
-    assert np.allclose(friction_change(PATH, STIFFNESS, np.ones(FRAMES), frictions), 0.0)
+def test_a_limit_that_is_not_reached_changes_nothing():
+    """And a slide to the end has the limit of its end, whatever was before."""
+    assert not friction_change(PATH, STIFFNESS, FAR, 2.0 * FAR).any()
+    low, high = np.full(FRAMES, 1e-8), np.linspace(1e-8, 2e-8, FRAMES)
+    assert np.allclose(friction_change(PATH, STIFFNESS, low, high)[:, 0], low - high, atol=1e-12)
