@@ -23,13 +23,13 @@ def spread(*gains, count=25):
 
 
 def test_an_effect_of_one_place_is_agreed_on_by_a_few_touches():
-    """Three touches of 25 that gain much each are enough; one that gains as much alone is not."""
-    few, one = judged(spread(40.0, 30.0, 30.0)), judged(spread(100.0))
-    assert few.gain == one.gain == 100.0
+    """Three touches of 25 that gain much each are enough; two that gain as much are not."""
+    few, two = judged(spread(40.0, 30.0, 30.0)), judged(spread(60.0, 40.0))
+    assert few.gain == two.gain == 100.0
     assert few.gain < ESTIMATED.standard_errors * few.gain_error
-    assert few.gain_of_others == 60.0
+    assert few.gain_of_others == 30.0
     assert few.objections(ESTIMATED) == ()
-    assert len(one.objections(ESTIMATED)) == 2
+    assert len(two.objections(ESTIMATED)) == 2
 
 
 def test_a_name_that_explains_the_smaller_part_is_not_given():
