@@ -62,7 +62,7 @@ def transfer(
         hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
         emit({**report.document(), **hashes, "picture": str(picture)})
         return
-    _tell(report, way, location, picture)
+    _tell(report, to, way, location, picture)
 
 
 def _default_out(location: str, target: str, method: str) -> Path:
@@ -72,9 +72,9 @@ def _default_out(location: str, target: str, method: str) -> Path:
     return Path("transferred") / f"{stem}-{safe}-{method.replace('_', '-')}.zarr"
 
 
-def _tell(report: TransferReport, way: TransferMethod, location: str, picture: Path) -> None:
+def _tell(report: TransferReport, to: str, way: TransferMethod, location: str, picture: Path) -> None:
     """The report for people."""
-    say(f"{report.target.name} is {report.target.resolved}")
+    say(f"{to} is {report.target.resolved}")
     if model := getattr(way, "model", ""):
         say(f"model {model[:12]}, of recipe {getattr(way, 'recipe', '')[:12]}")
     was = "" if report.added == report.recordings else f"; {counted(report.added, 'recording')} of them added now"

@@ -30,7 +30,8 @@ class Target:
     Parameters
     ----------
     name : str
-        As it was asked for; the serial under which transferred frames are filed.
+        The serial under which transferred frames are filed: of a store's unit its own, so that holding that unit out
+        holds them out too; else the name that was asked for.
     background : (H, W, 3) uint8 RGB
     resolved : str
         In words, whose picture that is.
@@ -60,9 +61,9 @@ def find_target(name: str, store: Store) -> Target:
         A YCB-Slide unit without any whole frame.
     """
     if name in store.manifest["references"]:
-        return _of_store(name, name, store)
+        return _of_store(name, store)
     if name in YCB_SERIALS and (place := ycb_store(name, store)) is not None:
-        return _of_store(name, YCB_SERIALS[name], place)
+        return _of_store(YCB_SERIALS[name], place)
     bundled = bundled_backgrounds()
     if name not in bundled and name not in ALIASES:
         known = {*store.manifest["references"], *ALIASES, *bundled}
@@ -95,15 +96,15 @@ def _holds_unit(store: Store, serial: str) -> bool:
     return is_ycb_slide and serial in store.trajectories(["sensor"])["sensor"].to_pylist()
 
 
-def _of_store(name: str, serial: str, store: Store) -> Target:
+def _of_store(serial: str, store: Store) -> Target:
     model = store.sensors().get(serial, {}).get("model", "") or "digit"
     where = f"sensor {serial} of {store.location}"
     if serial in store.manifest["references"]:
         reference = store.reference(serial)
-        return Target(name, reference.image, f"{where} ({reference.origin})", reference.licence, model=model)
+        return Target(serial, reference.image, f"{where} ({reference.origin})", reference.licence, model=model)
     image, count = _median_frame(store, serial)
     words = f"{where} (it has no picture without contact: median of {count} of its frames, touches among them)"
-    return Target(name, image, words, model=model)
+    return Target(serial, image, words, model=model)
 
 
 def _median_frame(store: Store, serial: str) -> tuple[NDArray[np.uint8], int]:

@@ -57,6 +57,7 @@ def test_an_imported_corpus_beside_the_store_is_taken(tiny_store, corpus, elsewh
     (elsewhere / "broken.zarr").mkdir()
     store = Store.open(tiny_store)
     target = find_target("ycb-sensorA", store)
+    assert target.name == "ycb-slide-bg0"
     assert "ycb-slide-bg0" in target.resolved
     assert "ycb.zarr" in target.resolved
     assert "median of 12" in target.resolved
