@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -115,10 +115,9 @@ class TrialBench:
         depths = np.linspace(0.0, most, 41)
         poses = np.tile(np.eye(4), (len(depths), 1, 1))
         poses[:, 2, 3] = -depths
-        touch = replace(
-            self.touch, seconds=np.arange(float(len(depths))), poses=poses, indenter=self.indenter(name),
-            material=self.material, gravity=None, joints=None, powered=None, earlier_depth=None,
-            earlier_contacts=None, selection=None, tare=None,
+        touch = Touch(
+            np.arange(float(len(depths))), poses, self.indenter(name), self.material, self.touch.geometry,
+            self.touch.sensor, self.touch.indenter_name, self.touch.mount,
         )  # fmt: skip
         n = len(depths)
         pressed = self.base(self.material)(touch).respond(np.zeros(n), np.zeros((n, 2)), np.ones(n)).wrench[:, 2]

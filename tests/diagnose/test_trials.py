@@ -63,6 +63,18 @@ def test_the_same_bench_gives_the_same_trials():
     assert [make(BENCH) for make in TRIALS] == [make(again) for make in TRIALS]
 
 
+def test_whatever_a_recorded_touch_tells_the_depth_is_found():
+    """Covariates of its frames belong to it alone."""
+    n = len(BENCH.touch)
+    told = {
+        field.name: np.ones((n, *{"gravity": (3,), "joints": (6,), "gel_from_sensor": (4, 4)}.get(field.name, ())))
+        for field in dataclasses.fields(Touch)
+        if field.name in ("gravity", "joints", "powered", "earlier_depth", "pace", "rest", "gel_from_sensor")
+    }
+    bench = dataclasses.replace(BENCH, touch=dataclasses.replace(BENCH.touch, **told))
+    assert bench.depth(bench.ball) == BENCH.depth(BENCH.ball)
+
+
 def test_fresh_places_are_away_from_what_was_touched():
     """Farther than any other place, and from one another; a bare gel has room everywhere."""
     spots = np.array(BENCH.fresh(BENCH.ball, 2))
