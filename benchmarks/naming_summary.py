@@ -16,8 +16,8 @@ DRIFT = "sensor_drift"
 
 
 def outcome(case: Case) -> str:
-    """``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, and said so), ``too weak`` (weaker
-    than what the answer says it needs), ``missed``, ``unnamed`` or ``wrong``. What zeros follow is named, too.
+    """``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, said so and true), ``too weak``
+    (weaker than what the answer says it needs), ``missed``, ``unnamed`` or ``wrong``. What zeros follow is named, too.
     """
     truth = set(case["truth"])
     claimed = case["verdict"] in CLAIMS
@@ -32,9 +32,9 @@ def outcome(case: Case) -> str:
         return "wrong"
     if case["verdict"] not in QUIET:
         return "unnamed"
-    if truth and truth <= set(case["undetectable"]):
-        return "undetectable"
-    return "too weak" if case["signal"] < case["visible"] else "missed"
+    if case["signal"] >= case["visible"]:
+        return "missed"
+    return "undetectable" if truth <= set(case["undetectable"]) else "too weak"
 
 
 def summary(cases: Sequence[Case]) -> str:

@@ -141,7 +141,8 @@ def _ties(
         apart = gains[best.label] - gains[one.label]
         error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
         explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
-        is_as_good = float(apart.sum()) < scale.standard_errors * error
+        # what simulators that differ bring is no proof of one against the other
+        is_as_good = not _exceeds(apart, scale)
         if is_as_good and (cosine > scale.tie or explains_as_much):
             found.append(Tie(one.label, cosine, float(apart.sum()), error))
     return tuple(found)
