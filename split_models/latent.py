@@ -102,6 +102,24 @@ class LatentMeshToImage:
 
 
 @dataclass(frozen=True)
+class SplitOnBackground:
+    """SPLIT's change of the picture on the recorded background: what decoding blurs is not the background's.
+
+    Beyond the paper: background + decode(Z_Deform + Z_Base) - decode(Z_Base).
+    """
+
+    name: str
+    split: LatentMeshToImage
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
+        vae = self.split.image_vae
+        untouched = decode_pictures(vae, encode_pictures(vae, background[None])).astype(np.int16)
+        change = self.split.predict(displacements, background) - untouched
+        return np.clip(background + change, 0, 255).astype(np.uint8)
+
+
+@dataclass(frozen=True)
 class LatentImageToMesh:
     """Meshes of pictures by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
 

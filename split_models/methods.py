@@ -7,7 +7,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from split_models.latent import AtRest, DirectMeshToImage, LatentImageToMesh, LatentMeshToImage, NoContact
+from split_models.latent import (
+    AtRest,
+    DirectMeshToImage,
+    LatentImageToMesh,
+    LatentMeshToImage,
+    NoContact,
+    SplitOnBackground,
+)
 from split_models.workshop import Workshop
 from tactiledata.registry import Registry
 
@@ -52,6 +59,7 @@ MESH_TO_IMAGE = Registry(
         "across": "split_models.baselines:across",
         "nosplit": "split_models.methods:nosplit",
         "split": "split_models.methods:split",
+        "split_on_background": "split_models.methods:split_on_background",
     },
     group="split_models.mesh_to_image",
 )
@@ -75,6 +83,7 @@ TITLES = {
     "end_to_end": "end-to-end autoencoder",
     "nosplit": "NOSPLIT",
     "split": "SPLIT",
+    "split_on_background": "SPLIT, change on the recorded background (beyond the paper)",
     "taxim_published": "Taxim, published calibration",
     "taxim_calibrated": "Taxim, calibrated and registered per unit",
     "fots_published": "FOTS, published calibration",
@@ -115,6 +124,11 @@ def nosplit(workshop: Workshop) -> MeshToImage:
 def split(workshop: Workshop) -> MeshToImage:
     """Projection onto the deformation's latent vector, the background's added."""
     return _mesh_to_image(workshop, is_split=True)
+
+
+def split_on_background(workshop: Workshop) -> MeshToImage:
+    """SPLIT's change of the picture, on the recorded background."""
+    return SplitOnBackground("split_on_background", _mesh_to_image(workshop, is_split=True))
 
 
 def nosplit_mesh(workshop: Workshop) -> ImageToMesh:

@@ -1,5 +1,7 @@
 """Latent arithmetic and the methods that are made of it."""
 
+import copy
+
 import numpy as np
 import pytest
 import torch
@@ -13,6 +15,7 @@ from split_models.latent import (
     LatentImageToMesh,
     LatentMeshToImage,
     NoContact,
+    SplitOnBackground,
     add,
     decode_pictures,
     encode_displacements,
@@ -78,6 +81,21 @@ def test_what_does_not_fit_is_refused(networks):
         LatentMeshToImage("m", mesh, image, back)
     with pytest.raises(CheckpointError, match="from 16 to 8"):
         LatentImageToMesh("m", image, mesh, forth)
+
+
+def test_on_the_background_only_the_change_is_decoded(networks):
+    """Without a deformation it is the background to the last pixel; with one, SPLIT's change is added to it."""
+    mesh, image, forth, _ = networks
+    dents, background = presses(grid_topology(), 2), pictures(1)[0]
+    method = LatentMeshToImage("m", mesh, image, forth)
+    base = decode_pictures(image, encode_pictures(image, background[None])).astype(int)
+    expected = np.clip(background + method.predict(dents, background).astype(int) - base, 0, 255)
+    assert np.array_equal(SplitOnBackground("s", method).predict(dents, background), expected)
+    still = copy.deepcopy(forth)
+    for values in still.parameters():
+        torch.nn.init.zeros_(values)
+    untouched = SplitOnBackground("s", LatentMeshToImage("m", mesh, image, still)).predict(dents, background)
+    assert all(np.array_equal(one, background) for one in untouched)
 
 
 def test_the_plain_ones_do_nothing(networks):
