@@ -20,6 +20,7 @@ from tactiledata.diagnose.profiled_interval import Interval, intervals
 from tactiledata.diagnose.screen import Screened, screen
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
+from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
@@ -179,7 +180,7 @@ class Refits:
         for one in promising:
             self.progress(f"refit {one.effect}")
             tried = [self._fit([(one.effect, start)], [one.strengths]) for start in one.starts]
-            found.append(min(tried, key=lambda fit: fit.cost))
+            found += sorted(filter(None, tried), key=lambda fit: fit.cost)[:1]
         return found
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
@@ -207,7 +208,7 @@ class Refits:
         for _, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
             self.progress(f"refit {start[0][0]} with {start[1][0]}")
             found.append(self._fit(start, [kept[name] for name, _ in start]))
-        return found
+        return list(filter(None, found))
 
     def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[Judged], Decision]:
         """All refits, judged, and the answer."""
@@ -227,9 +228,13 @@ class Refits:
         decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, least, scale)
         return judged, decision
 
-    def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit:
+    def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit | None:
+        """None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate."""
         plain = self.base.model
         errors = self.numerical.shape[2]
         model = joint_model(plain.material, start, len(self.white.starts), errors, list(kept), plain.box)
         model = model.at(np.concatenate([model.vector[: 3 + len(model.coordinates)], plain.errors]), plain.offsets)
-        return joint_fit(self.white, self.numerical, model)
+        try:
+            return joint_fit(self.white, self.numerical, model)
+        except UsageError:
+            return None

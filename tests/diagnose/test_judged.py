@@ -9,7 +9,12 @@ import pytest
 from tactiledata.diagnose.decide import decide
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import Identifiability
+from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.name_effects import NamingOptions, Refits
+from tactiledata.diagnose.screen import Screened
+from tactiledata.errors import UsageError
+from tactiledata.gel.material import GelMaterial
 
 
 def judged(gains, signature=1.0, share=0.9, name="lag"):
@@ -50,3 +55,16 @@ def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
     assert known.undetectable == ("wear",)
     assert known.shows_from == pytest.approx(known.ends / [2.0, 0.5])
     assert ESTIMATED.visible**2 / 2 == pytest.approx(ESTIMATED.claim)
+
+
+def test_what_cannot_be_played_is_no_candidate(monkeypatch):
+    """Springs so soft that the gel finds no balance end the refit of one effect, not the diagnosis."""
+
+    def unbalanced(*_):
+        raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
+
+    monkeypatch.setattr("tactiledata.diagnose.name_effects.joint_fit", unbalanced)
+    plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
+    fits = Refits(SimpleNamespace(starts=[0]), np.zeros((1, 6, 0)), plain, NamingOptions(), lambda text: None)
+    asked = Screened("arm_compliance", 9.0, 5.0, [{"translation": 1e-4}], frozenset({"translation"}))
+    assert fits.singles([asked]) == []
