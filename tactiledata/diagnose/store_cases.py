@@ -35,6 +35,7 @@ Tell = Callable[..., None]
 FREE_AIR = 1e-4
 """m: a tip higher than this above the gel touches nothing, whatever its offset."""
 
+
 @dataclass(frozen=True)
 class StoreCases:
     """What a store gives to a diagnosis.
