@@ -17,7 +17,7 @@ from tactiledata.errors import UnknownName
 from tactiledata.gel.flex_model import is_convex
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.pad import PadMesh
-from tactiledata.ingest.tare import component_noise, touch_threshold, touching
+from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
@@ -29,8 +29,6 @@ LEAST_FORCE = 1.0
 """N: a touch that the sensor felt less says nothing of the gel (the SPLIT paper's lower limit, too)."""
 MOST_FRAMES = 24
 """Of one trajectory that are played; of more, so many are taken at even distances."""
-SETTLED = 0.9
-"""Share of the samples before the touch that is free air for sure."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +196,7 @@ class _WrenchReader:
         threshold = touch_threshold(component_noise(values))
         contact = np.flatnonzero(touching(np.linalg.norm(values[:, :3], axis=1), threshold))
         first = int(contact[0]) if len(contact) else len(values)
-        return values[: int(SETTLED * first)]
+        return values[: int(SURELY_FREE * first)]
 
     def samples_a_frame(self, touches: Sequence[MeasuredTouch]) -> int:
         """Samples at the native rate from one frame to the next."""

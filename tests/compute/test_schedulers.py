@@ -37,7 +37,7 @@ def test_local_outcomes_keep_order_and_errors(workers):
 def test_dask_outcomes_equal_local_ones():
     """A real Dask cluster gives what local processes give."""
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster:
         check(list(SCHEDULERS["dask"](cluster.scheduler_address).outcomes(halve, range(10))))
 
 

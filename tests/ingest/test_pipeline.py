@@ -101,7 +101,7 @@ def test_workers_change_nothing(tiny_mcaps, tiny_store, tmp_path):
     ingest(tiny_mcaps, tmp_path / "two.zarr", workers=2)
     assert manifest(tmp_path / "two.zarr") == manifest(tiny_store)
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         ingest(tiny_mcaps, tmp_path / "dask.zarr", scheduler=cluster.scheduler_address)
     assert manifest(tmp_path / "dask.zarr") == manifest(tiny_store)
 

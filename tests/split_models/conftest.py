@@ -1,12 +1,17 @@
 """PyTorch is needed, on one thread; what is computed once lies in a folder of the tests' own."""
 
 import os
+from importlib import import_module
 from importlib.util import find_spec
 
 import pytest
 
 if find_spec("torch") is None and not os.environ.get("TACTILE_REQUIRE_ALL"):
     collect_ignore_glob = ["test_*.py"]
+elif find_spec("triton") is not None:
+    # CUDA builds of PyTorch load Triton with the first optimiser; its LLVM, loaded after that of numba had compiled for
+    # some hundred tests of the gel, once ended the process. Loaded at collection it comes first.
+    import_module("torch._dynamo")
 
 
 @pytest.fixture(scope="session", autouse=True)
