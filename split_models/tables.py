@@ -15,6 +15,7 @@ from split_models.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, for_sensor
 from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop, predicted_forces
 from tactiledata.errors import UsageError
+from tactiledata.metrics.base import Metric
 from tactiledata.metrics.force_error import FORCE_ERROR
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 from tactiledata.metrics.mesh_distance import MESH_DISTANCE
@@ -36,6 +37,25 @@ def scores_of(workshop: Workshop, default: Sequence[str]) -> list[str]:
     return list(workshop.recipe.rows["scores"] or default)
 
 
+def _scored(
+    workshop: Workshop,
+    part: str,
+    frames: TouchFrames,
+    methods: dict[str, Any],
+    values_of: Callable[..., Any],
+    metric: Metric,
+) -> Rows:
+    """A part's row of each method: the scores of a metric that the recipe asks for, over trajectories."""
+    names = scores_of(workshop, list(metric.scores))
+    rows: Rows = []
+    for done, (name, method) in enumerate(methods.items()):
+        workshop.tell(done, len(methods), f"{part}: {name}")
+        values = values_of(method, frames, names)
+        summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], metric.scores)
+        rows.append({"part": part, "method": name, "scores": summary})
+    return rows
+
+
 # -- pictures --------------------------------------------------------------------------------------------------------
 
 
@@ -46,15 +66,10 @@ def prepare_images(workshop: Workshop) -> dict[str, Any]:
 
 def image_rows(workshop: Workshop) -> Rows:
     """A row for each part and method: l1, MSE, SSIM, PSNR, full frame and inside the contact region."""
-    names = scores_of(workshop, list(IMAGE_SIMILARITY.scores))
     methods = prepare_images(workshop)
     rows: Rows = []
     for part, frames in parts(workshop):
-        for done, (name, method) in enumerate(methods.items()):
-            workshop.tell(done, len(methods), f"{part}: {name}")
-            values = image_values(method, frames, names)
-            summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], IMAGE_SIMILARITY.scores)
-            rows.append({"part": part, "method": name, "scores": summary})
+        rows += _scored(workshop, part, frames, methods, image_values, IMAGE_SIMILARITY)
         write_grid(workshop.tables / f"pictures-{part}.png", side_by_side(methods, frames))
     return rows
 
@@ -79,15 +94,10 @@ def prepare_meshes(workshop: Workshop) -> dict[str, Any]:
 
 def mesh_rows(workshop: Workshop) -> Rows:
     """A row for each part and method: RMSE, l1, Euclidean distance, mm."""
-    names = scores_of(workshop, list(MESH_DISTANCE.scores))
     methods = prepare_meshes(workshop)
     rows: Rows = []
     for part, frames in parts(workshop):
-        for done, (name, method) in enumerate(methods.items()):
-            workshop.tell(done, len(methods), f"{part}: {name}")
-            values = mesh_values(method, frames, names)
-            summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], MESH_DISTANCE.scores)
-            rows.append({"part": part, "method": name, "scores": summary})
+        rows += _scored(workshop, part, frames, methods, mesh_values, MESH_DISTANCE)
     return rows
 
 

@@ -77,11 +77,12 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
         found = search(vector, bounds, start)
         found = bounds.scaled(polish(vector, bounds, bounds.shares(found)).shares)
         intervals = profile_intervals(vector, bounds, found)
-        erring = simulation_error(vector, bounds, found, intervals.ends, options.mechanics)
     else:
         found = search(norm, bounds, start)
         intervals = bootstrap_intervals(norm, bounds, found, options.seed)
-        erring = simulation_error(norm, bounds, found, intervals.ends, options.mechanics)
+    erring = simulation_error(
+        vector if options.loss == "vector" else norm, bounds, found, intervals.ends, options.mechanics
+    )
     everything = np.arange(len(experiment.touches))
     whole = vector_loss(experiment, noise, everything, options.offset_prior, options.shape_share)
     unseen: dict[LossName, Loss] = {}
