@@ -7,6 +7,7 @@ PIXEL_TRANSFERS = Registry(
     {
         "no_contact": "split_models.pixel_transfer.no_contact:NO_CONTACT",
         "background_swap": "split_models.pixel_transfer.background_swap:BACKGROUND_SWAP",
+        "background_ratio": "split_models.pixel_transfer.background_ratio:BACKGROUND_RATIO",
         "histogram_matching": "split_models.pixel_transfer.histogram_matching:HISTOGRAM_MATCHING",
         "reinhard": "split_models.pixel_transfer.reinhard:REINHARD",
         "fourier": "split_models.pixel_transfer.fourier:FOURIER",

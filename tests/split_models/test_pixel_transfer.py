@@ -14,7 +14,7 @@ from tactiledata.sensors.backgrounds import load_background
 
 CONTACT = Path(__file__).parents[1] / "data" / "digit_contact" / "digit_raw.png"
 ALL = sorted(PIXEL_TRANSFERS)
-FROM_BACKGROUNDS = ["background_swap", "histogram_matching", "reinhard"]
+FROM_BACKGROUNDS = ["background_swap", "background_ratio", "histogram_matching", "reinhard"]
 """Methods that look at the picture only through the two backgrounds."""
 
 
@@ -42,10 +42,29 @@ def test_same_background_changes_nothing(name, touched, source):
     assert np.abs(moved.astype(int) - touched).max() <= 1
 
 
-@pytest.mark.parametrize("name", ["no_contact", "background_swap"])
+@pytest.mark.parametrize("name", ["no_contact", "background_swap", "background_ratio"])
 def test_background_maps_to_background(name, source, target):
     """The source without contact becomes the target without contact, exactly."""
     np.testing.assert_array_equal(PIXEL_TRANSFERS[name].transfer(source[None], source, target)[0], target)
+
+
+def test_a_ratio_of_light_is_moved_exactly(source, target):
+    """What a touch does to the light by a factor it does on the target, where neither picture is dark or clips.
+
+    A swap, the negative control, is wrong by more than a level there.
+    """
+    factor = np.linspace(0.7, 1.1, source.shape[0])[:, None, None]
+    both = np.minimum(source, target)
+    inside = (both >= 8) & (np.maximum(source, target) * 1.1 < 255)
+    touched, truth = (np.clip(np.rint(one * factor), 0, 255).astype(np.uint8) for one in (source, target))
+    off = {
+        name: np.abs(PIXEL_TRANSFERS[name].transfer(touched[None], source, target)[0].astype(int) - truth)[inside]
+        for name in ("background_ratio", "background_swap")
+    }
+    coarse = 1 + 0.5 * (target / np.maximum(source, 1.0))[inside]  # a rounded level of the source is so many here
+    assert inside.mean() > 0.5
+    assert (off["background_ratio"] <= coarse).all()
+    assert off["background_swap"].mean() > 2
 
 
 def test_histogram_of_the_background_maps_to_the_targets(source, target):
