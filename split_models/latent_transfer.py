@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -16,6 +17,11 @@ from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import CheckpointError
 
 Pictures = NDArray[np.uint8]
+Laid = Literal["", "change", "ratio"]
+LAID: dict[str, Laid] = {"latent": "", "latent_on_background": "change", "latent_ratio_on_background": "ratio"}
+"""What each method lays on the target's own background; empty: nothing, the picture is the decoder's."""
+DARKEST = 8.0
+"""Grey levels of the decoded background below which a ratio counts as if it were so bright."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +33,9 @@ class LatentTransfer:
     name : str
     vae : ImageVae
         Pictures are scaled to its size, and back to the target background's.
-    keeps_background : bool
-        Only the change that the touch makes is taken from the decoder, and laid on the target's own background: what
-        the VAE smooths away of that stays.
+    laid : "", "change" or "ratio"
+        Of what is decoded only the change against the decoded background is taken, as a difference or as a ratio of
+        light, and laid on the target's own background: what the VAE smooths away of that stays.
     model, recipe : str
         SHA-256 of the checkpoint's file, and of the recipe that it was trained by.
     scales : bool
@@ -38,7 +44,7 @@ class LatentTransfer:
 
     name: str
     vae: ImageVae
-    keeps_background: bool = False
+    laid: Laid = ""
     model: str = ""
     recipe: str = ""
     scales: bool = True
@@ -54,11 +60,18 @@ class LatentTransfer:
         )
         touched = encode_pictures(self.vae, scaled(images, self.vae.size))
         drawn = scaled(decode_pictures(self.vae, add(subtract(touched, source), target)), size)
-        if not self.keeps_background:
+        if not self.laid:
             return drawn
-        untouched = scaled(decode_pictures(self.vae, target), size)
-        change = drawn.astype(np.int16) - untouched
-        return np.clip(target_background + change, 0, 255).astype(np.uint8)
+        return laid_on(target_background, drawn, scaled(decode_pictures(self.vae, target), size), self.laid)
+
+
+def laid_on(background: Pictures, drawn: Pictures, untouched: Pictures, laid: Laid) -> Pictures:
+    """What tells drawn pictures (n, H, W, 3) from an untouched one (1, H, W, 3), laid on a background (H, W, 3)."""
+    if laid == "change":
+        whole = background + (drawn.astype(np.float32) - untouched)
+    else:
+        whole = background * (np.maximum(drawn, DARKEST) / np.maximum(untouched, DARKEST).astype(np.float32))
+    return np.clip(np.rint(whole), 0, 255).astype(np.uint8)
 
 
 def scaled(pictures: Pictures, size: tuple[int, int]) -> Pictures:
@@ -69,8 +82,8 @@ def scaled(pictures: Pictures, size: tuple[int, int]) -> Pictures:
     return np.stack([np.asarray(cv2.resize(one, size[::-1], interpolation=way), np.uint8) for one in pictures])
 
 
-def load_latent_transfer(path: Path, name: str, keeps_background: bool) -> LatentTransfer:
-    """The transfer by a checkpoint of an image VAE.
+def load_image_vae(path: Path) -> tuple[ImageVae, str, str]:
+    """The image VAE in a checkpoint, and SHA-256 of the file and of the recipe that it was trained by.
 
     Raises
     ------
@@ -86,4 +99,4 @@ def load_latent_transfer(path: Path, name: str, keeps_background: bool) -> Laten
             "Name the image VAE's checkpoint of the run.",
             path=str(path),
         )
-    return LatentTransfer(name, network, keeps_background, file_digest(path), checkpoint.stamps.recipe)
+    return network, file_digest(path), checkpoint.stamps.recipe

@@ -42,9 +42,9 @@ def vectors_by_model(path: Path) -> Callable[[Pictures, Pictures | None], Vector
         No such file; not an image VAE's.
     """
     from split_models.latent import encode_pictures, subtract
-    from split_models.latent_transfer import load_latent_transfer, scaled
+    from split_models.latent_transfer import load_image_vae, scaled
 
-    vae = load_latent_transfer(path, "latent", keeps_background=False).vae
+    vae, _, _ = load_image_vae(path)
 
     def encode(pictures: Pictures, background: Pictures | None) -> Vectors:
         image = encode_pictures(vae, scaled(pictures, vae.size))

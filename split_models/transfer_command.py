@@ -31,7 +31,8 @@ def transfer(
     method: str = typer.Option(
         "latent",
         "--method",
-        help="latent, latent-on-background, background-swap, histogram-matching, reinhard, fourier or no-contact.",
+        help="latent, latent-on-background, latent-ratio-on-background, adain, background-swap, background-ratio, "
+        "histogram-matching, reinhard, fourier or no-contact.",
     ),
     model: Path = MODEL,
     sources: str = typer.Option(None, "--from", help="Sensors whose frames to take, with commas [default: all]."),

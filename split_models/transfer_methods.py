@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,17 @@ from numpy.typing import NDArray
 from split_models.pixel_transfer import PIXEL_TRANSFERS
 from tactiledata.errors import MissingFile, UnknownName, UsageError
 
+if TYPE_CHECKING:
+    from split_models.image_vae import ImageVae
+
 Pictures = NDArray[np.uint8]
-LATENT = {"latent": False, "latent_on_background": True}
-"""Methods that need a model, and whether each keeps the target's own background."""
+LATENT = {
+    "latent": "latent arithmetic (the paper's)",
+    "latent_on_background": "latent arithmetic, its change on the target background",
+    "latent_ratio_on_background": "latent arithmetic, its ratio on the target background",
+    "adain": "AdaIN in the VAE's feature space",
+}
+"""Methods that need a model, with titles for people."""
 BUNDLED_MODEL = Path(__file__).parent / "models" / "image_vae.ckpt"
 """The model that is taken where none is named."""
 
@@ -35,7 +43,7 @@ def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
     Parameters
     ----------
     name : str
-        ``latent``, ``latent_on_background``, or one of the table of pixel transfers.
+        One of `LATENT`, or one of the table of pixel transfers.
     model : Path, optional
         Checkpoint of an image VAE; the bundled one by default.
 
@@ -62,6 +70,29 @@ def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
             "Train one (`tactiledata train RECIPE`) and name it with --model, or transfer by pixels: "
             "--method background-swap.",
         )
-    from split_models.latent_transfer import load_latent_transfer
+    from split_models.latent_transfer import load_image_vae
 
-    return load_latent_transfer(model or BUNDLED_MODEL, key, LATENT[key])
+    return vae_transfer(key, *load_image_vae(model or BUNDLED_MODEL))
+
+
+def vae_transfer(name: str, vae: ImageVae, model: str = "", recipe: str = "") -> TransferMethod:
+    """A method of `LATENT` by an image VAE that is at hand.
+
+    Parameters
+    ----------
+    name : str
+    vae : ImageVae
+    model, recipe : str
+        SHA-256 of the checkpoint's file and of the recipe that it was trained by, where they are known.
+    """
+    from split_models.adain_transfer import AdainTransfer
+    from split_models.latent_transfer import LAID, LatentTransfer
+
+    if name == "adain":
+        return AdainTransfer(name, vae, model, recipe)
+    return LatentTransfer(name, vae, LAID[name], model, recipe)
+
+
+def title_of(name: str) -> str:
+    """A method's name for people."""
+    return LATENT.get(name) or str(PIXEL_TRANSFERS[name].title)

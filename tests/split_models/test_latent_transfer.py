@@ -7,7 +7,8 @@ from small_models import image_vae, mesh_vae, pictures
 
 from split_models.checkpoint import Checkpoint, Stamps, save_checkpoint
 from split_models.latent import decode_pictures, encode_pictures
-from split_models.latent_transfer import LatentTransfer, load_latent_transfer, scaled
+from split_models.latent_transfer import LatentTransfer, laid_on, load_image_vae, scaled
+from split_models.transfer_methods import LATENT, vae_transfer
 from tactiledata.errors import CheckpointError
 
 
@@ -45,21 +46,42 @@ def test_background_maps_to_the_decoded_background(vae, sensors):
     close(LatentTransfer("latent", vae).transfer(source[None], source, target), decoded(vae, target[None]))
 
 
-def test_kept_background_maps_to_background_exactly(vae, sensors):
+@pytest.mark.parametrize("laid", ["change", "ratio"])
+def test_kept_background_maps_to_background_exactly(vae, sensors, laid):
     """Laid on the target's own background, no contact is that background, to the last bit, at any size."""
     _, source, target = sensors
     large = scaled(target[None], (80, 60))[0]
-    method = LatentTransfer("latent_on_background", vae, keeps_background=True)
+    method = LatentTransfer("laid", vae, laid)
     np.testing.assert_array_equal(method.transfer(source[None], source, target)[0], target)
     np.testing.assert_array_equal(method.transfer(source[None], source, large)[0], large)
 
 
-def test_sizes_of_source_and_target_may_differ(vae, sensors):
+def test_a_ratio_and_a_change_are_laid_as_their_names_say():
+    """Half the light is half the light on any background; so many levels less are as many less."""
+    untouched = np.full((1, 4, 4, 3), 80, np.uint8)
+    drawn, background = np.stack([untouched[0] // 2, untouched[0]]), np.full((4, 4, 3), 120, np.uint8)
+    assert laid_on(background, drawn, untouched, "ratio")[:, 0, 0, 0].tolist() == [60, 120]
+    assert laid_on(background, drawn, untouched, "change")[:, 0, 0, 0].tolist() == [80, 120]
+    dark = np.zeros_like(untouched)
+    assert np.array_equal(laid_on(background, dark, dark, "ratio")[0], background)
+
+
+@pytest.mark.parametrize("name", LATENT)
+def test_sizes_of_source_and_target_may_differ(vae, sensors, name):
     """Pictures come out in the target's size, one for each touch."""
     touches, source, target = sensors
     wide = scaled(target[None], (30, 40))[0]
-    assert LatentTransfer("latent", vae).transfer(touches, source, wide).shape == (5, 30, 40, 3)
-    assert LatentTransfer("latent", vae).transfer(touches[:0], source, wide).shape == (0, 30, 40, 3)
+    assert vae_transfer(name, vae).transfer(touches, source, wide).shape == (5, 30, 40, 3)
+    assert vae_transfer(name, vae).transfer(touches[:0], source, wide).shape == (0, 30, 40, 3)
+
+
+def test_adain_gives_the_target_to_itself_and_knows_no_source_background(vae, sensors):
+    """The target without contact has its own statistics already; another source background changes nothing."""
+    touches, source, target = sensors
+    adain = vae_transfer("adain", vae)
+    close(adain.transfer(target[None], source, target), decoded(vae, target[None]))
+    np.testing.assert_array_equal(adain.transfer(touches, source, target), adain.transfer(touches, target, target))
+    assert (adain.transfer(touches, source, source) != decoded(vae, touches)).any()  # no identity: as published
 
 
 def test_scaling_to_the_own_size_changes_nothing(sensors):
@@ -73,4 +95,4 @@ def test_a_mesh_model_is_refused(tmp_path):
     """A checkpoint of another kind, with the topology it was trained on, is named as what it is."""
     save_checkpoint(tmp_path / "mesh.ckpt", Checkpoint.of(mesh_vae(), Stamps()))
     with pytest.raises(CheckpointError, match=r"holds a mesh_vae for one mesh topology.*image_vae"):
-        load_latent_transfer(tmp_path / "mesh.ckpt", "latent", False)
+        load_image_vae(tmp_path / "mesh.ckpt")
