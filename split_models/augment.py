@@ -50,6 +50,17 @@ class Augmentation:
         given = (pictures + self.noise * torch.randn_like(pictures)).clamp(-1, 1) if self.noise else pictures
         return given, pictures
 
+    def moved_together(self, *sets: Tensor) -> tuple[Tensor, ...]:
+        """Sets of pictures (n, 3, h, w), all mirrored and turned alike, by what one draw says."""
+        chance = torch.rand(3, device=sets[0].device).tolist()
+        for axis, one in ((3, chance[0]), (2, chance[1])):
+            if one < self.flip:
+                sets = tuple(some.flip(axis) for some in sets)
+        if self.rotation:
+            angle = (2 * chance[2] - 1) * self.rotation
+            sets = tuple(turned(some, torch.full((len(some),), angle, device=some.device)) for some in sets)
+        return sets
+
 
 def turned(pictures: Tensor, angles: Tensor) -> Tensor:
     """Pictures (n, 3, h, w) turned about their middle by angles (n,), rad; the rim is mirrored outwards."""

@@ -44,9 +44,19 @@ def find_device(name: str) -> torch.device:
     return torch.device("cuda", number)
 
 
-def uses_bfloat16(device: torch.device) -> bool:
-    """Whether bfloat16 helps: on a GPU that knows it."""
-    return device.type == "cuda" and torch.cuda.is_bf16_supported()
+def uses_bfloat16(device: torch.device, convolves: bool) -> bool:
+    """Whether learning in bfloat16 helps: on a GPU that knows it; on a CPU that multiplies in it, convolutions do.
+
+    Parameters
+    ----------
+    device : torch.device
+    convolves : bool
+        Whether most of the work is convolutions of pictures.
+    """
+    if device.type == "cuda":
+        return torch.cuda.is_bf16_supported()
+    knows = torch.cpu.get_capabilities()
+    return convolves and bool(knows.get("avx512_bf16") or knows.get("amx_bf16"))
 
 
 @dataclass(frozen=True)

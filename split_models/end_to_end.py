@@ -33,6 +33,7 @@ class EndToEnd(Network):
     """
 
     kind = "end_to_end"
+    convolves = True
     mean: Tensor
     spread: Tensor
 

@@ -81,6 +81,7 @@ class RawForces(Forces):
     ) -> None:
         super().__init__()
         self.settings = {"encoder": vae.kind, "of": vae.settings}
+        self.convolves = vae.convolves
         self._topology, self._extras = vae.topology, vae.extras()
         self.output = nn.Linear(vae.from_latent.out_features, 3)
         self.vae = _without_bottleneck(vae)

@@ -108,6 +108,7 @@ class ImageVae(Network):
     """
 
     kind = "image_vae"
+    convolves = True
 
     def __init__(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
@@ -32,7 +33,10 @@ class Items(Protocol):
 
 
 class PictureItems:
-    """``image`` (n, h, w, 3), uint8: pictures of several sets of frames, and backgrounds of sensors among them.
+    """Pictures of several sets of frames, and backgrounds of sensors among them.
+
+    A batch has ``image`` (n, h, w, 3), uint8, and ``sensor`` (n,), int64: the place of each picture's sensor in
+    ``sensor_names`` of the first set, -1 for pictures of other sets.
 
     Parameters
     ----------
@@ -44,9 +48,15 @@ class PictureItems:
     def __init__(self, sets: Sequence[TouchFrames], background_copies: int = 0) -> None:
         self.sets = list(sets)
         self._ends = np.cumsum([len(frames) for frames in self.sets])
-        names = self.sets[0].sensor_names if background_copies else []
+        known = self.sets[0].sensor_names
+        names = known if background_copies else []
         self._names = [name for name in names for _ in range(background_copies)]
         self._backgrounds = {name: self.sets[0].background(name) for name in names}
+        of_frames = [
+            [known.index(sensor) if number == 0 else -1 for sensor in frames.sensors]
+            for number, frames in enumerate(self.sets)
+        ]
+        self._sensors = torch.tensor([*chain.from_iterable(of_frames), *(known.index(name) for name in self._names)])
 
     @property
     def fingerprint(self) -> str:
@@ -57,7 +67,7 @@ class PictureItems:
         return int(self._ends[-1]) + len(self._names)
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """``image``."""
+        """``image`` and ``sensor``."""
         places = np.asarray(numbers, np.int64)
         which = np.searchsorted(self._ends, places, side="right")
         parts, order = [], []
@@ -70,7 +80,7 @@ class PictureItems:
                 parts.append(np.stack([self._backgrounds[self._names[place]] for place in inside]))
             order.append(mine)
         pictures = np.concatenate(parts)[np.argsort(np.concatenate(order))]
-        return {"image": torch.from_numpy(pictures)}
+        return {"image": torch.from_numpy(pictures), "sensor": self._sensors[torch.from_numpy(places)]}
 
     def where(self, number: int) -> str:
         """Store and frame."""

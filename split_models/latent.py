@@ -11,7 +11,6 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from split_models.device import uses_bfloat16
 from split_models.end_to_end import EndToEnd
 from split_models.image_vae import ImageVae, as_input, as_pictures
 from split_models.latent_normal import draw
@@ -233,8 +232,6 @@ def _in_chunks(network: Network, values: Any, work: Callable[[Tensor], Tensor]) 
     def done() -> Iterator[Tensor]:
         for start in range(0, len(values), CHUNK):
             some = torch.as_tensor(values[start : start + CHUNK]).to(network.device)
-            with torch.autocast(network.device.type, torch.bfloat16, enabled=uses_bfloat16(network.device)):
-                found = work(some)
-            yield (found.float() if found.is_floating_point() else found).cpu()
+            yield work(some).cpu()
 
     return torch.cat(list(done()))

@@ -99,6 +99,29 @@ TITLES = {
     "projected_split": "projected mesh (SPLIT)",
 }
 """For people."""
+VARIANTS = {"relit": "trained on its arithmetic under other sensors' light (beyond the paper)"}
+"""Variants of the bundled recipes, for people."""
+
+
+def mesh_to_image(workshop: Workshop, row: str) -> MeshToImage:
+    """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
+    variant, _, name = row.rpartition(":")
+    found: MeshToImage = MESH_TO_IMAGE[name](workshop.variant(variant) if variant else workshop)
+    return found
+
+
+def image_to_mesh(workshop: Workshop, row: str) -> ImageToMesh:
+    """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
+    variant, _, name = row.rpartition(":")
+    found: ImageToMesh = IMAGE_TO_MESH[name](workshop.variant(variant) if variant else workshop)
+    return found
+
+
+def title_of(row: str) -> str:
+    """A row's name for people."""
+    variant, _, name = row.rpartition(":")
+    title = TITLES.get(name, name)
+    return f"{title}, {VARIANTS.get(variant, variant)}" if variant else title
 
 
 def no_contact(workshop: Workshop) -> MeshToImage:

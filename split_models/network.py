@@ -18,9 +18,12 @@ class Network(nn.Module):
         Its name in `split_models.checkpoint.KINDS`.
     settings : dict
         JSON values: the arguments of its class.
+    convolves : bool
+        Whether most of its work is convolutions of pictures.
     """
 
     kind = ""
+    convolves = False
     settings: dict[str, Any]
 
     @property

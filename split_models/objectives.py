@@ -42,7 +42,7 @@ class ImageVaeObjective(Objective):
         pictures = as_input(batch["image"])
         given, wanted = self.augmentation.changed(pictures) if self.training else (pictures, pictures)
         weight = annealed(self.weight, epoch, self.anneal) if self.training else self.weight
-        return _vae_losses(self.vae(given), wanted, weight)
+        return vae_losses(self.vae(given), wanted, weight)
 
 
 class MeshVaeObjective(Objective):
@@ -57,10 +57,11 @@ class MeshVaeObjective(Objective):
     def forward(self, batch: Batch, epoch: float) -> Losses:
         """``loss``, ``error`` and ``divergence``."""
         moved = batch["mesh"]
-        return _vae_losses(self.vae(moved), self.vae.scaled(moved), self.weight)
+        return vae_losses(self.vae(moved), self.vae.scaled(moved), self.weight)
 
 
-def _vae_losses(output: tuple[Tensor, Tensor, Tensor], wanted: Tensor, weight: float) -> Losses:
+def vae_losses(output: tuple[Tensor, Tensor, Tensor], wanted: Tensor, weight: float) -> Losses:
+    """The losses of a beta-VAE whose output is a reconstruction, mean and log variance."""
     found, mean, log_variance = (one.float() for one in output)
     error = nn.functional.mse_loss(found, wanted)
     spread = divergence(mean, log_variance)

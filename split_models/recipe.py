@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,7 @@ DEFAULTS: dict[str, Any] = {
             "anneal": 50,
             "background_copies": 0,
             "augmentation": {"rotation": 0.1, "flip": 0.5, "noise": 0.02, "contrast": 0.1, "brightness": 0.1},
+            "relighting": {"relit": 0.0, "exchanged": 0.0, "backgrounds": []},
             "training": {
                 "epochs": 300, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 1e-5,
                 "patience": 20, "save_seconds": 120.0,
@@ -110,6 +111,7 @@ DEFAULTS: dict[str, Any] = {
             },
         },
     },
+    "variants": {},
     "rows": {
         "methods": None,
         "parts": ["test", "test_unseen"],
@@ -177,6 +179,19 @@ class Recipe:
     def digest(self) -> str:
         """Of everything in it."""
         return digest_of({"scale": self.scale, **self.document})
+
+    def variant(self, name: str) -> Recipe:
+        """The same recipe with its models as a variant shapes them.
+
+        Raises
+        ------
+        UnknownName
+            It has no such variant.
+        """
+        variants = self.document["variants"]
+        if name not in variants:
+            raise UnknownName(f"variant of the recipe {self.name}", name, sorted(variants))
+        return replace(self, document={**self.document, "models": laid_over(self.models, variants[name])})
 
     def training(self, model: str, seed: int | None = None, settle: int = 0) -> TrainOptions:
         """How a network learns."""

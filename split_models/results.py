@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from split_models.evaluate import MASKED
-from split_models.methods import TITLES
+from split_models.methods import title_of
 from split_models.recipe import Recipe
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.contract.provenance import provenance
@@ -68,7 +68,7 @@ def table_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def row_title(row: Mapping[str, Any]) -> str:
     """A row's name for people."""
-    title = TITLES.get(row["method"], row["method"])
+    title = title_of(row["method"])
     return f"{title}, cycle {row['cycle']}" if "cycle" in row else title
 
 
@@ -106,7 +106,7 @@ def _published_lines(published: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"| | {' | '.join(names)} |",
         f"|---|{'---|' * len(names)}",
         *(
-            f"| {TITLES.get(method, method)} | {' | '.join(str(row.get(name, '–')) for name in names)} |"
+            f"| {title_of(method)} | {' | '.join(str(row.get(name, '–')) for name in names)} |"
             for method, row in published.items()
         ),
     ]

@@ -42,13 +42,16 @@ class SparseMap(nn.Module):
 
 
 class _Multiply(torch.autograd.Function):
-    @staticmethod
-    @torch.amp.custom_fwd(device_type="cuda", cast_inputs=torch.float32)
-    def forward(context: Any, values: Tensor, matrix: Tensor, transposed: Tensor) -> Tensor:
-        context.transposed = transposed
-        return matrix @ values
+    """In the matrix's precision, whatever is used around it: sparse products know no bfloat16 on every device."""
 
     @staticmethod
-    @torch.amp.custom_bwd(device_type="cuda")
+    def forward(context: Any, values: Tensor, matrix: Tensor, transposed: Tensor) -> Tensor:
+        context.transposed, context.precision = transposed, values.dtype
+        with torch.autocast(values.device.type, enabled=False):
+            return matrix @ values.to(matrix.dtype)
+
+    @staticmethod
     def backward(context: Any, gradient: Tensor) -> tuple[Tensor, None, None]:
-        return context.transposed @ gradient.contiguous(), None, None
+        with torch.autocast(gradient.device.type, enabled=False):
+            product = context.transposed @ gradient.to(context.transposed.dtype).contiguous()
+        return product.to(context.precision), None, None

@@ -11,7 +11,7 @@ from split_models.cyclic import cyclic_rows, prepare_cyclic
 from split_models.data import TouchFrames
 from split_models.evaluate import image_values, mesh_values, summarised
 from split_models.inference_time import prepare_time, time_rows
-from split_models.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, for_sensor
+from split_models.methods import for_sensor, image_to_mesh, mesh_to_image
 from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop, predicted_forces
 from tactiledata.errors import UsageError
@@ -61,7 +61,7 @@ def _scored(
 
 def prepare_images(workshop: Workshop) -> dict[str, Any]:
     """The methods of the table of pictures, trained."""
-    return {name: MESH_TO_IMAGE[name](workshop) for name in asked(workshop, IMAGE_METHODS)}
+    return {name: mesh_to_image(workshop, name) for name in asked(workshop, IMAGE_METHODS)}
 
 
 def image_rows(workshop: Workshop) -> Rows:
@@ -89,7 +89,7 @@ def side_by_side(methods: dict[str, Any], frames: TouchFrames, count: int = 6) -
 
 def prepare_meshes(workshop: Workshop) -> dict[str, Any]:
     """The methods of the table of meshes, trained."""
-    return {name: IMAGE_TO_MESH[name](workshop) for name in asked(workshop, MESH_METHODS)}
+    return {name: image_to_mesh(workshop, name) for name in asked(workshop, MESH_METHODS)}
 
 
 def mesh_rows(workshop: Workshop) -> Rows:

@@ -200,7 +200,8 @@ class _Loop:
         self._count(self.progress.sums, losses, len(numbers))
 
     def _losses(self, learner: torch.nn.Module, batch: Batch, epoch: float) -> Losses:
-        with torch.autocast(self.device.type, torch.bfloat16, enabled=uses_bfloat16(self.device)):
+        is_used = uses_bfloat16(self.device, self.objective.network.convolves)
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=is_used):
             losses: Losses = learner(batch, epoch)
         return losses
 

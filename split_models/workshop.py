@@ -12,13 +12,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from split_models.augment import Augmentation
 from split_models.checkpoint import Stamps
 from split_models.data import TouchFrames, vertex_scale
 from split_models.device import Ranks
 from split_models.end_to_end import EndToEnd
 from split_models.force_head import ForceHead, Forces, RawForces
 from split_models.image_vae import ImageVae, as_input
+from split_models.image_vae_recipe import image_vae_objective
 from split_models.items import FrameItems, Items, PictureItems, TensorItems
 from split_models.kept_models import Build, KeptModels
 from split_models.latent import encode_displacements, encode_pictures, subtract
@@ -26,7 +26,7 @@ from split_models.latent_normal import drawn_alike
 from split_models.mesh_graph import Hierarchy, Topology, build_hierarchy
 from split_models.mesh_vae import MeshVae
 from split_models.network import Network
-from split_models.objectives import ImageVaeObjective, MeshVaeObjective, Objective, Regression, scaled_forces
+from split_models.objectives import MeshVaeObjective, Objective, Regression, scaled_forces
 from split_models.prepare import mesh_name, prepare_store, store_place
 from split_models.projection import Projection
 from split_models.recipe import Recipe
@@ -72,6 +72,22 @@ class Workshop:
         self.kept = KeptModels(out / MODELS, device, self.ranks, self.tell, may_train)
         self._frames: dict[str, TouchFrames] = {}
         self._latents: dict[str, Tensor] = {}
+        self._variants: dict[str, Workshop] = {}
+
+    def variant(self, name: str) -> Workshop:
+        """The same with models shaped as a variant of the recipe says; what it leaves as it is is shared.
+
+        Raises
+        ------
+        UnknownName
+            The recipe has no such variant.
+        """
+        if name not in self._variants:
+            recipe = self.recipe.variant(name)
+            other = Workshop(recipe, self.out, self.device, self.ranks, self.tell, self.workers, self.kept.may_train)
+            other._frames = self._frames
+            self._variants[name] = other
+        return self._variants[name]
 
     @property
     def tables(self) -> Path:
@@ -129,14 +145,10 @@ class Workshop:
     def image_vae(self) -> ImageVae:
         """The image beta-VAE."""
         section = self.recipe.models["image_vae"]
-        sizes = {name: section[name] for name in ("blocks", "down", "channels", "latent")}
 
         def build() -> tuple[Objective, Items, Items]:
-            vae = ImageVae(self.recipe.data["image_size"], **sizes)
             sets = [self.frames("train"), *self._extra_frames]
-            objective = ImageVaeObjective(
-                vae, section["divergence_weight"], section["anneal"], Augmentation(**section["augmentation"])
-            )
+            objective = image_vae_objective(section, sets[0])
             return objective, PictureItems(sets, section["background_copies"]), PictureItems([self.frames("val")])
 
         fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self._extra_frames]])

@@ -1,0 +1,80 @@
+"""The image beta-VAE and its loss, as a recipe words them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.augment import Augmentation
+from split_models.data import TouchFrames
+from split_models.image_vae import ImageVae
+from split_models.objectives import ImageVaeObjective, Objective
+from split_models.relighting import ArithmeticVaeObjective
+from tactiledata.errors import UsageError
+from tactiledata.store.targets import find_target
+
+SAME = 3.0
+"""Grey levels on average; two pictures without contact that differ by less are of one unit."""
+
+
+def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames) -> Objective:
+    """The objective of a recipe's section ``image_vae``.
+
+    Parameters
+    ----------
+    section : dict
+    frames : TouchFrames
+        Of the train part.
+
+    Raises
+    ------
+    UnknownName
+        A background that goes by no such name.
+    UsageError
+        A background is that of a sensor of the store that is held out of the train part.
+    """
+    assert frames.size is not None  # recipes state it
+    vae = ImageVae(frames.size, **{name: section[name] for name in ("blocks", "down", "channels", "latent")})
+    augmentation = Augmentation(**section["augmentation"])
+    relighting = section["relighting"]
+    if not (relighting["relit"] or relighting["exchanged"]):
+        return ImageVaeObjective(vae, section["divergence_weight"], section["anneal"], augmentation)
+    own = [frames.background(name) for name in frames.sensor_names]
+    others = [_background(name, frames) for name in relighting["backgrounds"]]
+    return ArithmeticVaeObjective(
+        vae,
+        section["divergence_weight"],
+        section["anneal"],
+        augmentation,
+        np.stack([*own, *others]),
+        relighting["relit"],
+        relighting["exchanged"],
+    )
+
+
+def _background(name: str, frames: TouchFrames) -> NDArray[np.uint8]:
+    """The picture (h, w, 3) of a sensor that is not tested on."""
+    store = frames.arrays.store
+    assert frames.size is not None
+    picture = _sized(find_target(name, store).background, frames.size)
+    for sensor, reference in store.references().items():
+        is_held_out = sensor not in frames.sensor_names
+        if is_held_out and _difference(picture, _sized(reference.image, frames.size)) < SAME:
+            raise UsageError(
+                f"the background {name!r} is that of sensor {sensor}, which is held out of {frames.part}",
+                "backgrounds of sensors that are not tested on",
+                "Leave it out of `relighting.backgrounds`.",
+            )
+    return picture
+
+
+def _sized(picture: NDArray[np.uint8], size: Sequence[int]) -> NDArray[np.uint8]:
+    return np.asarray(cv2.resize(picture, (size[1], size[0]), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def _difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
+    return float(np.abs(one.astype(np.float64) - other).mean())
