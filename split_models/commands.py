@@ -1,4 +1,4 @@
-"""`train`, `evaluate`, `run`, `transfer` and `score`: the verbs that this package adds to the command `tactiledata`."""
+"""`train`, `evaluate`, `run`, `transfer`, `score`, `export-models`: the verbs that this package adds to `tactiledata`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from split_models import score_command, transfer_command
+from split_models import export_command, score_command, transfer_command
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.errors import UsageError
@@ -29,6 +29,7 @@ def register(app: typer.Typer) -> None:
     app.command("run")(run)
     transfer_command.register(app)
     score_command.register(app)
+    export_command.register(app)
 
 
 def train(
@@ -43,7 +44,7 @@ def train(
 
     Example: tactiledata train table_digit_images --scale small
     """
-    with _workshop(recipe, scale, device, out, workers, as_json) as workshop:
+    with opened_workshop(recipe, scale, device, out, workers, as_json) as workshop:
         trained = _prepare(workshop)
         if workshop.ranks.is_first:
             _told(trained, as_json)
@@ -60,7 +61,7 @@ def evaluate(
 
     Example: tactiledata evaluate table_digit_images --scale small
     """
-    with _workshop(recipe, scale, device, out, 1, as_json, may_train=False) as workshop:
+    with opened_workshop(recipe, scale, device, out, 1, as_json, may_train=False) as workshop:
         if workshop.ranks.is_first:
             _table(workshop, as_json)
 
@@ -77,7 +78,7 @@ def run(
 
     Example: tactiledata run table_digit_images --scale small --workers 2
     """
-    with _workshop(recipe, scale, device, out, workers, as_json) as workshop:
+    with opened_workshop(recipe, scale, device, out, workers, as_json) as workshop:
         trained = _prepare(workshop)
         if not workshop.ranks.is_first:
             return
@@ -88,7 +89,7 @@ def run(
 
 
 @contextmanager
-def _workshop(
+def opened_workshop(
     recipe: str, scale: str, device: str, out: Path, workers: int, as_json: bool, may_train: bool = True
 ) -> Iterator[Any]:
     """The recipe's workshop; wrong usage is said before anything is made."""
