@@ -60,6 +60,7 @@ MESH_TO_IMAGE = Registry(
         "nosplit": "split_models.methods:nosplit",
         "split": "split_models.methods:split",
         "split_on_background": "split_models.methods:split_on_background",
+        "split_onnx": "split_models.onnx_export:split_onnx",
     },
     group="split_models.mesh_to_image",
 )
@@ -72,6 +73,7 @@ IMAGE_TO_MESH = Registry(
         "zhu": "split_models.zhu_row:zhu",
         "nosplit": "split_models.methods:nosplit_mesh",
         "split": "split_models.methods:split_mesh",
+        "split_onnx": "split_models.onnx_export:split_onnx_mesh",
     },
     group="split_models.image_to_mesh",
 )
@@ -84,6 +86,7 @@ TITLES = {
     "nosplit": "NOSPLIT",
     "split": "SPLIT",
     "split_on_background": "SPLIT, change on the recorded background (beyond the paper)",
+    "split_onnx": "SPLIT by onnxruntime",
     "taxim_published": "Taxim, published calibration",
     "taxim_calibrated": "Taxim, calibrated and registered per unit",
     "fots_published": "FOTS, published calibration",
