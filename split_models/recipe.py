@@ -191,7 +191,8 @@ class Recipe:
         variants = self.document["variants"]
         if name not in variants:
             raise UnknownName(f"variant of the recipe {self.name}", name, sorted(variants))
-        return replace(self, document={**self.document, "models": laid_over(self.models, variants[name])})
+        models = laid_over(self.models, variants[name])
+        return replace(self, document={**self.document, "models": models, "variants": {}})
 
     def training(self, model: str, seed: int | None = None, settle: int = 0) -> TrainOptions:
         """How a network learns."""

@@ -278,10 +278,12 @@ class Workshop:
         )
 
     def train_backbone(self) -> None:
-        """Both VAEs and the projections with arithmetic: what every table shares."""
+        """Both VAEs and the projections with arithmetic, of every variant: what every table shares."""
         self._vaes()
         self.projection("mesh_to_image", True)
         self.projection("image_to_mesh", True)
+        for name in self.recipe.document["variants"]:
+            self.variant(name).train_backbone()
 
     # -- latent vectors ----------------------------------------------------------------------------------------------
 
