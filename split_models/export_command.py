@@ -8,6 +8,8 @@ import typer
 
 from tactiledata.cli.output import JSON_OPTION, emit, say
 
+OUT = typer.Option(Path("runs"), "--out", help="Folder that the models were trained into.")
+
 
 def register(app: typer.Typer) -> None:
     """Add the verb; nothing heavy is imported until it is used."""
@@ -18,7 +20,7 @@ def export_models(
     recipe: str = typer.Argument(..., help="A recipe file, or the name of a bundled one."),
     to: str = typer.Option("onnx", "--to", help="onnx."),
     scale: str = typer.Option("small", "--scale", help="small or paper, as the models were trained."),
-    out: Path = typer.Option(Path("runs"), "--out", help="Folder that the models were trained into."),
+    out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Trained VAEs and projections of a recipe as ONNX files, each held against PyTorch as it is written.

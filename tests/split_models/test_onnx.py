@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 import torch
-from small_models import image_vae, mesh_vae, pictures, presses
 from small_models import grid_topology as grid
+from small_models import image_vae, mesh_vae, pictures, presses
 
 from split_models.gather_map import GatherMap, with_gathers
 from split_models.latent import LatentImageToMesh, LatentMeshToImage
