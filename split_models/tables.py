@@ -9,6 +9,7 @@ import numpy as np
 
 from split_models.cyclic import cyclic_rows, prepare_cyclic
 from split_models.data import TouchFrames
+from split_models.domain_alignment import alignment_rows, prepare_alignment
 from split_models.evaluate import image_values, mesh_values, summarised
 from split_models.inference_time import prepare_time, time_rows
 from split_models.methods import for_sensor, image_to_mesh, mesh_to_image
@@ -183,6 +184,7 @@ PREPARE: dict[str, Callable[[Workshop], Any]] = {
     "force": prepare_forces,
     "inference_time": prepare_time,
     "cyclic": prepare_cyclic,
+    "domain_alignment": prepare_alignment,
 }
 """What trains all that a table needs."""
 
@@ -192,5 +194,6 @@ ROWS: dict[str, Callable[[Workshop], Rows]] = {
     "force": force_rows,
     "inference_time": time_rows,
     "cyclic": cyclic_rows,
+    "domain_alignment": alignment_rows,
 }
 """What gives a table's rows."""

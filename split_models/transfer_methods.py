@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Pictures = NDArray[np.uint8]
 LATENT = {
-    "latent": "latent arithmetic (the paper's)",
+    "latent": "latent arithmetic",
     "latent_on_background": "latent arithmetic, its change on the target background",
     "latent_ratio_on_background": "latent arithmetic, its ratio on the target background",
     "adain": "AdaIN in the VAE's feature space",

@@ -7,6 +7,7 @@ where there are none, a network of random weights serves, under another name: it
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -150,35 +151,48 @@ def style_score(weights: Path | None = None) -> str:
 
 
 def _distances(network: nn.Sequential, pictures: Any, others: Any, mask: Any, others_mask: Any) -> Values:
-    reference = _grams(network, others, others_mask, "others")
-    is_there = ~np.isnan(reference[0][:, 0, 0])
-    if not is_there.any():
+    means = _mean_grams(network, others, others_mask)
+    found = [np.zeros(0)]
+    for grams in _grams(network, pictures, mask, "pictures"):
+        total: Values = np.zeros(len(grams[0]))
+        for ours, mean in zip(grams, means, strict=True):
+            # equation 4 with Gram matrices already over the number of places: 1 / (4 N²) of the squares' sum
+            total += np.square(ours - mean).sum(axis=(1, 2)) / (4 * mean.shape[0] ** 2) / len(STYLE_LAYERS)
+        found.append(total)
+    return np.concatenate(found)
+
+
+def _mean_grams(network: nn.Sequential, others: Any, mask: Any) -> list[Values]:
+    """The mean Gram matrix (c, c) of each style layer, over the pictures whose masks are not empty."""
+    sums: list[Values] = []
+    count = 0
+    for grams in _grams(network, others, mask, "others"):
+        is_there = ~np.isnan(grams[0][:, 0, 0])
+        some = [gram[is_there].sum(axis=0) for gram in grams]
+        sums = [one + other for one, other in zip(sums, some, strict=True)] if sums else some
+        count += int(is_there.sum())
+    if not count:
         raise UsageError("no picture of the other set has a pixel in its mask", "at least one", "")
-    total: Values = np.zeros(len(pictures))
-    for ours, theirs in zip(_grams(network, pictures, mask, "pictures"), reference, strict=True):
-        mean = theirs[is_there].mean(axis=0)
-        # equation 4 with Gram matrices already over the number of places: 1 / (4 N²) of the squares' sum
-        total += np.square(ours - mean).sum(axis=(1, 2)) / (4 * mean.shape[0] ** 2) / len(STYLE_LAYERS)
-    return total
+    return [one / count for one in sums]
 
 
-def _grams(network: nn.Sequential, pictures: Any, mask: Any, what: str) -> list[Values]:
-    """Gram matrices (n, c, c) of each style layer, over the number of places; NaN where a mask is empty."""
+def _grams(network: nn.Sequential, pictures: Any, mask: Any, what: str) -> Iterator[list[Values]]:
+    """Gram matrices (n, c, c) of each style layer, over the number of places; NaN where a mask is empty.
+
+    A few pictures at a time: the matrices of one take 5 MB.
+    """
     import torch
 
     batch = images(pictures, what)
     if min(batch.shape[1:3]) < 32:
         raise UsageError(f"{what} of {batch.shape[1]} x {batch.shape[2]}", "at least 32 px a side", "")
     inside = image_masks(mask, batch)
-    weight = np.ones(batch.shape[:3], bool) if inside is None else inside
-    found: list[list[Values]] = [[] for _ in STYLE_LAYERS]
     for start in range(0, len(batch), CHUNK):
-        some = slice(start, start + CHUNK)
+        some = batch[start : start + CHUNK]
+        weight = np.ones(some.shape[:3], bool) if inside is None else inside[start : start + CHUNK]
         with torch.no_grad():
-            layers = _layer_grams(network, torch.from_numpy(batch[some]), torch.from_numpy(weight[some]))
-        for kept, gram in zip(found, layers, strict=True):
-            kept.append(gram.double().numpy())
-    return [np.concatenate(kept) for kept in found]
+            layers = _layer_grams(network, torch.from_numpy(some), torch.from_numpy(weight))
+        yield [gram.double().numpy() for gram in layers]
 
 
 def _layer_grams(network: nn.Sequential, pictures: Tensor, weight: Tensor) -> list[Tensor]:

@@ -22,7 +22,13 @@ def embed_sets(
 
     Pictures of one set are in memory at once.
     """
-    vectors = {one.name: load_touches(store, one, encode).vectors for one in sets}
+    return embed_vectors({one.name: load_touches(store, one, encode).vectors for one in sets}, seed)
+
+
+def embed_vectors(
+    vectors: Mapping[str, Mapping[str, NDArray[np.floating]]], seed: int = 0
+) -> dict[str, dict[str, NDArray[np.float32]]]:
+    """By kind of vector and by set: places (n, 2) of vectors (n, d) given by set and by kind."""
     kinds = list(dict.fromkeys(kind for found in vectors.values() for kind in found))
     drawn = {}
     for kind in kinds:
