@@ -1,120 +1,120 @@
-"""How long a frame takes: simulating the mesh, and making the picture of it, each method at the resolution it needs."""
+"""The table of how long a frame takes from touch to picture: each step, its memory, and how like the picture is."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import torch
+from numpy.typing import NDArray
 
-from split_models.methods import MESH_TO_IMAGE, for_sensor
-from split_models.prepare import replay_options
+from split_models.contact_region import contact_region
+from split_models.data import TouchFrames
+from split_models.methods import mesh_to_image
+from split_models.picture_grid import write_grid
+from split_models.recorded_touches import recorded_touches
+from split_models.simulated_frames import simulate
+from split_models.step_race import Contender, Simulated, contenders, race
 from split_models.workshop import Workshop
 from tactiledata.errors import UsageError
-from tactiledata.gel.embedded import EmbeddedEngine
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.material import GelMaterial
-from tactiledata.replay.options import ReplayOptions
-from tactiledata.replay.plan import plan_replay
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import find_scenario
-from tactiledata.store.reader import Store
+from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
-WARM_UP = 3
-"""Calls before the clock starts: first ones allocate and choose kernels."""
+Pictures = NDArray[np.uint8]
+SHOWN = 5
+"""Frames of the picture of both resolutions."""
 
 
 def prepare_time(workshop: Workshop) -> dict[str, Any]:
     """The methods, trained."""
-    return {name: MESH_TO_IMAGE[name](workshop) for name in workshop.recipe.rows["methods"] or ["split"]}
+    return {name: mesh_to_image(workshop, name) for name in workshop.recipe.rows["methods"] or ["split"]}
 
 
 def time_rows(workshop: Workshop) -> list[dict[str, Any]]:
-    """Median seconds a frame: a row for each resolution that is simulated and for each method's pictures."""
-    rows = [
-        _row(f"simulation, {resolution} resolution", simulation_seconds(workshop, resolution))
-        for resolution in ("low", "high")
-    ]
-    frames = workshop.frames(workshop.recipe.rows["parts"][0])
-    numbers = np.linspace(0, len(frames) - 1, min(workshop.recipe.rows["frames"], len(frames))).astype(np.int64)
-    for name, method in prepare_time(workshop).items():
-        sensors = [frames.sensors[number] for number in numbers]
-        calls = [
-            _call(for_sensor(method, sensor), frames.displacements([int(number)]), frames.background(sensor))
-            for sensor, number in zip(sensors, numbers, strict=True)
-        ]
-        rows.append(_row(f"mesh to image, {name}", seconds_of(calls, workshop.device)))
-    return rows
+    """A row for each method and resolution; the picture of both resolutions is written beside.
+
+    Raises
+    ------
+    UsageError
+        No frame of the part could be simulated.
+    """
+    part = workshop.recipe.rows["parts"][0]
+    runners = contenders(prepare_time(workshop))
+    recorded = recorded_touches(workshop, part, workshop.recipe.rows["frames"])
+    simulated = simulate(recorded.pad, recorded.touches, workshop.tell)
+    known = [(place, frame) for place, frame in enumerate(simulated["low"].frames) if frame in recorded.numbers]
+    if not known:
+        raise UsageError(f"no frame of {part} that could be simulated", "touches of the store's own gel", "")
+    drawn = [(place, recorded.sensors[touch]) for place, (touch, _) in known]
+    backgrounds = {sensor: recorded.frames.background(sensor) for sensor in set(recorded.sensors)}
+    race(runners, simulated, drawn, backgrounds, workshop.tell)
+    numbers = np.array([recorded.numbers[frame] for _, frame in known])
+    figure, titles = resolution_figure(runners, recorded.frames.pictures(numbers))
+    write_grid(workshop.tables / f"resolutions-{part}.png", figure, titles)
+    rows = cost_rows(runners, simulated)
+    for one, row in zip(runners, rows, strict=True):
+        row["l1_contact"] = _likeness(one, recorded.frames, numbers)
+    return [{"part": part, "method": one.title, "scores": row} for one, row in zip(runners, rows, strict=True)]
 
 
-def _call(method: Any, displacements: Any, background: Any) -> Callable[[], Any]:
-    return lambda: method.predict(displacements, background)
+def cost_rows(runners: Sequence[Contender], simulated: Simulated) -> list[dict[str, Any]]:
+    """Of each contender the median seconds a frame of every step, with the simulation at its resolution; memory.
 
-
-def seconds_of(calls: list[Callable[[], Any]], device: torch.device) -> list[float]:
-    """Seconds of each call, on a quiet device, after some that do not count."""
-    for call in calls[:WARM_UP]:
-        call()
-    found = []
-    for call in calls:
-        if device.type == "cuda":
-            torch.cuda.synchronize(device)
-        started = time.perf_counter()
-        call()
-        if device.type == "cuda":
-            torch.cuda.synchronize(device)
-        found.append(time.perf_counter() - started)
-    return found
-
-
-def simulation_seconds(workshop: Workshop, resolution: str) -> list[float]:
-    """Seconds a frame of touches of the store through the gel, trajectory by trajectory, factorisation left out."""
-    store = Store.open(workshop.store)
-    options = _options(workshop)
-    plan = plan_replay(store, options.pads, None)
-    playable = [touch for touch in plan.touches if touch.obstacle is None]
-    if not playable:
-        raise UsageError(f"no trajectory of {store.location} can be replayed", "poses and described indenters", "")
-    pad = plan.pads[playable[0].pad]
-    nu, fidelity = options.material.poisson_ratio, options.fidelity
-    engine = (
-        EmbeddedEngine(pad.sensor, pad.geometry, nu, fidelity)
-        if resolution == "high"
-        else FemEngine(pad.mesh, nu, fidelity)
-    )
-    limit, counted = workshop.recipe.rows["frames"], 0
-    found: list[float] = []
-    for touch in playable:
-        pressed = touch.gel_touch(store, 0.0)
-        started = time.perf_counter()
-        for _ in engine.play([pressed], options.material):
-            pass
-        found.append((time.perf_counter() - started) / len(pressed.poses))
-        counted += len(pressed.poses)
-        if counted >= limit:
-            break
-    return found
-
-
-def _options(workshop: Workshop) -> ReplayOptions:
-    data = workshop.recipe.data
-    if data["world"]:
-        return replay_options({**data["replay"], "resolution": "low"}, load_scenario(find_scenario(data["world"])))
-    frames = workshop.frames("train")
-    known = frames.arrays.store.mesh(frames.mesh_name).settings
-    return ReplayOptions(GelMaterial(**known["material"]), resolution="low", fidelity=known["fidelity"])
-
-
-def _row(what: str, seconds: list[float]) -> dict[str, Any]:
-    low, high = (float(value) for value in np.quantile(seconds, [0.1, 0.9]))
-    score = {
-        "value": float(np.median(seconds)),
-        "low": low,
-        "high": high,
-        "frames": len(seconds),
-        "unit": "s",
-        "better": "lower",
+    Networks also have how many times faster they are than the fastest method that draws height maps, at either
+    resolution.
+    """
+    frames = len(runners[0].pictures)
+    overall = [np.median(simulated[one.resolution].seconds) + one.drawing_seconds() for one in runners]
+    fastest = {
+        resolution: min(
+            (time for one, time in zip(runners, overall, strict=True) if _is_optical_at(one, resolution)), default=None
+        )
+        for resolution in simulated
     }
-    return {"part": "all", "method": what, "scores": {"seconds": score}}
+    rows = []
+    for one, total in zip(runners, overall, strict=True):
+        simulation = simulated[one.resolution]
+        steps = {"simulation": simulation.seconds, **one.seconds}
+        row = {name: _scored(float(np.median(values)), frames, "s") for name, values in steps.items()}
+        row["overall"] = _scored(float(total), frames, "s")
+        for resolution, time in fastest.items():
+            if time is not None and not one.is_optical:
+                name = f"times faster than the fastest baseline, {resolution} resolution"
+                row[name] = _scored(float(time / total), frames, "", "higher")
+        row["memory to simulate"] = _scored(simulation.memory, frames, "MB")
+        row["memory to draw"] = _scored(one.memory, frames, "MB")
+        rows.append(row)
+    return _in_one_order(rows)
+
+
+def resolution_figure(runners: Sequence[Contender], recorded: Pictures) -> tuple[list[list[Pictures]], list[str]]:
+    """For some frames a row: the recorded picture, then each contender's; and the titles of the columns."""
+    places = np.unique(np.linspace(0, len(recorded) - 1, SHOWN).astype(np.int64))
+    rows = [[recorded[place], *(one.pictures[place] for one in runners)] for place in places]
+    return rows, ["recorded", *(one.title for one in runners)]
+
+
+def _is_optical_at(one: Contender, resolution: str) -> bool:
+    return one.is_optical and one.resolution == resolution
+
+
+def _in_one_order(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Steps before totals, whichever method they are of."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    totals = [name for name in names if name == "overall" or name.startswith(("times", "memory"))]
+    order = [*(name for name in names if name not in totals), *totals]
+    return [{name: row[name] for name in order if name in row} for row in rows]
+
+
+def _likeness(one: Contender, frames: TouchFrames, numbers: NDArray[np.int64]) -> dict[str, Any]:
+    """Mean absolute difference to the recorded pictures, inside the contact."""
+    score, true = IMAGE_SIMILARITY.scores["l1"], frames.pictures(numbers)
+    values = np.full(len(numbers), np.nan)
+    for sensor in set(frames.sensors[numbers]):
+        mine = np.flatnonzero(frames.sensors[numbers] == sensor)
+        region = contact_region(true[mine], frames.background(sensor))
+        values[mine] = score(np.stack([one.pictures[place] for place in mine]), true[mine], region)
+    return _scored(float(np.nanmean(values)), len(numbers), score.unit, score.better)
+
+
+def _scored(value: float, frames: int, unit: str, better: str = "lower") -> dict[str, Any]:
+    return {"value": value, "unit": unit, "better": better, "frames": frames}

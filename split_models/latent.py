@@ -16,12 +16,15 @@ from split_models.image_vae import ImageVae, as_input, as_pictures
 from split_models.latent_normal import draw
 from split_models.mesh_vae import MeshVae
 from split_models.network import Network
+from split_models.network_inputs import require_displacements, require_pictures
 from split_models.projection import Projection
-from tactiledata.errors import CheckpointError, UsageError
+from tactiledata.errors import CheckpointError
 
 Pictures = NDArray[np.uint8]
 Displacements = NDArray[np.float32]
 Latents = Literal["mean", "sample"]
+Steps = list[tuple[str, Callable[[Any], Any]]]
+"""Named functions, each of what the one before gave."""
 CHUNK = 64
 """Frames that go through a network together."""
 
@@ -34,7 +37,7 @@ def encode_pictures(vae: ImageVae, pictures: Pictures, latents: Latents = "mean"
     UsageError
         Pictures of another size than the VAE's.
     """
-    _require_pictures(vae.size, pictures)
+    require_pictures(vae.size, pictures)
     return _in_chunks(vae, pictures, lambda some: _chosen(vae.distribution(as_input(some)), latents))
 
 
@@ -98,6 +101,15 @@ class LatentMeshToImage:
         if self.is_split:
             projected = add(projected, encode_pictures(self.image_vae, background[None]))
         return decode_pictures(self.image_vae, projected)
+
+    def steps(self, background: Pictures) -> Steps:
+        """What `predict` does, step by step; the background is encoded once for all frames."""
+        base = encode_pictures(self.image_vae, background[None]) if self.is_split else torch.zeros(1)
+        return [
+            ("mesh encoder", lambda moved: encode_displacements(self.mesh_vae, moved, self.latents)),
+            ("projection", lambda latent: add(_in_chunks(self.projection, latent, self.projection), base)),
+            ("decoder", lambda latent: decode_pictures(self.image_vae, latent)),
+        ]
 
 
 @dataclass(frozen=True)
@@ -184,29 +196,6 @@ class AtRest:
     def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
         """No displacement, (n, v, 3)."""
         return np.zeros((len(pictures), self.vertices, 3), np.float32)
-
-
-def require_displacements(vertices: int, displacements: Any) -> None:
-    """Nothing, where displacements are (n, vertices, 3) and finite; else `UsageError`."""
-    shape = np.shape(displacements)
-    if len(shape) != 3 or shape[1:] != (vertices, 3):
-        raise UsageError(
-            f"displacements of shape {shape}",
-            f"(n, {vertices}, 3): the mesh topology that the network was trained on",
-            "Replay the store with the resolution, --keep and pad of the training store.",
-        )
-    if not np.isfinite(displacements).all():
-        raise UsageError("displacements with NaN", "frames with a mesh", "Leave frames without a mesh out.")
-
-
-def _require_pictures(size: tuple[int, int], pictures: Any) -> None:
-    shape = np.shape(pictures)
-    if len(shape) != 4 or shape[1:] != (*size, 3) or pictures.dtype != np.uint8:
-        raise UsageError(
-            f"pictures of shape {shape}, {pictures.dtype}",
-            f"(n, {size[0]}, {size[1]}, 3), uint8: the size that the network was trained on",
-            "Scale the pictures, the background as well.",
-        )
 
 
 def _require_fit(projection: Projection, inputs: int, outputs: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -47,6 +47,10 @@ class OnnxModels:
         self.size: tuple[int, int] = tuple(self.document["image_size"])
         self.vertices = int(self.document["vertices"])
         self._sessions: dict[str, Any] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # sessions cannot go to another process; there they are opened anew
+        return OnnxModels, (self.folder, self.document, self.threads)
 
     def run(self, name: str, values: NDArray[Any]) -> NDArray[np.float32]:
         """What a network gives for values (n, ...)."""
@@ -108,6 +112,15 @@ class OnnxMeshToImage:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
         deformation = self.models.run("mesh_to_image", self.models.mesh_latents(displacements))
         return self.models.decoded_pictures(deformation + self.models.picture_latents(background[None]))
+
+    def steps(self, background: NDArray[np.uint8]) -> list[tuple[str, Callable[[Any], Any]]]:
+        """What `predict` does, step by step; the background is encoded once for all frames."""
+        base = self.models.picture_latents(background[None])
+        return [
+            ("mesh encoder", self.models.mesh_latents),
+            ("projection", lambda latent: self.models.run("mesh_to_image", latent) + base),
+            ("decoder", self.models.decoded_pictures),
+        ]
 
 
 @dataclass(frozen=True)

@@ -48,16 +48,27 @@ class OpticalMethod:
 
     def predict(self, displacements: Any, background: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Pictures (n, rows, columns, 3) uint8 of displacements (n, k, 3), m, on a background (rows, columns, 3)."""
-        view = self.view.scaled((background.shape[0], background.shape[1]))
-        drawn, base = Indentation(self.surface, view), background.astype(np.float32)
+        steps = self.steps(background)
         pictures = np.empty((len(displacements), *background.shape), np.uint8)
         for row, displacement in enumerate(displacements):
-            depth = smooth_indentation(drawn, displacement)
-            picture = base + self.colours(slopes(depth, view))
-            if self.shadows is not None:
-                picture -= base * self.shadows.darkening(depth, view)
-            pictures[row] = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+            found: Any = displacement[None]
+            for _, step in steps:
+                found = step(found)
+            pictures[row] = found[0]
         return pictures
+
+    def steps(self, background: NDArray[np.uint8]) -> list[tuple[str, Callable[[Any], Any]]]:
+        """What `predict` does with one displacement (1, k, 3), step by step; the gel at rest is drawn once."""
+        view = self.view.scaled((background.shape[0], background.shape[1]))
+        drawn, base = Indentation(self.surface, view), background.astype(np.float32)
+
+        def picture(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
+            shown = base + self.colours(slopes(depth, view))
+            if self.shadows is not None:
+                shown -= base * self.shadows.darkening(depth, view)
+            return np.clip(np.rint(shown), 0, 255).astype(np.uint8)[None]
+
+        return [("height map", lambda moved: smooth_indentation(drawn, moved[0])), ("optics", picture)]
 
 
 def calibrated(

@@ -105,7 +105,7 @@ def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsy
     assert {folder: (folder / LAST).stat().st_mtime_ns for folder in (out / "models").iterdir()} == before
     assert all((folder / "curve.csv").exists() for folder in before)
     grid = cv2.imread(str(out / "digit_images" / "small" / "pictures-test.png"))
-    assert grid.shape == (6 * 40, 5 * 30, 3)
+    assert grid.shape[1] == 150 + 4 + 5 * 150 + 4 * 4  # words beside, five pictures five times as large, gaps
 
 
 @pytest.mark.parametrize("table", ["mesh", "force", "cyclic"])
@@ -129,19 +129,6 @@ def test_the_other_tables(table, touch_store, out, monkeypatch, capsys):
     if table == "cyclic":
         assert max(row["cycle"] for row in document["rows"]) == 3
         assert (out / "cyclic" / "small" / "strip-test-split.png").stat().st_size > 0
-
-
-@pytest.mark.slow
-def test_the_table_of_times(touch_store, out, monkeypatch, capsys):
-    """Simulation at both resolutions and each method, seconds a frame."""
-    path = recipe_file(out, touch_store, "inference_time", methods=["no_contact", "split"], frames=3)
-    code, printed, err = command(monkeypatch, capsys, "run", path, "--out", out, "--json")
-    assert code == 0, err
-    rows = {row["method"]: row["scores"]["seconds"]["value"] for row in json.loads(printed)["rows"]}
-    assert list(rows) == [
-        "simulation, low resolution", "simulation, high resolution", "mesh to image, no_contact", "mesh to image, split"
-    ]  # fmt: skip
-    assert rows["mesh to image, no_contact"] < rows["mesh to image, split"]
 
 
 @pytest.mark.slow

@@ -1,0 +1,36 @@
+"""The largest memory of a process that does one thing."""
+
+from __future__ import annotations
+
+import multiprocessing
+import pickle
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+STATUS = Path("/proc/self/status")
+
+
+def peak_memory(work: Callable[..., Any], *arguments: Any) -> float:
+    """Peak resident memory, MB, of a new process that calls ``work`` once; it can be sent to another process.
+
+    Python, its libraries and what ``work`` is made of are in it.
+    """
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        # plain pickles: PyTorch would share the memory of tensors that queues send, and so change what is measured
+        return pool.submit(_measured, pickle.dumps((work, arguments))).result()
+
+
+def _measured(pickled: bytes) -> float:
+    work, arguments = pickle.loads(pickled)
+    work(*arguments)
+    if STATUS.exists():
+        # getrusage would give the peak of the process that started this one where that was larger
+        line = next(one for one in STATUS.read_text().splitlines() if one.startswith("VmHWM"))
+        return int(line.split()[1]) * 1024 / 1e6
+    import resource
+
+    unit = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
