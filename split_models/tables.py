@@ -12,7 +12,7 @@ from split_models.data import TouchFrames
 from split_models.domain_alignment import alignment_rows, prepare_alignment
 from split_models.evaluate import image_values, mesh_values, summarised
 from split_models.inference_time import prepare_time, time_rows
-from split_models.methods import for_sensor, image_to_mesh, mesh_to_image
+from split_models.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
 from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop, predicted_forces
 from tactiledata.errors import UsageError
@@ -71,18 +71,21 @@ def image_rows(workshop: Workshop) -> Rows:
     rows: Rows = []
     for part, frames in parts(workshop):
         rows += _scored(workshop, part, frames, methods, image_values, IMAGE_SIMILARITY)
-        write_grid(workshop.tables / f"pictures-{part}.png", side_by_side(methods, frames))
+        write_grid(workshop.tables / f"pictures-{part}.png", *side_by_side(methods, frames))
     return rows
 
 
-def side_by_side(methods: dict[str, Any], frames: TouchFrames, count: int = 6) -> list[list[np.ndarray]]:
-    """For some frames, evenly spaced, a row: the true picture, then each method's."""
-    shown = []
+def side_by_side(
+    methods: dict[str, Any], frames: TouchFrames, count: int = 6
+) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
+    """For some frames, evenly spaced, a row: the recorded picture, then each method's; titles of columns and of rows."""
+    shown, labels = [], []
     for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
         sensor, moved = frames.sensors[number], frames.displacements([int(number)])
         made = [for_sensor(one, sensor).predict(moved, frames.background(sensor))[0] for one in methods.values()]
         shown.append([frames.pictures([int(number)])[0], *made])
-    return shown
+        labels.append(f"{frames.indenters[number]} on {sensor}")
+    return shown, ["recorded", *(title_of(name) for name in methods)], labels
 
 
 # -- meshes ----------------------------------------------------------------------------------------------------------
