@@ -3,7 +3,8 @@
     python benchmarks/transfer_paired.py [--touches 12] [--model CHECKPOINT] [--style]
 
 Every touch goes from every unit to every other one. Scores look at the whole frame and at where the true picture shows
-the touch; geometry is the overlap of that mask with the transferred picture's. Intervals draw touches.
+the touch; geometry is the overlap of that region with where the transferred picture differs from the target's
+background, and from what the method makes of no touch. Intervals draw touches.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from split_models.paired_truth import paired_values
 from split_models.pixel_transfer import PIXEL_TRANSFERS
 from split_models.transfer_methods import LATENT, transfer_method
 from tactiledata.ingest.pipeline import ingest
@@ -24,7 +26,6 @@ from tactiledata.metrics import METRICS
 from tactiledata.metrics.bootstrap import bootstrap
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario import load_scenario
-from tactiledata.sensors.image_checks import shows_contact
 from tactiledata.store.reader import Store
 
 UNITS = {"D1": "digit-bg-0", "D2": "digit-bg-4", "D3": "digit-bg-6", "D4": "digit-bg-9"}
@@ -44,22 +45,27 @@ AS_IT_IS = "not transferred"
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--touches", type=int, default=12)
-    parser.add_argument("--model", type=Path, help="an image VAE: adds the two latent methods")
+    parser.add_argument("--model", type=Path, help="an image VAE: adds the methods that need one")
     parser.add_argument("--style", action="store_true", help="the style distance as well: slow on two cores")
     given = parser.parse_args()
     methods = {name: PIXEL_TRANSFERS[name] for name in PIXEL_TRANSFERS}
     methods |= {name: transfer_method(name, given.model) for name in LATENT if given.model}
+    style = METRICS["gram_style"].scores["gram_style_random"] if given.style else None
     found: dict[tuple[str, str], list[np.ndarray]] = {}
     touches: list[str] = []
     with tempfile.TemporaryDirectory() as scratch:
         store = recorded(Path(scratch), given.touches)
         for touch, source, target in pairs(store):
             images, base = frames(store, touch, source), store.reference(source).image
+            if not len(images):
+                continue
             truth, goal = frames(store, touch, target), store.reference(target).image
-            moved = {AS_IT_IS: images}
-            moved |= {name: method.transfer(images, base, goal) for name, method in methods.items()}
-            for name, pictures in moved.items():
-                for score, values in scored(pictures, truth, goal, given.style).items():
+            for name in (AS_IT_IS, *methods):
+                pictures, untouched = (
+                    some if name == AS_IT_IS else methods[name].transfer(some, base, goal)
+                    for some in (images, base[None])
+                )
+                for score, values in paired_values(pictures, truth, goal, untouched[0], style).items():
                     found.setdefault((name, score), []).append(values)
             touches += [touch] * len(images)
     names = list(dict.fromkeys(score for _, score in found))
@@ -98,26 +104,6 @@ def frames(store: Store, touch: str, unit: str) -> np.ndarray:
     felt = force[rows_of(store, touch, next(iter(UNITS)))]
     rows = rows_of(store, touch, unit)[(felt >= FORCE[0]) & (felt <= FORCE[1])]
     return np.asarray(store.images(rows)) if len(rows) else np.zeros((0, *store.reference(unit).image.shape), np.uint8)
-
-
-def scored(pictures: np.ndarray, truth: np.ndarray, background: np.ndarray, has_style: bool) -> dict[str, np.ndarray]:
-    """Values of each score, a number a frame."""
-    if not len(truth):
-        return {}
-    masks = np.stack([shows_contact(picture, background).mask for picture in truth])
-    ours = np.stack([shows_contact(picture, background).mask for picture in pictures])
-    scores = METRICS["image_similarity"].scores
-    found = {}
-    for name in ("ssim", "l1"):
-        found[f"{name}, frame"] = scores[name](pictures, truth)
-        found[f"{name}, contact"] = scores[name](pictures, truth, masks)
-    either = (masks | ours).sum(axis=(1, 2))
-    overlap = (masks & ours).sum(axis=(1, 2)) / np.maximum(either, 1)
-    found["mask IoU"] = np.where(masks.any(axis=(1, 2)), overlap, np.nan)
-    if has_style:
-        style = METRICS["gram_style"].scores["gram_style_random"]
-        found["style (random), contact"] = style.compute(pictures, truth, masks, masks)
-    return found
 
 
 if __name__ == "__main__":

@@ -15,11 +15,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from split_models.transfer_methods import transfer_method
+from split_models.transfer_methods import LATENT, transfer_method
 from tactiledata.sensors.backgrounds import load_background
 
 TARGETS = ("ycb-sensorA", "ycb-sensorB", "digit-bg-6", "digit-bg-9", "digit-bg-12")
-METHODS = ("background_swap", "histogram_matching", "reinhard", "fourier")
+METHODS = ("background_swap", "background_ratio", "histogram_matching", "reinhard", "fourier")
 CONTACTS = ("digit_raw", "limitation_raw_digit")
 SCALE = 0.34
 GAP = 3
@@ -28,14 +28,14 @@ GAP = 3
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--contacts", type=Path, default=Path("tests/data/digit_contact"))
-    parser.add_argument("--model", type=Path, help="an image VAE: adds the two latent methods")
+    parser.add_argument("--model", type=Path, help="an image VAE: adds the methods that need one")
     parser.add_argument("--out", type=Path, default=Path("docs/images/transfer-real-contacts.jpg"))
     given = parser.parse_args()
     touches = np.stack([read(given.contacts / f"{name}.png") for name in CONTACTS])
     background = filled_in(touches[0], given.contacts / "digit_mask.png")
     methods = [transfer_method(name) for name in METHODS]
     if given.model:
-        methods += [transfer_method(name, given.model) for name in ("latent", "latent_on_background")]
+        methods += [transfer_method(name, given.model) for name in LATENT]
     rows = [line("without contact", [background, *map(load_background, TARGETS)])]
     moved = {
         (method.name, target): method.transfer(touches, background, load_background(target))

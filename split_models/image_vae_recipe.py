@@ -11,14 +11,11 @@ from numpy.typing import NDArray
 
 from split_models.augment import Augmentation
 from split_models.data import TouchFrames
+from split_models.held_out_background import refuse_held_out
 from split_models.image_vae import ImageVae
 from split_models.objectives import ImageVaeObjective, Objective
 from split_models.relighting import ArithmeticVaeObjective
-from tactiledata.errors import UsageError
 from tactiledata.store.targets import find_target
-
-SAME = 3.0
-"""Grey levels on average; two pictures without contact that differ by less are of one unit."""
 
 
 def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames) -> Objective:
@@ -61,20 +58,9 @@ def _background(name: str, frames: TouchFrames) -> NDArray[np.uint8]:
     store = frames.arrays.store
     assert frames.size is not None
     picture = _sized(find_target(name, store).background, frames.size)
-    for sensor, reference in store.references().items():
-        is_held_out = sensor not in frames.sensor_names
-        if is_held_out and _difference(picture, _sized(reference.image, frames.size)) < SAME:
-            raise UsageError(
-                f"the background {name!r} is that of sensor {sensor}, which is held out of {frames.part}",
-                "backgrounds of sensors that are not tested on",
-                "Leave it out of `relighting.backgrounds`.",
-            )
+    refuse_held_out(name, picture, store, frames.sensor_names, "Leave it out of `relighting.backgrounds`.")
     return picture
 
 
 def _sized(picture: NDArray[np.uint8], size: Sequence[int]) -> NDArray[np.uint8]:
     return np.asarray(cv2.resize(picture, (size[1], size[0]), interpolation=cv2.INTER_AREA), np.uint8)
-
-
-def _difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
-    return float(np.abs(one.astype(np.float64) - other).mean())
