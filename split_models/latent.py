@@ -63,6 +63,11 @@ def decode_displacements(vae: MeshVae, latent: Tensor) -> Displacements:
     return _in_chunks(vae, latent, vae.decode).numpy()
 
 
+def project(projection: Projection, latent: Tensor) -> Tensor:
+    """Latent vectors (n, outputs), on the CPU, of latent vectors (n, inputs)."""
+    return _in_chunks(projection, latent, projection)
+
+
 def subtract(latent: Tensor, background: Tensor) -> Tensor:
     """The deformation's vectors: Z_Deform = Z_Image - Z_Base."""
     return latent - background
@@ -95,9 +100,7 @@ class LatentMeshToImage:
 
     def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
-        projected = _in_chunks(
-            self.projection, encode_displacements(self.mesh_vae, displacements, self.latents), self.projection
-        )
+        projected = project(self.projection, encode_displacements(self.mesh_vae, displacements, self.latents))
         if self.is_split:
             projected = add(projected, encode_pictures(self.image_vae, background[None]))
         return decode_pictures(self.image_vae, projected)
@@ -107,7 +110,7 @@ class LatentMeshToImage:
         base = encode_pictures(self.image_vae, background[None]) if self.is_split else torch.zeros(1)
         return [
             ("mesh encoder", lambda moved: encode_displacements(self.mesh_vae, moved, self.latents)),
-            ("projection", lambda latent: add(_in_chunks(self.projection, latent, self.projection), base)),
+            ("projection", lambda latent: add(project(self.projection, latent), base)),
             ("decoder", lambda latent: decode_pictures(self.image_vae, latent)),
         ]
 
@@ -155,7 +158,7 @@ class LatentImageToMesh:
         found = encode_pictures(self.image_vae, pictures, self.latents)
         if self.is_split:
             found = subtract(found, encode_pictures(self.image_vae, background[None]))
-        return _in_chunks(self.projection, found, self.projection)
+        return project(self.projection, found)
 
     def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
         """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""

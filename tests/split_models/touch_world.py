@@ -61,6 +61,7 @@ TINY_MODELS = {
     },
     "mesh_vae": {"filters": [4, 4, 4, 8], "order": 3, "latent": 6, "training": {"epochs": 2, "batch_size": 16}},
     "projection": {"layers": [16, 16], "dropout": [0.2], "training": {"epochs": 2, "batch_size": 32}},
+    "cycle": {"training": {"epochs": 2, "batch_size": 32}},
     "end_to_end": {"training": {"epochs": 1, "batch_size": 16}},
     "force_head": {"layers": [16, 16], "dropout": [0.2], "training": {"epochs": 2, "batch_size": 32}},
     "raw_forces": {"training": {"epochs": 1, "batch_size": 16}},

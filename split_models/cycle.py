@@ -1,0 +1,150 @@
+"""Both projections learned together, so that going forth and back changes nothing; beyond the paper.
+
+The plain projections learn from latent vectors of recorded pictures and simulated meshes only. In a cycle each of them is
+given what the other one made, after it was decoded and encoded again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, cast
+
+import torch
+from torch import Tensor, nn
+
+from split_models.items import Batch, TensorItems
+from split_models.latent import (
+    LatentImageToMesh,
+    LatentMeshToImage,
+    decode_displacements,
+    decode_pictures,
+    encode_displacements,
+    encode_pictures,
+    project,
+)
+from split_models.network import Network
+from split_models.objectives import Losses, Objective
+from split_models.projection import Projection
+from split_models.workshop import Workshop
+
+MESHES, PICTURES = "mesh_again", "deformation_again"
+CHUNK = 256
+
+
+class CyclePair(Network):
+    """The projection from meshes to the deformation's picture, and the one back.
+
+    Parameters
+    ----------
+    forth, back : dict
+        Settings of each `Projection`.
+    """
+
+    kind = "cycle_pair"
+
+    def __init__(self, forth: Mapping[str, Any], back: Mapping[str, Any]) -> None:
+        super().__init__()
+        self.settings = {"forth": dict(forth), "back": dict(back)}
+        self.forth, self.back = Projection(**forth), Projection(**back)
+
+
+class CycleObjective(Objective):
+    """Squared errors of both projections, of going forth and back, and of what is made of their own outputs.
+
+    Parameters
+    ----------
+    network : CyclePair
+    weight : float
+        Of going forth and back in latent space.
+    own_weight : float
+        Of latent vectors that were decoded and encoded again; 0 asks for none in a batch.
+    """
+
+    def __init__(self, network: CyclePair, weight: float, own_weight: float) -> None:
+        super().__init__()
+        self.network = network
+        self.pair, self.weight, self.own_weight = network, weight, own_weight
+
+    def forward(self, batch: Batch, epoch: float) -> Losses:
+        """``loss``, ``error`` of the plain projections, ``cycle``, and ``own`` where it is asked for."""
+        mesh, picture = batch["mesh"], batch["deformation"]
+        forth, back = self.pair.forth(mesh), self.pair.back(picture)
+        error = _error(forth, picture) + _error(back, mesh)
+        cycle = _error(self.pair.back(forth), mesh) + _error(self.pair.forth(back), picture)
+        losses = {"loss": error + self.weight * cycle, "error": error.detach(), "cycle": cycle.detach()}
+        if self.own_weight:
+            own = _error(self.pair.forth(batch[MESHES]), picture) + _error(self.pair.back(batch[PICTURES]), mesh)
+            losses["loss"] = losses["loss"] + self.own_weight * own
+            losses["own"] = own.detach()
+        return losses
+
+
+def _error(found: Tensor, wanted: Tensor) -> Tensor:
+    return nn.functional.mse_loss(found.float(), wanted)
+
+
+def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
+    """The pair of a recipe, from its plain projections; with what they make of their own outputs, or without."""
+    section = workshop.recipe.models["cycle"]
+    forth, back = workshop.projection("mesh_to_image", True), workshop.projection("image_to_mesh", True)
+    keys = workshop.kept.keys
+    parents = {vae.kind: keys[vae.kind] for vae in (workshop.image_vae, workshop.mesh_vae)}
+    parents |= {name: keys[name] for name in ("projection_mesh_to_image_split", "projection_image_to_mesh_split")}
+
+    def build() -> tuple[Objective, TensorItems, TensorItems]:
+        pair = CyclePair(forth.settings, back.settings)
+        pair.forth.load_state_dict(forth.state_dict())
+        pair.back.load_state_dict(back.state_dict())
+        objective = CycleObjective(pair, section["weight"], section["own_weight"] if learns_own else 0.0)
+        train, val = (cycle_items(workshop, part, forth, back, learns_own) for part in ("train", "val"))
+        return objective, train, val
+
+    name = "cycle_pair_own" if learns_own else "cycle_pair"
+    described = {**section, "learns_own": learns_own}
+    options, fingerprint = workshop.recipe.training("cycle"), workshop.frames("train").fingerprint
+    return cast("CyclePair", workshop.learned(name, parents, described, fingerprint, options, build))
+
+
+def cycle_items(workshop: Workshop, part: str, forth: Projection, back: Projection, learns_own: bool) -> TensorItems:
+    """Latent vectors of a part: ``mesh``, ``deformation``, and as they come back from one cycle."""
+    tensors = {name: workshop.latents(part, name) for name in ("mesh", "deformation")}
+    if learns_own:
+        base = workshop.latents(part, "image") - tensors["deformation"]
+        tensors |= once_around(workshop, forth, back, tensors["deformation"], base)
+    frames = workshop.frames(part)
+    return TensorItems(tensors, frames.fingerprint, frames)
+
+
+def once_around(
+    workshop: Workshop, forth: Projection, back: Projection, deformation: Tensor, base: Tensor
+) -> dict[str, Tensor]:
+    """Latent vectors of the meshes that are made of pictures, and of the pictures made of these, encoded again.
+
+    Parameters
+    ----------
+    workshop : Workshop
+    forth, back : Projection
+    deformation, base : (n, d)
+        Latent vectors of the pictures' deformations, and of their backgrounds.
+    """
+    meshes, pictures = [], []
+    for start in range(0, len(base), CHUNK):
+        workshop.tell(start, len(base), "cycle_pair: once around")
+        some = slice(start, start + CHUNK)
+        moved = decode_displacements(workshop.mesh_vae, project(back, deformation[some]))
+        meshes.append(encode_displacements(workshop.mesh_vae, moved))
+        shown = decode_pictures(workshop.image_vae, project(forth, meshes[-1]) + base[some])
+        pictures.append(encode_pictures(workshop.image_vae, shown) - base[some])
+    return {MESHES: torch.cat(meshes), PICTURES: torch.cat(pictures)}
+
+
+def split_cycle(workshop: Workshop) -> LatentMeshToImage:
+    """SPLIT's pictures of meshes by projections that were learned together."""
+    pair = cycle_pair(workshop, learns_own=True)
+    return LatentMeshToImage("split_cycle", workshop.mesh_vae, workshop.image_vae, pair.forth)
+
+
+def split_cycle_mesh(workshop: Workshop) -> LatentImageToMesh:
+    """SPLIT's meshes of pictures by projections that were learned together."""
+    pair = cycle_pair(workshop, learns_own=True)
+    return LatentImageToMesh("split_cycle", workshop.image_vae, workshop.mesh_vae, pair.back)

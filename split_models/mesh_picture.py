@@ -1,0 +1,50 @@
+"""Pictures of deformed meshes for people: depth as colour, slopes as light and shade; no graphics library."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.optics.height_map import Indentation, slopes
+from tactiledata.optics.surface import GelSurface
+from tactiledata.optics.view import View
+from tactiledata.sensors.digit import DIGIT
+
+LIGHT = np.array([-0.5, -0.5, 0.7])
+"""Where light comes from: columns, rows, towards the camera."""
+STEEPER = 4.0
+"""Slopes are shown so many times as steep as they are."""
+BULGE = 0.15
+"""Share of the colours that is left for gel that bulges."""
+
+
+class MeshPictures:
+    """Pictures of meshes on one surface, seen as the nominal camera sees them.
+
+    Parameters
+    ----------
+    surface : GelSurface
+    shape : (rows, columns)
+    deepest : float
+        m: the indentation that the last colour stands for.
+    """
+
+    def __init__(self, surface: GelSurface, shape: tuple[int, int], deepest: float) -> None:
+        self.deepest = max(deepest, 1e-6)
+        self.view = View.nominal(DIGIT, shape)
+        self._drawn = Indentation(surface, self.view)
+
+    def draw(self, displacement: NDArray[np.floating]) -> NDArray[np.uint8]:
+        """A picture (rows, columns, 3), uint8, of a displacement (k, 3), m."""
+        depth = self._drawn.of(displacement)
+        share = BULGE + (1 - BULGE) * np.clip(depth / self.deepest, -BULGE, 1.0)
+        levels = np.rint(255 * share.clip(0, 1)).astype(np.uint8)
+        colour: Any = cv2.applyColorMap(levels, cv2.COLORMAP_VIRIDIS)[..., ::-1]
+        slope = STEEPER * slopes(depth, self.view)
+        normal = np.concatenate([slope, np.ones_like(slope[..., :1])], axis=-1)
+        light = normal @ LIGHT / np.linalg.norm(normal, axis=-1) / np.linalg.norm(LIGHT)
+        flat = LIGHT[2] / np.linalg.norm(LIGHT)
+        return np.clip(np.rint(colour * (light / flat).clip(0.3, 1.4)[..., None]), 0, 255).astype(np.uint8)
