@@ -31,6 +31,7 @@ KINDS = Registry(
         "raw_forces": "split_models.force_head:RawForces",
         "end_to_end": "split_models.end_to_end:EndToEnd",
         "zhu": "split_models.zhu:ZhuNetwork",
+        "cycle_pair": "split_models.cycle:CyclePair",
     },
     group="split_models.networks",
 )

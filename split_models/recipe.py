@@ -80,6 +80,14 @@ DEFAULTS: dict[str, Any] = {
                 "patience": 30, "save_seconds": 120.0,
             },
         },
+        "cycle": {
+            "weight": 1.0,
+            "own_weight": 1.0,
+            "training": {
+                "epochs": 100, "batch_size": 512, "learning_rate": 3e-4, "decay": 0.99, "weight_decay": 0.0,
+                "patience": 15, "save_seconds": 120.0,
+            },
+        },
         "end_to_end": {
             "training": {
                 "epochs": 300, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 1e-5,
