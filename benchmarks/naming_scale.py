@@ -48,7 +48,7 @@ def odds_of(case: Case, scale: EvidenceScale) -> dict[str, float]:
         for one in case["candidates"]
     }
     odds[NONE] = 0.0
-    odds[OTHER] = scale.other if case["dispersion"] > scale.dispersion else -scale.other
+    odds[OTHER] = scale.other if case["at_large"] > scale.dispersion else -scale.other
     return {name: value / scale.temperature for name, value in odds.items()}
 
 
@@ -93,7 +93,7 @@ def fitted(cases: Sequence[Case]) -> EvidenceScale:
     scale = replace(
         ESTIMATED,
         claim=claim_of(nulls),
-        dispersion=float(np.quantile([case["dispersion"] for case in nulls], 0.99)),
+        dispersion=float(np.quantile([case["at_large"] for case in nulls], 0.99)),
     )
 
     def at(logs: np.ndarray) -> EvidenceScale:

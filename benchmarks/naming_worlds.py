@@ -176,7 +176,7 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
         for name in asked.truth
     }
     document = answer.document
-    kept = ("verdict", "names", "probabilities", "objections", "dispersion", "undetectable", "not_tried")
+    kept = ("verdict", "names", "probabilities", "objections", "dispersion", "at_large", "undetectable", "not_tried")
     return {
         **{key: document[key] for key in kept},
         "set": list(answer.candidates),

@@ -9,6 +9,7 @@ from typing import Any
 from tactiledata.diagnose.decide import Tie
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import Naming
 from tactiledata.diagnose.profiled_interval import Interval
 from tactiledata.diagnose.residuals import joined_names
@@ -60,7 +61,7 @@ class Answer:
             said += _moved(self.naming.intervals_before, self.naming.intervals)
             if decision.is_more_left:
                 said.append("What it leaves still has structure: more is missing than the catalogue can say.")
-            return [*said, *_alarms(best, "with it")]
+            return [*said, *_odd(decision.left), *_alarms(best, "with it")]
         if decision.verdict == "none of the known effects":
             said = ["What is left has structure, and none of the known effects explains it."]
         elif decision.verdict == "below detection" and best is not None:
@@ -71,6 +72,7 @@ class Answer:
             ]
         else:
             said = ["Nothing is missing: noise, contact offsets and errors of the simulation explain what is left."]
+        said += _odd(decision.left)
         if best is not None and decision.objections:
             said.append(f"Nearest was {_titles(best.names)}; against it: {'; '.join(decision.objections)}.")
         unseen = self.naming.identifiable.undetectable
@@ -93,7 +95,8 @@ class Answer:
                 for tie in decision.ties
             ],
             "objections": list(decision.objections),
-            "dispersion": decision.dispersion,
+            "dispersion": decision.left.dispersion,
+            "at_large": decision.left.at_large,
             "before": [_interval(one) for one in naming.intervals_before],
             "after": [_interval(one) for one in naming.intervals],
             "effects": effects_document(best.fit.model.settings, best.fit.model.material)
@@ -151,6 +154,15 @@ def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:
         values = [f"{rounded(one.value * scale, 3)}{note}" for one, note in zip((old, new), pinned, strict=True)]
         said.append(f"{old.name} {values[0]} -> {values[1]}{shown} ({ends})")
     return [f"With it, {'; '.join(said)}."]
+
+
+def _odd(left: LeftOver) -> list[str]:
+    if not left.is_in_few(ESTIMATED):
+        return []
+    return [
+        f"What is left beyond the noise is nearly all in {joined_names(left.odd)}: look at these two touches. Missing"
+        " physics would show in the others, too."
+    ]
 
 
 def _alarms(best: Judged, when: str) -> list[str]:

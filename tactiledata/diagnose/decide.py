@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.diagnose.evidence_scale import EvidenceScale
 from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.likeness_of_effects import best_imitation, cosines
 from tactiledata.diagnose.random_effects import RandomEffects
 
@@ -53,8 +54,8 @@ class Decision:
         Of each candidate, of "none" and of "other".
     objections : tuple of str
         Why ``best`` is not named; empty where it is.
-    dispersion : float
-        Mean square of what the best fit leaves of trajectories held out, over that of noise.
+    left : LeftOver
+        What the best fit leaves of trajectories held out.
     is_more_left : bool
         Whether that is structure still.
     """
@@ -64,7 +65,7 @@ class Decision:
     ties: tuple[Tie, ...]
     probabilities: dict[str, float]
     objections: tuple[str, ...]
-    dispersion: float
+    left: LeftOver
     is_more_left: bool
 
 
@@ -73,7 +74,7 @@ def decide(
     pairs: Sequence[Judged],
     gains: dict[str, Array],
     metric: RandomEffects,
-    dispersion: float,
+    left: LeftOver,
     scale: EvidenceScale,
 ) -> Decision:
     """The answer.
@@ -84,10 +85,11 @@ def decide(
         Held-out gain of each candidate by trajectory.
     metric : RandomEffects
         What a refit of the plain simulation could imitate.
-    dispersion : float
-        Mean square of what the best fit leaves.
+    left : LeftOver
+        What the best fit leaves.
     """
-    is_left = dispersion > scale.dispersion
+    is_left = left.is_structure(scale)
+    chances = _probabilities([*singles, *pairs], scale, is_left)
     ranked = sorted(singles, key=lambda one: -one.gain)
     best = next((one for one in ranked if not one.objections(scale)), None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
@@ -102,23 +104,21 @@ def decide(
     if best is not None and is_left and best.excess_share < scale.explains:
         # it takes off the smaller part of what is there: something else is, and takes this one's place
         return Decision(
-            "none of the known effects", best, (), _probabilities([*singles, *pairs], scale, dispersion),
-            (f"{100 * best.excess_share:.0f} % of the excess gone, and structure is left",), dispersion, True,
+            "none of the known effects", best, (), chances,
+            (f"{100 * best.excess_share:.0f} % of the excess gone, and structure is left",), left, True,
         )  # fmt: skip
     if best is not None:
         ties = _ties(best, ranked, gains, metric, scale) if len(best.names) == 1 else ()
         verdict: Verdict = "one of a set" if ties else "named"
-        chances = _probabilities([*singles, *pairs], scale, dispersion)
-        return Decision(verdict, best, ties, chances, (), dispersion, is_left)
+        return Decision(verdict, best, ties, chances, (), left, is_left)
     hint = ranked[0] if ranked else None
-    chances = _probabilities([*singles, *pairs], scale, dispersion)
     objections = hint.objections(scale) if hint is not None else ()
     if is_left or (hint is not None and hint.is_structure(scale)):
-        return Decision("none of the known effects", hint, (), chances, objections, dispersion, is_left)
+        return Decision("none of the known effects", hint, (), chances, objections, left, is_left)
     if hint is not None and hint.is_trace(scale):
         ties = _ties(hint, ranked, gains, metric, scale)
-        return Decision("below detection", hint, ties, chances, objections, dispersion, is_left)
-    return Decision("nothing is missing", hint, (), chances, objections, dispersion, is_left)
+        return Decision("below detection", hint, ties, chances, objections, left, is_left)
+    return Decision("nothing is missing", hint, (), chances, objections, left, is_left)
 
 
 def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
@@ -148,14 +148,14 @@ def _ties(
     return tuple(found)
 
 
-def _probabilities(judged: Sequence[Judged], scale: EvidenceScale, dispersion: float) -> dict[str, float]:
+def _probabilities(judged: Sequence[Judged], scale: EvidenceScale, is_left: bool) -> dict[str, float]:
     """A softmax of calibrated evidence; its numbers are estimates, see `EvidenceScale`."""
     odds = {
         one.label: scale.slope * (one.gain - scale.claim * len(one.names)) - 2.0 * len(one.implausible)
         for one in judged
     }
     odds[NONE] = 0.0
-    odds[OTHER] = scale.other if dispersion > scale.dispersion else -scale.other
+    odds[OTHER] = scale.other if is_left else -scale.other
     values = np.array(list(odds.values())) / scale.temperature
     shares = np.exp(values - values.max())
     return dict(zip(odds, (shares / shares.sum()).tolist(), strict=True))

@@ -17,6 +17,7 @@ from tactiledata.diagnose.recording_limits import limits
 from tactiledata.diagnose.show import Shown, show
 from tactiledata.diagnose.store_cases import StoreCases, store_cases
 from tactiledata.diagnose.store_options import DiagnosisOptions
+from tactiledata.diagnose.whitened_cases import NumericalErrors
 from tactiledata.diagnose.zero_causes import ZeroCause, no_zeros, zero_causes
 from tactiledata.store.reader import Store
 
@@ -98,7 +99,8 @@ def diagnose_store(
     need_learning_library()
     played = store_cases(store, options.calibration(), playing)
     wanted = tuple(name for name in played.effects if not options.effects or name in options.effects)
-    asked = NamingOptions(effects=wanted, pairs=options.pairs, seed=options.seed)
+    errors = NumericalErrors.of(options.fidelity)
+    asked = NamingOptions(effects=wanted, errors=errors, pairs=options.pairs, seed=options.seed)
     naming = name_effects(played.cases, played.start, asked, thinking)
     shown = show(naming, options.seed, thinking)
     formula = None

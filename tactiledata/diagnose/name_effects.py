@@ -16,6 +16,7 @@ from tactiledata.diagnose.identifiability import Identifiability, identifiabilit
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.judge import Judged, judge
+from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.profiled_interval import Interval, intervals
 from tactiledata.diagnose.screen import Screened, screen
 from tactiledata.diagnose.touch_case import CaseSet
@@ -134,7 +135,7 @@ def name_effects(
     claimed = decision.best is not None and not decision.objections
     best = decision.best.fit if decision.best is not None else base
     before, after = (
-        intervals(white, fit, numerical, max(1.0, decision.dispersion), chosen.profile and claimed)
+        intervals(white, fit, numerical, max(1.0, decision.left.dispersion), chosen.profile and claimed)
         for fit in (base, best)
     )
     identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
@@ -217,15 +218,15 @@ class Refits:
         base_out = held_out(self.white, self.base, seed)
         outs: list[HeldOut] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
         expected = self.white.expected
-        left = [float(out.by_trajectory.sum()) / expected for out in (base_out, *outs)]
-        least = min(left)
-        dispersion = max(1.0, least)
+        least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
+        left = LeftOver.of(least, expected, [case.name for case in self.white.cases.cases])
+        dispersion = max(1.0, left.dispersion)
         judged = [
-            judge(self.base, fit, base_out, out, expected, dispersion)
+            judge(self.base, fit, base_out, out, float(expected.sum()), dispersion)
             for fit, out in zip((*singles, *pairs), outs, strict=True)
         ]
         gains = {one.label: one.gains for one in judged}
-        decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, least, scale)
+        decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, left, scale)
         return judged, decision
 
     def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit | None:

@@ -111,7 +111,7 @@ def propose_trials(
     if not rivals.pairs:
         return []
     rig = bench or TrialBench.of(naming.cases.cases, naming.base.model.material, base)
-    return ranked_trials(rivals, naming.cases, rig, max(naming.decision.dispersion, 1.0), trials, progress)
+    return ranked_trials(rivals, naming.cases, rig, max(naming.decision.left.dispersion, 1.0), trials, progress)
 
 
 def ranked_trials(

@@ -13,6 +13,7 @@ from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.gel.material import GelMaterial
 from tactiledata.nuisance.numerical import (
     CENTRE_SCATTER,
+    LAW_ERROR,
     LOCKED_ERROR,
     SCATTER,
     SHAPE_ERROR,
@@ -51,6 +52,12 @@ class NumericalErrors:
     scatter: float = SCATTER
     centre: float = CENTRE_SCATTER
     locked: float = LOCKED_ERROR
+
+    @staticmethod
+    def of(mechanics: str) -> NumericalErrors:
+        """Of a simulation whose errors are known beside those of finite strain: a key of ``SHAPE_ERROR``."""
+        law = LAW_PRIOR * (LAW_ERROR[mechanics] / LAW_ERROR["finite-strain"])
+        return NumericalErrors(shape=SHAPE_ERROR[mechanics], law=law)
 
 
 @dataclass(frozen=True)
@@ -142,13 +149,14 @@ class WhitenedCases:
         return weights
 
     @cached_property
-    def expected(self) -> float:
-        """The sum of whitened squares where noise is all there is.
+    def expected(self) -> Array:
+        """The sum of whitened squares of each trajectory (t,) where noise is all there is.
 
         Noise that neighbours share has fewer independent numbers than readings, and its covariance is inflated so.
         """
         inflation = np.array([case.noise.inflation for case in self.cases.cases])
-        return float(6.0 * ((self.weights > 0) / inflation[self.trajectory]).sum())
+        squares: Array = 6.0 * np.add.reduceat(self.weights > 0, self.starts, dtype=np.float64) / inflation
+        return squares
 
     @cached_property
     def tare(self) -> Array:

@@ -11,6 +11,7 @@ from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import Identifiability
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import NamingOptions, Refits
 from tactiledata.diagnose.screen import Screened
 from tactiledata.errors import UsageError
@@ -40,12 +41,28 @@ def test_an_effect_of_one_place_is_agreed_on_by_a_few_touches():
 def test_a_name_that_explains_the_smaller_part_is_not_given():
     """With structure left, what takes off a third of the excess is not what is there; without, it is named."""
     third = judged([20.0] * 25, signature=9.0, share=0.33)
-    left = ESTIMATED.dispersion + 0.1
+    much, none = LeftOver(ESTIMATED.dispersion + 0.2, ESTIMATED.dispersion + 0.1), LeftOver(1.0, 0.9)
     asked = [third], [], {"lag": third.gains}, None
-    assert decide(*asked, left, ESTIMATED).verdict == "none of the known effects"
-    assert decide(*asked, 1.0, ESTIMATED).verdict == "named"
+    assert decide(*asked, much, ESTIMATED).verdict == "none of the known effects"
+    assert decide(*asked, none, ESTIMATED).verdict == "named"
     most = dataclasses.replace(third, excess_share=0.8)
-    assert decide([most], [], {"lag": most.gains}, None, left, ESTIMATED).verdict == "named"
+    assert decide([most], [], {"lag": most.gains}, None, much, ESTIMATED).verdict == "named"
+
+
+def test_structure_that_two_touches_bring_takes_no_name_away():
+    """Ten times the noise in one touch of 25 is said and counts for nothing; twice the noise in all of them does."""
+    noise, names = np.full(25, 60.0), [f"t{number}" for number in range(25)]
+    odd = LeftOver.of(np.where(np.arange(25) == 7, 10.0, 1.0) * noise, noise, names)
+    wide = LeftOver.of(2.0 * noise, noise, names)
+    assert odd.dispersion > ESTIMATED.dispersion
+    assert odd.odd[0] == "t7"
+    assert (odd.at_large, wide.at_large) == (1.0, 2.0)
+    third = judged([20.0] * 25, signature=9.0, share=0.33)
+    asked = [third], [], {"lag": third.gains}, None
+    found = decide(*asked, odd, ESTIMATED)
+    assert found.verdict == "named"
+    assert found.left.is_in_few(ESTIMATED)
+    assert decide(*asked, wide, ESTIMATED).verdict == "none of the known effects"
 
 
 def test_what_would_not_be_claimed_is_said_with_the_size_that_would():

@@ -10,14 +10,16 @@ import tactiledata
 from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.effect_signatures import effect_signatures, nuisance
+from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import identifiability_of
 from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.name_effects import NamingOptions, name_effects
 from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.nuisance.numerical import SHAPE_ERROR
 
 FEW = ("arm_compliance", "thickness", "relaxation", "lag", "rate_friction", "frame_rotation")
 
@@ -48,6 +50,27 @@ def test_relaxation_is_named_and_the_fix_can_be_used():
     assert effects["effects"][0]["effect"] in found.candidates
     modulus = found.naming.intervals[0]
     assert modulus.low < TRUTH.youngs_modulus < modulus.high
+
+
+def test_one_odd_touch_takes_no_name_away():
+    """Relaxation is named though the shear of one touch of 24 is lost, and that touch is said to be looked at."""
+    cases = world_cases(PLANTS["relaxation"], 0, trajectories=24)
+    lost = cases.cases[6].measured * [0.2, 0.2, 1.0, 1.0, 1.0, 1.0]
+    listed = [*cases.cases[:6], dataclasses.replace(cases.cases[6], measured=lost), *cases.cases[7:]]
+    found = answer(CaseSet(listed, base), ("relaxation", "lag"), pairs=False)
+    best, left = found.naming.decision.best, found.naming.decision.left
+    assert best.excess_share < ESTIMATED.explains
+    assert left.dispersion > ESTIMATED.dispersion
+    assert found.names == ("relaxation",)
+    assert any("nearly all in D-6" in sentence for sentence in found.sentences)
+
+
+def test_a_preview_is_taken_to_err_more():
+    """Errors of finite strain are those that claims were set with; linear gels differ more from shape to shape."""
+    fine, preview = NumericalErrors.of("finite-strain"), NumericalErrors.of("linear")
+    assert fine == NumericalErrors()
+    assert preview.shape == SHAPE_ERROR["linear"] > fine.shape
+    assert preview.law > fine.law
 
 
 def test_the_document_fits_its_schema(quiet):
