@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+import trimesh
 import yaml
 from coarse import coarse_pad, options
 
@@ -40,7 +41,15 @@ def unlike(**sizes):
     return lambda document: document["indenters"]["ball4"].update(sizes)
 
 
+def beside_the_pad(document):
+    """Moves the ball off the pad and lower: into the housing."""
+    deeper(document, 0.5e-3)
+    place = document["indenters"]["ball4"]["base_from_indenter"]
+    place["xyz"] = [place["xyz"][0] + 0.013, place["xyz"][1] + 0.013, place["xyz"][2]]
+
+
 DESCRIPTIONS = {
+    "through the housing": (beside_the_pad, FrameStatus.BESIDE_THE_PAD),
     "5 mm deep": (lambda document: deeper(document, 5e-3), FrameStatus.TOO_DEEP),
     "never touched": (lambda document: deeper(document, -2e-3), FrameStatus.NO_CONTACT),
     "no place of the gel": (without("robot", "tcp_from_gel"), ReplayStatus.GEL_PLACE_UNKNOWN),
@@ -103,6 +112,30 @@ def test_a_spoilt_description_has_its_reason(what, log):
         assert any(words in line for line in report.lines())
     else:
         assert not report.refused
+
+
+MESHES = {
+    "closed": (1.0, slice(None), FrameStatus.SOLVED, ""),
+    "open": (1.0, slice(None, -2), ReplayStatus.INDENTER_UNUSABLE, "not watertight"),
+    "in metres": (1e-3, slice(None), ReplayStatus.INDENTER_UNUSABLE, "fit the unit m"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", MESHES)
+def test_a_mesh_of_an_indenter_is_pressed_or_says_why_not(what, log):
+    """A ball as a mesh in millimetres is solved; with a hole, or in metres, its frames have the reason."""
+    factor, faces, expected, words = MESHES[what]
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=4.0).apply_translation([0, 0, 4.0])
+    trimesh.Trimesh(factor * ball.vertices, ball.faces[faces], process=False).export(log / "ball.stl")
+    document = yaml.safe_load((log / "log.yaml").read_text())
+    unlike(mesh="ball.stl", unit="mm")(document)
+    (log / "log.yaml").write_text(yaml.safe_dump(document))
+    found, report = ball_status(log, indenter_folder=log)
+    assert expected in found["ball4"]
+    assert FrameStatus.SOLVED in found["cross"]
+    assert all(words in reason for reason in report.refused)
+    assert len(report.refused) == bool(words)
 
 
 def test_poses_that_are_missing_are_said_frame_by_frame(log):
