@@ -1,7 +1,7 @@
 """Both projections learned together, so that going forth and back changes nothing; beyond the paper.
 
-The plain projections learn from latent vectors of recorded pictures and simulated meshes only. In a cycle each of them is
-given what the other one made, after it was decoded and encoded again.
+The plain projections learn from latent vectors of recorded pictures and simulated meshes only. In a cycle each of them
+is given what the other one made, after it was decoded and encoded again.
 """
 
 from __future__ import annotations
