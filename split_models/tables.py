@@ -12,6 +12,7 @@ from split_models.data import TouchFrames
 from split_models.domain_alignment import alignment_rows, prepare_alignment
 from split_models.evaluate import image_values, mesh_values, summarised
 from split_models.inference_time import prepare_time, time_rows
+from split_models.interval_rows import interval_rows
 from split_models.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
 from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop, predicted_forces
@@ -126,17 +127,22 @@ def prepare_forces(workshop: Workshop) -> dict[str, list[Any]]:
 
 
 def force_rows(workshop: Workshop) -> Rows:
-    """A row for each part and input: MAE of fx, fy, fz and of the norm, N; mean and standard deviation over seeds."""
+    """A row for each part and input: MAE of fx, fy, fz and of the norm, N; mean and standard deviation over seeds.
+
+    Below them, how often intervals of each input's heads together, calibrated on the validation part, hold the truth.
+    """
     heads = prepare_forces(workshop)
-    rows: Rows = []
+    known, rows = workshop.frames("val"), []
+    calibration = (_forces_of_all(workshop, "val", heads), known.forces(), known.trajectories)
+    held: Rows = []
     for part, frames in parts(workshop):
-        true = frames.forces()
-        for name, networks in heads.items():
+        true, found = frames.forces(), _forces_of_all(workshop, part, heads)
+        held += interval_rows(part, heads, found, true, frames.trajectories, calibration)
+        for name, forces in found.items():
             means: dict[str, list[float]] = {score: [] for score in FORCE_ERROR.scores}
-            for network in networks:
-                found = _forces_of(workshop, part, name, network)
+            for one in forces:
                 for score in means:
-                    means[score].append(float(FORCE_ERROR.scores[score](found, true).mean()))
+                    means[score].append(float(FORCE_ERROR.scores[score](one, true).mean()))
             summary = {
                 score: {
                     "value": float(np.mean(values)),
@@ -148,7 +154,15 @@ def force_rows(workshop: Workshop) -> Rows:
                 for score, values in means.items()
             }
             rows.append({"part": part, "method": name, "scores": summary})
-    return rows
+    return rows + held
+
+
+def _forces_of_all(workshop: Workshop, part: str, heads: dict[str, list[Any]]) -> dict[str, np.ndarray]:
+    """Forces (h, n, 3), N, of each input's networks."""
+    return {
+        name: np.stack([_forces_of(workshop, part, name, network) for network in networks])
+        for name, networks in heads.items()
+    }
 
 
 def _seeds(workshop: Workshop, which: str) -> range:
