@@ -124,6 +124,9 @@ def test_the_other_tables(table, touch_store, out, monkeypatch, capsys):
     assert methods == expected[table]
     assert all(score["value"] is not None for row in document["rows"] for score in row["scores"].values())
     assert len(list((out / "models").glob("image_vae-*"))) == 1
+    if table == "mesh":
+        shown = cv2.imread(str(out / "mesh" / "small" / "meshes-test.png"))
+        assert shown.shape[1] == 150 + 4 + 5 * 150 + 4 * 4
     if table == "force":
         assert document["rows"][2]["scores"]["norm"]["seeds"] == 2
     if table == "cyclic":
