@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from split_models.baselines import surface_of
 from split_models.cyclic import cyclic_rows, prepare_cyclic
 from split_models.data import TouchFrames
 from split_models.domain_alignment import alignment_rows, prepare_alignment
 from split_models.evaluate import image_values, mesh_values, summarised
 from split_models.inference_time import prepare_time, time_rows
 from split_models.interval_rows import interval_rows
+from split_models.mesh_figure import mesh_figure
 from split_models.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
 from split_models.picture_grid import write_grid
 from split_models.workshop import Workshop, predicted_forces
@@ -103,6 +105,8 @@ def mesh_rows(workshop: Workshop) -> Rows:
     rows: Rows = []
     for part, frames in parts(workshop):
         rows += _scored(workshop, part, frames, methods, mesh_values, MESH_DISTANCE)
+        figure = mesh_figure(methods, frames, surface_of(workshop))
+        write_grid(workshop.tables / f"meshes-{part}.png", *figure)
     return rows
 
 
