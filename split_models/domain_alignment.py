@@ -25,6 +25,7 @@ from split_models.unit_frames import UnitFrames, paired_frames, spread_evenly
 from split_models.workshop import Workshop
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.metrics.base import Score
+from tactiledata.metrics.gram_style import style_distances
 from tactiledata.scoring.chosen_scores import STYLE, chosen_scores
 
 Rows = list[dict[str, Any]]
@@ -46,6 +47,8 @@ class Alignment:
         Letter in the table -> sensor.
     scores : dict
         Of two sets of pictures, one style distance among them.
+    weights : Path, optional
+        Of VGG-19.
     """
 
     workshop: Workshop
@@ -53,6 +56,7 @@ class Alignment:
     sources: list[str]
     targets: dict[str, str]
     scores: dict[str, Score]
+    weights: Path | None
 
     @cached_property
     def units(self) -> dict[str, UnitFrames]:
@@ -108,7 +112,7 @@ def prepare_alignment(workshop: Workshop) -> Alignment:
     scores = {score.name: score for _, score in chosen_scores(SET_SCORES, weights)}
     vae = workshop.image_vae
     methods = {name: vae_transfer(name, vae) if name in LATENT else PIXEL_TRANSFERS[name] for name in names}
-    return Alignment(workshop, methods, sources, targets, scores)
+    return Alignment(workshop, methods, sources, targets, scores, weights)
 
 
 def alignment_rows(workshop: Workshop) -> Rows:
@@ -136,8 +140,8 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
         table.workshop.tell(done, len(table.sources), f"target {letter}: {source}")
         sample = _sample(table.units[source], most)
         touches.append(sample.touches)
-        for name in (AS_RECORDED, *table.methods):
-            found = _set_values(table, sample, table.moved(name, sample.pictures, source, target), real)
+        moved = {n: table.moved(n, sample.pictures, source, target) for n in (AS_RECORDED, *table.methods)}
+        for name, found in _set_values(table, sample, moved, real).items():
             values.setdefault(name, []).append(found)
             scores = summarised(found, sample.touches, rounds, table.scores)
             by_source.append(_row(f"{table.titled(letter)}, by source", name, scores, letter, source))
@@ -168,12 +172,20 @@ def _sample(unit: UnitFrames, most: int) -> _Sample:
     return _Sample(pictures, contact_region(pictures, unit.background), unit.touches[numbers])
 
 
-def _set_values(table: Alignment, sample: _Sample, moved: Pictures, real: _Sample) -> Values:
+def _set_values(table: Alignment, sample: _Sample, moved: Mapping[str, Pictures], real: _Sample) -> dict[str, Values]:
+    """By method: scores of its pictures, all methods at once, so that the target is looked at once."""
+    pictures, masks = np.concatenate(list(moved.values())), np.concatenate([sample.masks] * len(moved))
+    both = {"": (None, None), MASKED: (masks, real.masks)}
     found: Values = {}
     for name, score in table.scores.items():
-        found[name] = score.compute(moved, real.pictures)
-        found[f"{name}{MASKED}"] = score.compute(moved, real.pictures, sample.masks, real.masks)
-    return found
+        if score is table.style:
+            distances = style_distances(name, pictures, real.pictures, list(both.values()), table.weights)
+            found |= dict(zip([f"{name}{where}" for where in both], distances, strict=True))
+            continue
+        for where, inside in both.items():
+            found[f"{name}{where}"] = score.compute(pictures, real.pictures, *inside)
+    parts = {name: np.split(values, len(moved)) for name, values in found.items()}
+    return {method: {name: part[place] for name, part in parts.items()} for place, method in enumerate(moved)}
 
 
 def _paired_rows(table: Alignment, letter: str) -> Rows:

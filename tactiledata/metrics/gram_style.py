@@ -7,7 +7,7 @@ where there are none, a network of random weights serves, under another name: it
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -127,6 +127,29 @@ def gram_style(
     UsageError
         No weights; pictures that are too small.
     """
+    return style_distances("gram_style", pictures, others, [(mask, others_mask)], weights)[0]
+
+
+def gram_style_random(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
+    """Style distance (n,) by random features; not to be compared with ``gram_style``."""
+    return style_distances("gram_style_random", pictures, others, [(mask, others_mask)])[0]
+
+
+def style_distances(
+    name: str, pictures: Any, others: Any, masks: Sequence[tuple[Any, Any]], weights: Path | None = None
+) -> list[Values]:
+    """Style distances (n,) for each of several pairs of masks, by one pass through the network.
+
+    Parameters
+    ----------
+    name : "gram_style" or "gram_style_random"
+    pictures, others : (n, H, W, 3), (m, H, W, 3), uint8 RGB
+    masks : sequence of (mask, others_mask)
+        As `gram_style` takes them; None for the full frame.
+    weights : Path, optional
+    """
+    if name == "gram_style_random":
+        return _distances(random_features(), pictures, others, masks)
     path = find_weights(weights)
     if path is None:
         raise UsageError(
@@ -134,12 +157,7 @@ def gram_style(
             f"{WEIGHTS} in PyTorch's cache, or a path to it",
             "Take `gram_style_random` instead: another measure under another name.",
         )
-    return _distances(vgg19_features(path), pictures, others, mask, others_mask)
-
-
-def gram_style_random(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
-    """Style distance (n,) by random features; not to be compared with ``gram_style``."""
-    return _distances(random_features(), pictures, others, mask, others_mask)
+    return _distances(vgg19_features(path), pictures, others, masks)
 
 
 def style_score(weights: Path | None = None) -> str:
@@ -150,34 +168,36 @@ def style_score(weights: Path | None = None) -> str:
     return "gram_style" if find_weights(weights) is not None else "gram_style_random"
 
 
-def _distances(network: nn.Sequential, pictures: Any, others: Any, mask: Any, others_mask: Any) -> Values:
-    means = _mean_grams(network, others, others_mask)
-    found = [np.zeros(0)]
-    for grams in _grams(network, pictures, mask, "pictures"):
-        total: Values = np.zeros(len(grams[0]))
-        for ours, mean in zip(grams, means, strict=True):
+def _distances(network: nn.Sequential, pictures: Any, others: Any, masks: Sequence[tuple[Any, Any]]) -> list[Values]:
+    means = _mean_grams(network, others, [theirs for _, theirs in masks])
+    found = [[np.zeros(0)] for _ in masks]
+    for several in _grams(network, pictures, [ours for ours, _ in masks], "pictures"):
+        for grams, mean, kept in zip(several, means, found, strict=True):
             # equation 4 with Gram matrices already over the number of places: 1 / (4 N²) of the squares' sum
-            total += np.square(ours - mean).sum(axis=(1, 2)) / (4 * mean.shape[0] ** 2) / len(STYLE_LAYERS)
-        found.append(total)
-    return np.concatenate(found)
+            parts = [
+                np.square(ours - theirs).sum(axis=(1, 2)) / (4 * theirs.shape[0] ** 2) / len(STYLE_LAYERS)
+                for ours, theirs in zip(grams, mean, strict=True)
+            ]
+            kept.append(np.sum(parts, axis=0))
+    return [np.concatenate(kept) for kept in found]
 
 
-def _mean_grams(network: nn.Sequential, others: Any, mask: Any) -> list[Values]:
-    """The mean Gram matrix (c, c) of each style layer, over the pictures whose masks are not empty."""
-    sums: list[Values] = []
-    count = 0
-    for grams in _grams(network, others, mask, "others"):
-        is_there = ~np.isnan(grams[0][:, 0, 0])
-        some = [gram[is_there].sum(axis=0) for gram in grams]
-        sums = [one + other for one, other in zip(sums, some, strict=True)] if sums else some
-        count += int(is_there.sum())
-    if not count:
+def _mean_grams(network: nn.Sequential, others: Any, masks: Sequence[Any]) -> list[list[Values]]:
+    """By mask: the mean Gram matrix (c, c) of each style layer, over the pictures whose masks are not empty."""
+    sums: list[list[Values]] = []
+    counts = np.zeros(len(masks))
+    for several in _grams(network, others, masks, "others"):
+        is_there = [~np.isnan(grams[0][:, 0, 0]) for grams in several]
+        some = [[gram[there].sum(axis=0) for gram in grams] for grams, there in zip(several, is_there, strict=True)]
+        sums = [[o + s for o, s in zip(*two, strict=True)] for two in zip(sums, some, strict=True)] if sums else some
+        counts += [there.sum() for there in is_there]
+    if not len(sums) or not counts.all():
         raise UsageError("no picture of the other set has a pixel in its mask", "at least one", "")
-    return [one / count for one in sums]
+    return [[one / count for one in layers] for layers, count in zip(sums, counts, strict=True)]
 
 
-def _grams(network: nn.Sequential, pictures: Any, mask: Any, what: str) -> Iterator[list[Values]]:
-    """Gram matrices (n, c, c) of each style layer, over the number of places; NaN where a mask is empty.
+def _grams(network: nn.Sequential, pictures: Any, masks: Sequence[Any], what: str) -> Iterator[list[list[Values]]]:
+    """By mask: Gram matrices (n, c, c) of each style layer, over the number of places; NaN where a mask is empty.
 
     A few pictures at a time: the matrices of one take 5 MB.
     """
@@ -186,29 +206,30 @@ def _grams(network: nn.Sequential, pictures: Any, mask: Any, what: str) -> Itera
     batch = images(pictures, what)
     if min(batch.shape[1:3]) < 32:
         raise UsageError(f"{what} of {batch.shape[1]} x {batch.shape[2]}", "at least 32 px a side", "")
-    inside = image_masks(mask, batch)
+    whole = np.ones(batch.shape[:3], bool)
+    inside = [whole if (one := image_masks(mask, batch)) is None else one for mask in masks]
     for start in range(0, len(batch), CHUNK):
-        some = batch[start : start + CHUNK]
-        weight = np.ones(some.shape[:3], bool) if inside is None else inside[start : start + CHUNK]
+        some = slice(start, start + CHUNK)
         with torch.no_grad():
-            layers = _layer_grams(network, torch.from_numpy(some), torch.from_numpy(weight))
-        yield [gram.double().numpy() for gram in layers]
+            weights = [torch.from_numpy(one[some]) for one in inside]
+            yield _layer_grams(network, torch.from_numpy(batch[some]), weights)
 
 
-def _layer_grams(network: nn.Sequential, pictures: Tensor, weight: Tensor) -> list[Tensor]:
+def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Tensor]) -> list[list[Values]]:
     import torch
 
     values = pictures.permute(0, 3, 1, 2).float() / 255
     values = (values - torch.tensor(MEAN).view(3, 1, 1)) / torch.tensor(SPREAD).view(3, 1, 1)
-    grams = []
+    grams: list[list[Values]] = [[] for _ in weights]
     for number, part in enumerate(list(network)[: max(STYLE_LAYERS) + 1]):
         values = part(values)
         if number in STYLE_LAYERS:
-            share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].float(), values.shape[2:])
-            places = share.sum(dim=(2, 3))[..., None]
             flat = values.flatten(2)
-            gram = torch.einsum("ncp,ndp,np->ncd", flat, flat, share.flatten(1)) / places
-            grams.append(gram)
+            for kept, weight in zip(grams, weights, strict=True):
+                share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].float(), values.shape[2:])
+                places = share.sum(dim=(2, 3))[..., None]
+                gram = (flat * share.flatten(2)) @ flat.transpose(1, 2) / places
+                kept.append(gram.double().numpy())
     return grams
 
 
