@@ -20,6 +20,7 @@ BENCHMARKS = (
     "naming_worlds.py",
     "naming_rivals.py",
     "diagnose_speed.py",
+    "inference.py",
 )
 
 

@@ -23,7 +23,7 @@ def export_models(
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Trained VAEs and projections of a recipe as ONNX files, each held against PyTorch as it is written.
+    """VAEs and projections of a recipe, trained where they are not, as ONNX files that are held against PyTorch.
 
     Example: tactiledata export-models split_backbone --to onnx
     """
@@ -32,7 +32,7 @@ def export_models(
 
     if to != "onnx":
         raise UnknownName("format of exported models", to, ("onnx",))
-    with opened_workshop(recipe, scale, "cpu", out, 1, as_json, may_train=False) as workshop:
+    with opened_workshop(recipe, scale, "cpu", out, 1, as_json) as workshop:
         from split_models.onnx_export import onnx_models
 
         models = onnx_models(workshop)
