@@ -18,7 +18,7 @@ from split_models.relighting import ArithmeticVaeObjective
 from tactiledata.store.targets import find_target
 
 
-def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames) -> Objective:
+def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: ImageVae | None = None) -> Objective:
     """The objective of a recipe's section ``image_vae``.
 
     Parameters
@@ -26,6 +26,8 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames) -> Obje
     section : dict
     frames : TouchFrames
         Of the train part.
+    start : ImageVae, optional
+        Whose weights it learns on from.
 
     Raises
     ------
@@ -36,6 +38,8 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames) -> Obje
     """
     assert frames.size is not None  # recipes state it
     vae = ImageVae(frames.size, **{name: section[name] for name in ("blocks", "down", "channels", "latent")})
+    if start is not None:
+        vae.load_state_dict(start.state_dict())
     augmentation = Augmentation(**section["augmentation"])
     relighting = section["relighting"]
     if not (relighting["relit"] or relighting["exchanged"]):
@@ -50,6 +54,7 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames) -> Obje
         np.stack([*own, *others]),
         relighting["relit"],
         relighting["exchanged"],
+        relighting["contact_weight"],
     )
 
 

@@ -36,27 +36,32 @@ class PictureItems:
     """Pictures of several sets of frames, and backgrounds of sensors among them.
 
     A batch has ``image`` (n, h, w, 3), uint8, and ``sensor`` (n,), int64: the place of each picture's sensor in
-    ``sensor_names`` of the first set, -1 for pictures of other sets.
+    ``sensor_names``, -1 for pictures of other sensors and of other sets than the first.
 
     Parameters
     ----------
     sets : TouchFrames, the first of them the one whose sensors' backgrounds are taken
     background_copies : int
         How often each sensor's picture without contact is among the items.
+    sensor_names : sequence of str, optional
+        Those that are told apart; those of the first set unless stated.
     """
 
-    def __init__(self, sets: Sequence[TouchFrames], background_copies: int = 0) -> None:
+    def __init__(
+        self, sets: Sequence[TouchFrames], background_copies: int = 0, sensor_names: Sequence[str] | None = None
+    ) -> None:
         self.sets = list(sets)
         self._ends = np.cumsum([len(frames) for frames in self.sets])
-        known = self.sets[0].sensor_names
-        names = known if background_copies else []
+        places = {name: place for place, name in enumerate(sensor_names or self.sets[0].sensor_names)}
+        names = self.sets[0].sensor_names if background_copies else []
         self._names = [name for name in names for _ in range(background_copies)]
         self._backgrounds = {name: self.sets[0].background(name) for name in names}
         of_frames = [
-            [known.index(sensor) if number == 0 else -1 for sensor in frames.sensors]
+            [places.get(sensor, -1) if number == 0 else -1 for sensor in frames.sensors]
             for number, frames in enumerate(self.sets)
         ]
-        self._sensors = torch.tensor([*chain.from_iterable(of_frames), *(known.index(name) for name in self._names)])
+        of_backgrounds = [places.get(name, -1) for name in self._names]
+        self._sensors = torch.tensor([*chain.from_iterable(of_frames), *of_backgrounds])
 
     @property
     def fingerprint(self) -> str:

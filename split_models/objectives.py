@@ -60,10 +60,16 @@ class MeshVaeObjective(Objective):
         return vae_losses(self.vae(moved), self.vae.scaled(moved), self.weight)
 
 
-def vae_losses(output: tuple[Tensor, Tensor, Tensor], wanted: Tensor, weight: float) -> Losses:
-    """The losses of a beta-VAE whose output is a reconstruction, mean and log variance."""
+def vae_losses(
+    output: tuple[Tensor, Tensor, Tensor], wanted: Tensor, weight: float, emphasis: Tensor | None = None
+) -> Losses:
+    """The losses of a beta-VAE whose output is a reconstruction, mean and log variance.
+
+    ``emphasis``, of ``wanted``'s shape or one that spreads to it, is what the squared errors are multiplied by.
+    """
     found, mean, log_variance = (one.float() for one in output)
-    error = nn.functional.mse_loss(found, wanted)
+    squares = (found - wanted).square()
+    error = (squares if emphasis is None else squares * emphasis).mean()
     spread = divergence(mean, log_variance)
     return {"loss": error + weight * spread, "error": error.detach(), "divergence": spread.detach()}
 

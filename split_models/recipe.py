@@ -55,8 +55,9 @@ DEFAULTS: dict[str, Any] = {
             "divergence_weight": 0.001,
             "anneal": 50,
             "background_copies": 0,
+            "learns_on": False,
             "augmentation": {"rotation": 0.1, "flip": 0.5, "noise": 0.02, "contrast": 0.1, "brightness": 0.1},
-            "relighting": {"relit": 0.0, "exchanged": 0.0, "backgrounds": []},
+            "relighting": {"relit": 0.0, "exchanged": 0.0, "contact_weight": 0.0, "backgrounds": []},
             "training": {
                 "epochs": 300, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 1e-5,
                 "patience": 20, "save_seconds": 120.0,

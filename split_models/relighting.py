@@ -11,12 +11,17 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
+from torch.nn import functional
 
 from split_models.augment import Augmentation
+from split_models.contact_region import THRESHOLD
 from split_models.image_vae import ImageVae
 from split_models.items import Batch
 from split_models.latent_normal import annealed, draw
 from split_models.objectives import Losses, Objective, vae_losses
+
+BLUR = 5
+"""px: differences to the background are averaged over so many before they count as a touch."""
 
 
 class ArithmeticVaeObjective(Objective):
@@ -37,6 +42,8 @@ class ArithmeticVaeObjective(Objective):
         Share of the pictures that are given under the light of any of the backgrounds.
     exchanged : float
         Share whose latent vector changes its background for any of them before it is decoded.
+    contact_weight : float
+        By how much more squared errors count where a picture shows the touch: a touch is a small part of a picture.
     """
 
     def __init__(
@@ -48,24 +55,24 @@ class ArithmeticVaeObjective(Objective):
         backgrounds: NDArray[np.uint8],
         relit: float,
         exchanged: float,
+        contact_weight: float = 0.0,
     ) -> None:
         super().__init__()
         self.network = network
         self.vae = network
         self.weight, self.anneal, self.augmentation = divergence_weight, anneal, augmentation
-        self.relit, self.exchanged = relit, exchanged
+        self.relit, self.exchanged, self.contact_weight = relit, exchanged, contact_weight
         self.backgrounds: Tensor
         pictures = torch.from_numpy(np.ascontiguousarray(backgrounds)).permute(0, 3, 1, 2)
         self.register_buffer("backgrounds", pictures, persistent=False)
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
         """``loss``, ``error`` and ``divergence``."""
-        pictures = batch["image"].permute(0, 3, 1, 2).float()
+        pictures, own = batch["image"].permute(0, 3, 1, 2).float(), batch["sensor"]
         if not self.training:
             scaled = _scaled(pictures)
-            return vae_losses(self.vae(scaled), scaled, self.weight)
+            return vae_losses(self.vae(scaled), scaled, self.weight, self._emphasis(pictures, self.backgrounds, own))
         pictures, backgrounds = self.augmentation.moved_together(pictures, self.backgrounds.float())
-        own = batch["sensor"]
         given = self._some_other(own, self.relit)
         wanted = self._some_other(given, self.exchanged)
         shown = _scaled(relight(pictures, backgrounds, own, given))
@@ -74,7 +81,17 @@ class ArithmeticVaeObjective(Objective):
         base = torch.cat([self.vae.distribution(_scaled(backgrounds))[0], torch.zeros_like(mean[:1])])
         found = self.vae.decode(draw(mean, log_variance) - base[given] + base[wanted])
         goal = _scaled(relight(pictures, backgrounds, own, wanted))
-        return vae_losses((found, mean, log_variance), goal, annealed(self.weight, epoch, self.anneal))
+        emphasis = self._emphasis(pictures, backgrounds, own)
+        return vae_losses((found, mean, log_variance), goal, annealed(self.weight, epoch, self.anneal), emphasis)
+
+    def _emphasis(self, pictures: Tensor, backgrounds: Tensor, own: Tensor) -> Tensor:
+        """How much errors count, (n, 1, h, w): more where a picture differs from its background."""
+        if not self.contact_weight:
+            return torch.ones_like(pictures[:, :1])
+        difference = (pictures - backgrounds[own]).abs().amax(dim=1, keepdim=True)
+        smooth = functional.avg_pool2d(difference, BLUR, stride=1, padding=BLUR // 2)
+        is_touched = (smooth > THRESHOLD) & (own >= 0)[:, None, None, None]
+        return 1.0 + self.contact_weight * is_touched
 
     def _some_other(self, places: Tensor, share: float) -> Tensor:
         """A share of the places (n,) drawn anew among all backgrounds; those of pictures without one (-1) stay."""

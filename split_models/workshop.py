@@ -73,6 +73,7 @@ class Workshop:
         self._frames: dict[str, TouchFrames] = {}
         self._latents: dict[str, Tensor] = {}
         self._variants: dict[str, Workshop] = {}
+        self._base_workshop: Workshop | None = None
 
     def variant(self, name: str) -> Workshop:
         """The same with models shaped as a variant of the recipe says; what it leaves as it is is shared.
@@ -85,7 +86,7 @@ class Workshop:
         if name not in self._variants:
             recipe = self.recipe.variant(name)
             other = Workshop(recipe, self.out, self.device, self.ranks, self.tell, self.workers, self.kept.may_train)
-            other._frames = self._frames
+            other._frames, other._base_workshop = self._frames, self
             self._variants[name] = other
         return self._variants[name]
 
@@ -145,15 +146,17 @@ class Workshop:
     def image_vae(self) -> ImageVae:
         """The image beta-VAE."""
         section = self.recipe.models["image_vae"]
+        start = self._base_workshop.image_vae if section["learns_on"] and self._base_workshop else None
+        parents = {} if start is None or self._base_workshop is None else self._base_workshop.key_of("image_vae")
 
         def build() -> tuple[Objective, Items, Items]:
-            sets = [self.frames("train"), *self._extra_frames]
-            objective = image_vae_objective(section, sets[0])
-            return objective, PictureItems(sets, section["background_copies"]), PictureItems([self.frames("val")])
+            train, val = self.frames("train"), self.frames("val")
+            items = PictureItems([train, *self._extra_frames], section["background_copies"])
+            return image_vae_objective(section, train, start), items, PictureItems([val], 0, train.sensor_names)
 
         fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self._extra_frames]])
         options = self.recipe.training("image_vae", settle=section["anneal"])
-        return cast("ImageVae", self.learned("image_vae", {}, section, fingerprint, options, build))
+        return cast("ImageVae", self.learned("image_vae", parents, section, fingerprint, options, build))
 
     @cached_property
     def _extra_frames(self) -> list[TouchFrames]:
@@ -330,9 +333,13 @@ class Workshop:
         tensors = {"given": self.latents(part, given), "wanted": self.latents(part, wanted)}
         return TensorItems(tensors, frames.fingerprint, frames)
 
+    def key_of(self, model: str) -> dict[str, str]:
+        """What shaped a model that was asked for, by its name."""
+        return {model: self.kept.keys[model]}
+
     def _vaes(self) -> dict[str, str]:
         """Keys of both VAEs, trained where they are not."""
-        return {vae.kind: self.kept.keys[vae.kind] for vae in (self.image_vae, self.mesh_vae)}
+        return {**self.key_of(self.image_vae.kind), **self.key_of(self.mesh_vae.kind)}
 
     def _projections_of(self, given: str) -> dict[str, str]:
         if not given.startswith("projected"):

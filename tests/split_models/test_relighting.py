@@ -64,6 +64,20 @@ def test_nothing_exchanged_is_the_plain_vae(lights):
     assert torch.allclose(learning, plain.eval()(batch, 0.0)["error"], rtol=1e-4)
 
 
+def test_touches_weigh_more():
+    """Errors inside the touch count as often as was asked, those outside once."""
+    base = np.full((1, 40, 30, 3), 100, np.uint8)
+    touched = base.copy()
+    touched[:, 10:20, 10:20] += 60
+    torch.manual_seed(0)
+    weighted = ArithmeticVaeObjective(image_vae(), 0.0, 0, Augmentation(), base, 0.0, 0.0, contact_weight=4.0)
+    planes = as_planes(touched)
+    emphasis = weighted._emphasis(planes, as_planes(base), torch.tensor([0]))[0, 0]
+    assert (emphasis[12:18, 12:18] == 5.0).all()
+    assert (emphasis[30:] == 1.0).all()
+    assert (weighted._emphasis(planes, as_planes(base), torch.tensor([-1])) == 1.0).all()
+
+
 def test_exchanging_is_learned_from_backgrounds_alone(lights):
     """After some steps, arithmetic between two backgrounds decodes to the other one."""
     learner = objective(lights, 1.0, 1.0)
@@ -80,8 +94,9 @@ def test_exchanging_is_learned_from_backgrounds_alone(lights):
 
 
 def workshop(folder, store, backgrounds):
-    relighting = {"relit": 0.5, "exchanged": 0.5, "backgrounds": backgrounds}
-    document = {**tiny_recipe(store, "digit_images"), "variants": {"relit": {"image_vae": {"relighting": relighting}}}}
+    relighting = {"relit": 0.5, "exchanged": 0.5, "contact_weight": 4.0, "backgrounds": backgrounds}
+    variants = {"relit": {"image_vae": {"learns_on": True, "relighting": relighting}}}
+    document = {**tiny_recipe(store, "digit_images"), "variants": variants}
     path = folder / "recipe.yaml"
     path.write_text(yaml.safe_dump(document))
     return Workshop(load_recipe(path), folder / "out", torch.device("cpu"))
