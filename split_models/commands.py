@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from split_models import export_command, score_command, transfer_command
+from split_models import export_command, fine_tune_command, score_command, transfer_command
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.errors import UsageError
@@ -29,6 +29,7 @@ def register(app: typer.Typer) -> None:
     app.command("run")(run)
     transfer_command.register(app)
     score_command.register(app)
+    fine_tune_command.register(app)
     export_command.register(app)
 
 

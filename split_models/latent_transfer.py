@@ -75,7 +75,15 @@ def laid_on(background: Pictures, drawn: Pictures, untouched: Pictures, laid: La
 
 
 def scaled(pictures: Pictures, size: tuple[int, int]) -> Pictures:
-    """Pictures (n, *size, 3): averaged where they shrink, interpolated where they grow; as they are where they fit."""
+    """Pictures (n, *size, 3): averaged where they shrink, interpolated where they grow; as they are where they fit.
+
+    Where pictures lie and the size is upright they are turned a quarter, and back the other way round.
+    """
+    if pictures.shape[1:3] == tuple(size):
+        return pictures
+    rows, columns = pictures.shape[1:3]
+    if (rows - columns) * (size[0] - size[1]) < 0:
+        pictures = np.ascontiguousarray(np.rot90(pictures, 1 if rows < columns else -1, axes=(1, 2)))
     if pictures.shape[1:3] == tuple(size):
         return pictures
     way = cv2.INTER_AREA if size[0] < pictures.shape[1] else cv2.INTER_LINEAR

@@ -63,16 +63,27 @@ def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
         if model is not None:
             raise UsageError(f"--model {model} with --method {name}", "a method that uses a model: latent", "")
         return PIXEL_TRANSFERS[key]
+    from split_models.latent_transfer import load_image_vae
+
+    return vae_transfer(key, *load_image_vae(model_file(model, f"--method {name}")))
+
+
+def model_file(model: Path | None, wanted_by: str) -> Path:
+    """The checkpoint of a name, or the bundled one.
+
+    Raises
+    ------
+    MissingFile
+        None was named, and none is bundled.
+    """
     if model is None and not BUNDLED_MODEL.is_file():
         raise MissingFile(
-            f"--method {name} needs a model of pictures, and none is bundled with this version",
+            f"{wanted_by} needs a model of pictures, and none is bundled with this version",
             "a checkpoint of an image VAE",
             "Train one (`tactiledata train RECIPE`) and name it with --model, or transfer by pixels: "
             "--method background-swap.",
         )
-    from split_models.latent_transfer import load_image_vae
-
-    return vae_transfer(key, *load_image_vae(model or BUNDLED_MODEL))
+    return model or BUNDLED_MODEL
 
 
 def vae_transfer(name: str, vae: ImageVae, model: str = "", recipe: str = "") -> TransferMethod:

@@ -91,6 +91,15 @@ def test_scaling_to_the_own_size_changes_nothing(sensors):
     assert abs(float(scaled(touches, (20, 15)).mean()) - float(touches.mean())) < 1
 
 
+def test_lying_pictures_are_turned_upright_and_back(sensors):
+    """A quarter, not squeezed, and the other way round back: no pixel is lost."""
+    touches, _, _ = sensors
+    lying = scaled(touches, (30, 40))
+    np.testing.assert_array_equal(np.rot90(lying, axes=(1, 2)), touches)
+    np.testing.assert_array_equal(scaled(lying, (40, 30)), touches)
+    assert scaled(lying, (20, 15)).shape == (5, 20, 15, 3)
+
+
 def test_a_mesh_model_is_refused(tmp_path):
     """A checkpoint of another kind, with the topology it was trained on, is named as what it is."""
     save_checkpoint(tmp_path / "mesh.ckpt", Checkpoint.of(mesh_vae(), Stamps()))

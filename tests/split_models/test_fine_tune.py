@@ -1,0 +1,83 @@
+"""Fine-tuning: a VAE comes nearer to another sensor's pictures, goes on, and refuses what it cannot take."""
+
+import json
+import shutil
+
+import pytest
+import torch
+from cli.command import run_command
+from loaders.loader_stores import split_store, write_loader_store
+from small_models import image_vae, mesh_vae
+
+from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.image_vae import ImageVae
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """Two sensors' pictures of 16 x 12, and a model of 40 x 30."""
+    folder = tmp_path_factory.mktemp("tuned")
+    split_store(folder / "ds.zarr")
+    torch.manual_seed(0)
+    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(image_vae(), Stamps(recipe="5ec1be")))
+    return folder
+
+
+def tuned(capsys, folder, *more):
+    return run_command(capsys, "fine-tune", folder / "ds.zarr", "--model", folder / "vae.ckpt", "--out", *more)
+
+
+def test_it_learns_and_again_is_no_change(place, capsys):
+    """The error falls, what is written is an image VAE of the same sizes, the parent stays; again: the same bytes."""
+    parent = (place / "vae.ckpt").read_bytes()
+    code, out, err = tuned(capsys, place, place / "out", "--epochs", "3", "--learning-rate", "0.003", "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["after"] < 0.9 * found["before"]
+    made = load_checkpoint(place / "out" / "best.pt")
+    assert isinstance(made.network(), ImageVae)
+    assert made.settings == load_checkpoint(place / "vae.ckpt").settings
+    assert (place / "vae.ckpt").read_bytes() == parent
+    before = (place / "out" / "best.pt").read_bytes()
+    code, out, _ = tuned(capsys, place, place / "out", "--epochs", "3", "--learning-rate", "0.003", "--json")
+    assert code == 0
+    assert json.loads(out)["after"] == found["after"]
+    assert (place / "out" / "best.pt").read_bytes() == before
+    code, _, err = tuned(capsys, place, place / "out", "--epochs", "4")
+    assert code == 2
+    assert "another state" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--split", "other"], "other"),
+        (["--camera", "digitt"], "digit"),
+        (["--epochs", "0"], "epochs"),
+        (["--learning-rate", "-1"], "learning-rate"),
+        (["--model", "nowhere.ckpt"], "nowhere.ckpt"),
+        (["--model", "mesh.ckpt"], "an image_vae"),
+    ],
+)
+def test_wrong_calls(place, capsys, monkeypatch, words, says):
+    """Exit 2, in a line, before anything is written."""
+    monkeypatch.chdir(place)
+    save_checkpoint(place / "mesh.ckpt", Checkpoint.of(mesh_vae(), Stamps()))
+    code, _, err = run_command(capsys, "fine-tune", "ds.zarr", "--model", "vae.ckpt", *words, "--out", "none")
+    assert code == 2
+    assert says in err
+    assert "Traceback" not in err
+    assert not (place / "none").exists()
+
+
+def test_stores_that_fall_short(place, capsys, tmp_path):
+    """No split is said with the command that makes one; of two cameras one must be named."""
+    write_loader_store(tmp_path / "bare.zarr")
+    shutil.copy(place / "vae.ckpt", tmp_path)
+    write_loader_store(tmp_path / "two.zarr", cameras=("digit", "scene"))
+    for store, says in (("bare.zarr", "tactiledata split"), ("two.zarr", "--camera")):
+        code, _, err = run_command(
+            capsys, "fine-tune", tmp_path / store, "--model", tmp_path / "vae.ckpt", "--out", tmp_path / "out"
+        )
+        assert code == 2, err
+        assert says in err
