@@ -61,7 +61,7 @@ class Answer:
             said += _moved(self.naming.intervals_before, self.naming.intervals)
             if decision.is_more_left:
                 said.append("What it leaves still has structure: more is missing than the catalogue can say.")
-            return [*said, *_odd(decision.left), *_alarms(best, "with it")]
+            return [*said, *_odd(decision.left), *_alarms(best, "with it"), _of_the_known(best, self.naming)]
         if decision.verdict == "none of the known effects":
             said = ["What is left has structure, and none of the known effects explains it."]
         elif decision.verdict == "below detection" and best is not None:
@@ -171,6 +171,13 @@ def _alarms(best: Judged, when: str) -> list[str]:
     return [
         f"{joined_names(best.at_bounds)} at the end of what was tried {when}: something else may still be absorbed."
     ]
+
+
+def _of_the_known(best: Judged, naming: Naming) -> str:
+    tried = {*naming.identifiable.effects, *naming.identifiable.without_trace}
+    said = "this is" if len(best.names) == 1 else "these two are"
+    said = f"Of {len(tried)} effects that were tried, {said} the nearest: what acts alike and is not among them"
+    return f"{said} would go by the same name."
 
 
 def _interval(one: Interval) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.case_residuals import case_residuals, locating, signature_fields
+from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.explain import Explanation, explain
 from tactiledata.diagnose.force_zeros import read_zeros
 from tactiledata.diagnose.learning_library import need_learning_library
@@ -72,7 +73,9 @@ class StoreDiagnosis:
         if not self.is_missing:
             return "nothing found"
         if self.answer.names or not self.answer.is_missing:
-            return "partly explained" if self.naming.decision.is_more_left else "explained"
+            decision = self.naming.decision
+            is_left = decision.is_more_left or decision.left.is_in_few(ESTIMATED)
+            return "partly explained" if is_left else "explained"
         return "not explained"
 
 
