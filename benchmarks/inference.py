@@ -2,9 +2,9 @@
 
     python benchmarks/inference.py [--scale small|paper] [--touches 13] [--threads 1] [--quick]
 
-The networks have a recipe's sizes and random weights, which take the same time as trained ones. Each method is given the
-mesh of the resolution that the SPLIT paper gives it (Taxim and FOTS 80,190 vertices, SPLIT 6,105); Taxim and FOTS have
-the low one, too. Memory is the peak of a process that does nothing else, Python and its libraries with it.
+The networks have a recipe's sizes and random weights, which take the same time as trained ones. Each method is given
+the mesh of the resolution that the SPLIT paper gives it: Taxim and FOTS 80,190 vertices, SPLIT 6,105; Taxim and FOTS
+have the low one, too. Memory is the peak of a process that does nothing else, Python and its libraries with it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from split_models.onnx_models import OnnxMeshToImage, OnnxModels
 from split_models.projection import Projection
 from split_models.recipe import Recipe, load_recipe
 from split_models.simulated_frames import Pad, simulate
-from split_models.step_race import contenders, race
+from split_models.step_race import contenders, race, weigh
 from split_models.taxim_method import taxim_published
 from tactiledata.gel.structured_pad import pad_mesh
 from tactiledata.sensors.backgrounds import load_background
@@ -85,19 +85,22 @@ def main() -> None:
     parser.add_argument("--scale", default="small", choices=("small", "paper"))
     parser.add_argument("--touches", type=int, default=13)
     parser.add_argument("--threads", type=int, default=1, help="of PyTorch and onnxruntime")
-    parser.add_argument("--quick", action="store_true", help="two touches")
+    parser.add_argument("--quick", action="store_true", help="two touches, no memory")
     given = parser.parse_args()
     torch.set_num_threads(given.threads)
     recipe = load_recipe("table_inference_time", given.scale)
     size = (int(recipe.data["image_size"][0]), int(recipe.data["image_size"][1]))
     background = cv2.resize(load_background(BACKGROUND), size[::-1], interpolation=cv2.INTER_AREA)
     pad = Pad("digit", DIGIT.gel, MATERIAL, "finite-strain", recipe.data["replay"]["keep"])
-    simulated = simulate(pad, touches(2 if given.quick else given.touches))
+    simulated = simulate(pad, touches(2 if given.quick else given.touches), weighs=not given.quick)
     low = simulated["low"]
     with tempfile.TemporaryDirectory() as folder:
         moved = np.stack(low.displacements[:2])
         runners = contenders(methods(recipe, low.surface, background, moved, Path(folder)))
-        race(runners, simulated, [(number, "DIGIT") for number in range(len(low.frames))], {"DIGIT": background})
+        drawn = [(number, "DIGIT") for number in range(len(low.frames))]
+        race(runners, simulated, drawn, {"DIGIT": background})
+        if not given.quick:
+            weigh(runners, simulated, drawn[0], {"DIGIT": background})
     rows = cost_rows(runners, simulated)
     header(
         f"touch to picture, {size[0]} x {size[1]}, {len(low.frames)} frames, {given.threads} threads, "

@@ -14,7 +14,7 @@ from split_models.methods import mesh_to_image
 from split_models.picture_grid import write_grid
 from split_models.recorded_touches import recorded_touches
 from split_models.simulated_frames import simulate
-from split_models.step_race import Contender, Simulated, contenders, race
+from split_models.step_race import Contender, Simulated, contenders, race, weigh
 from split_models.workshop import Workshop
 from tactiledata.errors import UsageError
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
@@ -47,6 +47,7 @@ def time_rows(workshop: Workshop) -> list[dict[str, Any]]:
     drawn = [(place, recorded.sensors[touch]) for place, (touch, _) in known]
     backgrounds = {sensor: recorded.frames.background(sensor) for sensor in set(recorded.sensors)}
     race(runners, simulated, drawn, backgrounds, workshop.tell)
+    weigh(runners, simulated, drawn[0], backgrounds)
     numbers = np.array([recorded.numbers[frame] for _, frame in known])
     figure, titles = resolution_figure(runners, recorded.frames.pictures(numbers))
     write_grid(workshop.tables / f"resolutions-{part}.png", figure, titles)

@@ -71,11 +71,12 @@ class SimulatedFrames:
 
 
 def simulate(
-    pad: Pad, touches: Sequence[GelTouch], tell: Callable[..., None] | None = None
+    pad: Pad, touches: Sequence[GelTouch], tell: Callable[..., None] | None = None, weighs: bool = True
 ) -> dict[Resolution, SimulatedFrames]:
     """Every touch at both resolutions in turn, each alone, its frames one after the other.
 
-    At high resolution the surface's nodes are kept, which is all that pictures need.
+    At high resolution the surface's nodes are kept, which is all that pictures need. ``weighs``: memory as well, each
+    resolution in a process of its own.
     """
     resolutions: tuple[Resolution, ...] = ("low", "high")
     keeps: dict[Resolution, Keep] = {"low": pad.keep, "high": "surface"}
@@ -98,7 +99,7 @@ def simulate(
             one.seconds += [seconds / len(solved)] if len(solved) else []
             one.displacements += list(history.displacement[solved])
             one.frames += [(number, int(frame)) for frame in solved]
-    for resolution, one in found.items():
+    for resolution, one in found.items() if weighs else ():
         one.memory = peak_memory(partial(_played, pad, resolution, touches[0], keeps[resolution]))
     return found
 

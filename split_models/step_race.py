@@ -90,7 +90,7 @@ def race(
     Parameters
     ----------
     runners : sequence of Contender
-        Seconds, pictures and memory are written into them.
+        Seconds and pictures are written into them.
     simulated : dict
         By resolution.
     frames : sequence of (number, sensor)
@@ -113,7 +113,13 @@ def race(
                     one.seconds.setdefault(name, []).append(time.perf_counter() - started)
             if turn >= WARM_UP:
                 one.pictures.append(found[0])
-    number, sensor = frames[0]
+
+
+def weigh(
+    runners: Sequence[Contender], simulated: Simulated, frame: tuple[int, str], backgrounds: Mapping[str, Pictures]
+) -> None:
+    """Each contender's memory while it draws a frame, (number, sensor) as in `race`, in a process of its own."""
+    number, sensor = frame
     for one in runners:
         moved = simulated[one.resolution].displacements[number][None]
         one.memory = peak_memory(_drawn, one.of_unit(sensor, simulated), moved, backgrounds[sensor])
