@@ -25,9 +25,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 LAW_PRIOR = 0.06
-"""Standard deviation of the force law's factor where it is fitted beside effects: somewhat less than the 7 to 9 % that
-two solvers differ in (``LAW_ERROR``), since most of that E, nu and the indenters' factors take up; claims were set
-with it (docs/naming.md)."""
+"""Standard deviation of the force law's factor where it is fitted beside effects: somewhat less than ``LAW_ERROR``,
+since most of that E, nu and the indenters' factors take up; claims were set with it (docs/naming.md)."""
 SHEAR_ERROR = 0.04
 """Standard deviation, as a share: by how much sticking shear is off beside the normal force; estimate."""
 

@@ -23,9 +23,9 @@ solvers of other discretisation and other contact differ so from shape to shape 
 
 LAW_ERROR = {"finite-strain": 0.08, "linear": 0.1, "mujoco-flex": 0.2}
 """Standard deviation, as a share: by how much the simulation's force is off over a factor e of the force. Two
-discretisations of one contact agree on a force better than on how it grows: finite strain, fitted to the rig's layer
-solver without noise, is off by 7 to 9 % (docs/naming.md); linear by what it lacks besides (docs/gel.md); of flex an
-estimate."""
+discretisations of one contact agree on a force better than on how it grows: between finite strain and the rig's layer
+solver it drifts by 0 to 5 %, by indenter (benchmarks/solver_difference.py), and 6 % was too little for recorded worlds
+(docs/results.md); linear by what it lacks besides (docs/gel.md); of flex an estimate."""
 
 SCATTER = 0.01
 """Standard deviation, as a share of the force: by how much frame by frame the solver's tolerance, patches that come and
@@ -49,7 +49,7 @@ CENTRE_SCATTER = 5e-5
 LOCKED_ERROR = 0.05
 """Standard deviation, as a share of the load that has been taken off: by how much the shear is off that friction holds
 back then. It depends on the steps of the whole way, not on the force that is left: two solvers that agree within 1 %
-under load were 4 % of the greatest load apart on the way out (docs/naming.md)."""
+under load are up to 5 % of the greatest load apart on the way out (benchmarks/solver_difference.py)."""
 
 
 def scatter_covariance(deviations: Array, centre: Array, places: Array) -> Array:
