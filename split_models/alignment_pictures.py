@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from split_models.evaluate import summarised
-from split_models.latent import add, encode_pictures, subtract
+from split_models.latent import encode_pictures, subtract
 from split_models.transfer_picture import sheet
 from split_models.unit_frames import UnitFrames, paired_frames, spread_evenly
 from tactiledata.contract.atomic import write_atomic
@@ -18,6 +18,8 @@ from tactiledata.scoring.embedding_picture import draw_embedding, embed_vectors
 
 if TYPE_CHECKING:
     from split_models.domain_alignment import Alignment
+    from split_models.image_vae import ImageVae
+    from split_models.workshop import Workshop
 
 Rows = list[dict[str, Any]]
 Vectors = dict[str, dict[str, NDArray[np.floating]]]
@@ -41,8 +43,9 @@ def latent_rows(table: Alignment) -> Rows:
     rows: Rows = []
     for letter, target in table.targets.items():
         for source in table.sources[:SHOWN_SOURCES]:
-            pairs = [("Z_deform", source), ("Z_image", source), ("Z_image", _arrived(source, letter))]
-            for kind, first in pairs:
+            of_models = [kind for kind in vectors[target] if kind.startswith("Z_image")]
+            pairs = [(kind, source) for kind in vectors[target]]
+            for kind, first in pairs + [(kind, _arrived(source, letter)) for kind in of_models]:
                 ours, theirs = vectors[first][kind], vectors[target][kind]
                 values = {name: score.compute(ours, theirs) for name, score in EMBEDDING.scores.items()}
                 scores = summarised(values, touches[first], rounds, EMBEDDING.scores)
@@ -52,23 +55,37 @@ def latent_rows(table: Alignment) -> Rows:
 
 
 def _vectors(table: Alignment, most: int) -> tuple[Vectors, dict[str, NDArray[np.object_]]]:
-    """Vectors by set and kind, and the touches that they are of."""
-    vae = table.workshop.image_vae
-    bases, vectors, touches = {}, Vectors(), {}
-    for name in [*table.sources[:SHOWN_SOURCES], *table.targets.values()]:
-        unit = table.units[name]
-        numbers = spread_evenly(len(unit), most)
-        bases[name] = encode_pictures(vae, unit.background[None])
-        image = encode_pictures(vae, unit.pictures(numbers))
-        vectors[name] = {"Z_deform": subtract(image, bases[name]).numpy(), "Z_image": image.numpy()}
-        touches[name] = unit.touches[numbers]
-    for letter, target in table.targets.items():
-        for source in table.sources[:SHOWN_SOURCES]:
-            arrived = _arrived(source, letter)
-            deformation = vectors[source]["Z_deform"]
-            vectors[arrived] = {"Z_image": add(deformation, bases[target].numpy())}
-            touches[arrived] = touches[source]
+    """Vectors by set and kind, of the recipe's model and of variants among its rows, and their touches."""
+    vectors: Vectors = {}
+    touches: dict[str, NDArray[np.object_]] = {}
+    shown = [*table.sources[:SHOWN_SOURCES], *table.targets.values()]
+    numbers = {name: spread_evenly(len(table.units[name]), most) for name in shown}
+    for words, vae in _models(table).items():
+        bases = {}
+        for name in shown:
+            unit = table.units[name]
+            bases[name] = encode_pictures(vae, unit.background[None])
+            image = encode_pictures(vae, unit.pictures(numbers[name]))
+            found = {f"Z_deform{words}": subtract(image, bases[name]), f"Z_image{words}": image}
+            vectors.setdefault(name, {}).update({kind: some.numpy() for kind, some in found.items()})
+            touches[name] = unit.touches[numbers[name]]
+        for letter, target in table.targets.items():
+            for source in table.sources[:SHOWN_SOURCES]:
+                arrived = vectors[source][f"Z_deform{words}"] + bases[target].numpy()
+                vectors.setdefault(_arrived(source, letter), {})[f"Z_image{words}"] = arrived
+                touches[_arrived(source, letter)] = touches[source]
     return vectors, touches
+
+
+def model_of(workshop: Workshop, variant: str) -> ImageVae:
+    """The image VAE of a workshop's recipe, or of one of its variants."""
+    return (workshop.variant(variant) if variant else workshop).image_vae
+
+
+def _models(table: Alignment) -> dict[str, ImageVae]:
+    """Image VAEs by what is said of them."""
+    variants = dict.fromkeys(row.rpartition(":")[0] for row in table.methods)
+    return {f" ({name})" if name else "": model_of(table.workshop, name) for name in {"": None, **variants}}
 
 
 def _arrived(source: str, letter: str) -> str:

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from split_models.alignment_pictures import AS_RECORDED, latent_rows, write_strips
+from split_models.alignment_pictures import AS_RECORDED, latent_rows, model_of, write_strips
 from split_models.contact_region import contact_region
 from split_models.evaluate import MASKED, Values, summarised
+from split_models.methods import VARIANTS
 from split_models.paired_truth import PAIRED_SCORES, paired_values
 from split_models.pixel_transfer import PIXEL_TRANSFERS
 from split_models.transfer_methods import LATENT, TransferMethod, title_of, vae_transfer
@@ -104,15 +105,21 @@ def prepare_alignment(workshop: Workshop) -> Alignment:
         )
     if both := sorted(set(sources) & set(targets.values())):
         raise UsageError(f"{', '.join(both)} as source and as target", "other units on each side", "Mend the recipe.")
-    names = list(rows["methods"] or [*LATENT, *PIXEL_TRANSFERS])
-    for name in names:
-        if name not in LATENT and name not in PIXEL_TRANSFERS:
-            raise UnknownName("transfer method", name, [*LATENT, *PIXEL_TRANSFERS])
     weights = Path(rows["weights"]) if rows["weights"] else None
     scores = {score.name: score for _, score in chosen_scores(SET_SCORES, weights)}
-    vae = workshop.image_vae
-    methods = {name: vae_transfer(name, vae) if name in LATENT else PIXEL_TRANSFERS[name] for name in names}
+    methods = {row: _method(workshop, row) for row in rows["methods"] or [*LATENT, *PIXEL_TRANSFERS]}
     return Alignment(workshop, methods, sources, targets, scores, weights)
+
+
+def _method(workshop: Workshop, row: str) -> TransferMethod:
+    """The transfer of a row; ``VARIANT:METHOD`` is one with the image VAE of a variant of the recipe."""
+    variant, _, name = row.rpartition(":")
+    if name in LATENT:
+        return vae_transfer(name, model_of(workshop, variant))
+    if variant or name not in PIXEL_TRANSFERS:
+        raise UnknownName("transfer method" + (" with a model" if variant else ""), name, [*LATENT, *PIXEL_TRANSFERS])
+    found: TransferMethod = PIXEL_TRANSFERS[name]
+    return found
 
 
 def alignment_rows(workshop: Workshop) -> Rows:
@@ -224,6 +231,8 @@ def _joined(found: list[Values]) -> Values:
 
 
 def _row(part: str, name: str, scores: Any, letter: str, source: str = "") -> dict[str, Any]:
-    title = "as recorded (Real)" if name == AS_RECORDED else f"{title_of(name)} (Synth.)"
+    variant, _, method = name.rpartition(":")
+    of_variant = f", {VARIANTS.get(variant, variant)}" if variant else ""
+    title = "as recorded (Real)" if name == AS_RECORDED else f"{title_of(method)}{of_variant} (Synth.)"
     words = f"{source}, {title}" if source else title
     return {"part": part, "method": words, "transfer": name, "target": letter, "source": source, "scores": scores}

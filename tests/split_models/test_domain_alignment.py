@@ -16,10 +16,16 @@ from split_models.paired_truth import overlap, paired_values
 from split_models.recipe import load_recipe
 from split_models.unit_frames import UnitFrames, paired_frames, spread_evenly
 from split_models.workshop import Workshop
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import MissingFile, UnknownName, UsageError
 
 SOURCES = ["D20001", "D20002"]
-ROWS = {"sources": SOURCES, "targets": {"A": UNSEEN}, "frames": 6, "pairs": 6, "parts": ["train", "test", "test_unseen"]}
+ROWS = {
+    "sources": SOURCES,
+    "targets": {"A": UNSEEN},
+    "frames": 6,
+    "pairs": 6,
+    "parts": ["train", "test", "test_unseen"],
+}
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +36,7 @@ def out(tmp_path_factory):
 def recipe_file(folder, store, **changes):
     document = tiny_recipe(store, "domain_alignment", **{**ROWS, **changes})
     document["data"]["image_size"] = [40, 40]  # style distances need 32 px a side
+    document["variants"] = {"other": {"image_vae": {"latent": 6}}}
     path = folder / "alignment.yaml"
     path.write_text(yaml.safe_dump(document))
     return path
@@ -64,6 +71,17 @@ def test_the_command_makes_table_and_pictures(touch_store, out, capsys):
     assert any("Z_image, D20001 to A against A" in row["method"] for row in latent)
 
 
+def test_a_variant_has_rows_of_its_own(touch_store, out):
+    """Its own model transfers, and its latent vectors stand beside the recipe's."""
+    rows = alignment_rows(workshop(out, touch_store, out, methods=["latent", "other:latent"]))
+    words = [row["method"] for row in rows if row["part"].endswith("over sources")]
+    assert words == ["as recorded (Real)", "latent arithmetic (Synth.)", "latent arithmetic, other (Synth.)"]
+    kinds = {row["method"].partition(",")[0] for row in rows if row["part"] == "latent vectors"}
+    assert kinds == {"Z_deform", "Z_image", "Z_deform (other)", "Z_image (other)"}
+    values = [row["scores"]["gram_style_random"]["value"] for row in rows if row["part"].endswith("over sources")]
+    assert len(set(values)) == 3
+
+
 def test_a_mean_over_sources_is_their_mean(touch_store, out):
     """Rows by source and the row over them tell of the same frames."""
     rows = alignment_rows(workshop(out, touch_store, out, methods=["no_contact"]))
@@ -85,8 +103,10 @@ def test_a_mean_over_sources_is_their_mean(touch_store, out):
         ({"targets": None}, UsageError, "no targets"),
         ({"targets": {"A": "D20002"}}, UsageError, "D20002 as source and as target"),
         ({"methods": ["background_swop"]}, UnknownName, "Did you mean background_swap"),
+        ({"methods": ["none:latent"]}, UnknownName, "variant"),
+        ({"methods": ["other:background_swap"]}, UnknownName, "with a model"),
         ({"sources": ["D2001"]}, UnknownName, "Did you mean D20001"),
-        ({"weights": "nowhere.pth"}, Exception, "nowhere.pth"),
+        ({"weights": "nowhere.pth"}, MissingFile, "nowhere.pth"),
     ],
 )
 def test_wrong_recipes_are_refused_in_words(touch_store, out, tmp_path, changes, error, says):
