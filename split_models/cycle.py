@@ -51,6 +51,9 @@ class CyclePair(Network):
 class CycleObjective(Objective):
     """Squared errors of both projections, of going forth and back, and of what is made of their own outputs.
 
+    Errors are shares of the variance of what they are errors of: the vectors of pictures vary far less than those of
+    meshes, and going back would weigh on the way forth more than the pictures themselves.
+
     Parameters
     ----------
     network : CyclePair
@@ -58,29 +61,35 @@ class CycleObjective(Objective):
         Of going forth and back in latent space.
     own_weight : float
         Of latent vectors that were decoded and encoded again; 0 asks for none in a batch.
+    variances : (mesh, deformation)
+        Of the latent vectors of the train part.
     """
 
-    def __init__(self, network: CyclePair, weight: float, own_weight: float) -> None:
+    def __init__(
+        self, network: CyclePair, weight: float, own_weight: float, variances: tuple[float, float] = (1.0, 1.0)
+    ) -> None:
         super().__init__()
         self.network = network
         self.pair, self.weight, self.own_weight = network, weight, own_weight
+        self.of_mesh, self.of_picture = variances
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
         """``loss``, ``error`` of the plain projections, ``cycle``, and ``own`` where it is asked for."""
         mesh, picture = batch["mesh"], batch["deformation"]
         forth, back = self.pair.forth(mesh), self.pair.back(picture)
-        error = _error(forth, picture) + _error(back, mesh)
-        cycle = _error(self.pair.back(forth), mesh) + _error(self.pair.forth(back), picture)
+        error = self._both(forth, picture, back, mesh)
+        cycle = self._both(self.pair.forth(back), picture, self.pair.back(forth), mesh)
         losses = {"loss": error + self.weight * cycle, "error": error.detach(), "cycle": cycle.detach()}
         if self.own_weight:
-            own = _error(self.pair.forth(batch[MESHES]), picture) + _error(self.pair.back(batch[PICTURES]), mesh)
+            own = self._both(self.pair.forth(batch[MESHES]), picture, self.pair.back(batch[PICTURES]), mesh)
             losses["loss"] = losses["loss"] + self.own_weight * own
             losses["own"] = own.detach()
         return losses
 
-
-def _error(found: Tensor, wanted: Tensor) -> Tensor:
-    return nn.functional.mse_loss(found.float(), wanted)
+    def _both(self, pictures: Tensor, true_pictures: Tensor, meshes: Tensor, true_meshes: Tensor) -> Tensor:
+        """Of both kinds of vectors together, as shares of their variance."""
+        of_pictures = nn.functional.mse_loss(pictures.float(), true_pictures) / self.of_picture
+        return of_pictures + nn.functional.mse_loss(meshes.float(), true_meshes) / self.of_mesh
 
 
 def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
@@ -95,8 +104,10 @@ def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
         pair = CyclePair(forth.settings, back.settings)
         pair.forth.load_state_dict(forth.state_dict())
         pair.back.load_state_dict(back.state_dict())
-        objective = CycleObjective(pair, section["weight"], section["own_weight"] if learns_own else 0.0)
         train, val = (cycle_items(workshop, part, forth, back, learns_own) for part in ("train", "val"))
+        variances = tuple(max(float(train.tensors[name].var()), 1e-12) for name in ("mesh", "deformation"))
+        own_weight = section["own_weight"] if learns_own else 0.0
+        objective = CycleObjective(pair, section["weight"], own_weight, (variances[0], variances[1]))
         return objective, train, val
 
     name = "cycle_pair_own" if learns_own else "cycle_pair"

@@ -35,6 +35,13 @@ def test_the_loss_is_its_parts():
     assert plain["loss"] == plain["error"]
     assert "own" not in plain
     assert torch.isclose(both["loss"], plain["error"] + 2.0 * both["cycle"] + 3.0 * both["own"])
+    scaled = CycleObjective(network, 0.0, 0.0, (4.0, 0.5))(items, 0.0)["loss"]
+    with torch.no_grad():
+        errors = [
+            torch.nn.functional.mse_loss(way(items[given]), items[wanted])
+            for way, given, wanted in ((network.back, "deformation", "mesh"), (network.forth, "mesh", "deformation"))
+        ]
+    assert torch.isclose(scaled, errors[0] / 4.0 + errors[1] / 0.5)
     identity = {name: items[name] for name in ("mesh", "deformation")}
     identity |= {MESHES: items["mesh"], PICTURES: items["deformation"]}
     assert torch.isclose(CycleObjective(network, 0.0, 1.0)(identity, 0.0)["own"], plain["error"])
