@@ -91,7 +91,13 @@ class Answer:
             "sentences": self.sentences,
             "probabilities": decision.probabilities,
             "ties": [
-                {"name": tie.name, "cosine": tie.cosine, "gain_apart": tie.gain_apart, "error": tie.error}
+                {
+                    "name": tie.name,
+                    "instead_of": tie.instead_of,
+                    "cosine": tie.cosine,
+                    "gain_apart": tie.gain_apart,
+                    "error": tie.error,
+                }
                 for tie in decision.ties
             ],
             "objections": list(decision.objections),
@@ -124,13 +130,14 @@ def _claim(best: Judged, probabilities: dict[str, float]) -> str:
 
 
 def _tie(best: Judged, tie: Tie) -> str:
-    first, second = EFFECTS[best.names[0]](), EFFECTS[tie.name]()
+    first, second = EFFECTS[tie.instead_of](), EFFECTS[tie.name]()
     alike = (
         "what it changes the other can change, too"
         if tie.cosine > ESTIMATED.tie
         else "what they change differs, yet each explains the data as well"
     )
-    said = f"It cannot be told from {second.title} in these data: {alike} (cosine {rounded(tie.cosine)})"
+    this = "It" if len(best.names) == 1 else f"Of the two, {first.title}"
+    said = f"{this} cannot be told from {second.title} in these data: {alike} (cosine {rounded(tie.cosine)})"
     said += f", and held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}."
     return f"{said} {first.told_apart_by}"
 

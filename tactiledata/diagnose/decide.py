@@ -28,6 +28,10 @@ class Tie:
     Parameters
     ----------
     name : str
+    instead_of : str
+        The one that was named; one of the two where two are.
+    label : str
+        Of the refit with it.
     cosine : float
         Of what the named one changes, beyond what a refit imitates, with the nearest that this one can change.
     gain_apart, error : float
@@ -35,6 +39,8 @@ class Tie:
     """
 
     name: str
+    instead_of: str
+    label: str
     cosine: float
     gain_apart: float
     error: float
@@ -144,7 +150,28 @@ def _ties(
         # what simulators that differ bring is no proof of one against the other
         is_as_good = not _exceeds(apart, scale)
         if is_as_good and (cosine > scale.tie or explains_as_much):
-            found.append(Tie(one.label, cosine, float(apart.sum()), error))
+            found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error))
+    return tuple(found)
+
+
+def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: EvidenceScale) -> tuple[Tie, ...]:
+    """Effects that could as well stand for one of two that are named.
+
+    Parameters
+    ----------
+    twins : of (the one that stays by itself, it and another)
+        What the other adds to the one that stays is held against what the named one adds.
+    """
+    found = []
+    for stays, twin in twins:
+        apart = best.gains - twin.gains
+        adds_as_much = twin.gain - stays.gain >= scale.as_good * (best.gain - stays.gain)
+        if twin.objections(scale) or not adds_as_much or _exceeds(apart, scale):
+            continue
+        (named,), (other,) = ([name for name in one.names if name not in stays.names] for one in (best, twin))
+        cosine = float(cosines(stays.fit.metric, [best.fit.effect_change, twin.fit.effect_change])[0, 1])
+        error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
+        found.append(Tie(other, named, twin.label, cosine, float(apart.sum()), error))
     return tuple(found)
 
 

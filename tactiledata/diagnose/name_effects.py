@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.decide import Decision, decide
+from tactiledata.diagnose.decide import Decision, decide, ties_of_two
 from tactiledata.diagnose.effect_signatures import effect_signatures, playable
 from tactiledata.diagnose.evidence_scale import ESTIMATED, EvidenceScale
 from tactiledata.diagnose.grouped_prediction import HeldOut, held_out
@@ -221,13 +221,49 @@ class Refits:
         least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
         left = LeftOver.of(least, expected, [case.name for case in self.white.cases.cases])
         dispersion = max(1.0, left.dispersion)
-        judged = [
-            judge(self.base, fit, base_out, out, float(expected.sum()), dispersion)
-            for fit, out in zip((*singles, *pairs), outs, strict=True)
-        ]
+
+        def judged_of(fit: JointFit, out: HeldOut) -> Judged:
+            return judge(self.base, fit, base_out, out, float(expected.sum()), dispersion)
+
+        judged = [judged_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
         gains = {one.label: one.gains for one in judged}
         decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, left, scale)
-        return judged, decision
+        best = decision.best
+        if decision.verdict != "named" or best is None or len(best.names) == 1:
+            return judged, decision
+        of_one = {one.label: one for one in judged[: len(singles)]}
+        twins = [
+            (of_one[stays], judged_of(fit, held_out(self.white, fit, seed)))
+            for stays, fit in self.twins(best.fit, [one.fit for one in of_one.values()])
+        ]
+        ties = ties_of_two(best, twins, scale)
+        known = {frozenset(one.names) for one in judged}
+        judged += [twin for _, twin in twins if frozenset(twin.names) not in known]
+        return judged, replace(decision, ties=ties, verdict="one of a set" if ties else "named")
+
+    def twins(self, pair: JointFit, singles: Sequence[JointFit]) -> list[tuple[str, JointFit]]:
+        """Refits in which another single stands for one of two effects, each under the name of the one that stays.
+
+        Of those whose score beside it is about as good.
+        """
+        found = []
+        for place, stays in enumerate(pair.names):
+            alone = next(fit for fit in singles if fit.names == (stays,))
+            named = pair.names[1 - place]
+            others = [named, *(fit.names[0] for fit in singles if fit.names[0] not in pair.names)]
+            self.progress(f"what could stand for {named}")
+            model = alone.model
+            signatures = effect_signatures(self.white, model.material, others, model.settings, model.offsets)
+            scores = {one.effect: one for one in screen(alone.metric, alone.undone, signatures)}
+            of_stays = frozenset(one.parameter.name for one in model.coordinates if one.is_strength)
+            least = self.options.scale.as_good * scores[named].score if named in scores else np.inf
+            for name, other in scores.items():
+                if name == named or other.score < least:
+                    continue
+                start = [(stays, dict(model.settings[0].values)), (name, other.starts[0])]
+                fit = self._fit(start, [of_stays, other.strengths])
+                found += [(stays, fit)] if fit is not None else []
+        return found
 
     def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit | None:
         """None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate."""

@@ -100,7 +100,7 @@ def rivals_of(naming: Naming, most: int = 4) -> Rivals:
         return _unseen(naming)
     ranked = sorted(naming.judged, key=lambda one: -one.gain)
     if decision.verdict in CLAIMED and decision.best is not None:
-        tied = {tie.name for tie in decision.ties}
+        tied = {tie.label for tie in decision.ties}
         others = [one for one in ranked if one.label in tied]
         if not others:
             others = [one for one in ranked if one is not decision.best and one.gain > 0][:1]

@@ -6,13 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.decide import decide
+from tactiledata.diagnose.decide import decide, ties_of_two
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import Identifiability
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.judge import Judged
 from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import NamingOptions, Refits
+from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.screen import Screened
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
@@ -63,6 +64,26 @@ def test_structure_that_two_touches_bring_takes_no_name_away():
     assert found.verdict == "named"
     assert found.left.is_in_few(ESTIMATED)
     assert decide(*asked, wide, ESTIMATED).verdict == "none of the known effects"
+
+
+def test_another_may_stand_for_one_of_two_that_are_named():
+    """Beside a lag, what adds as much as wear does is tied with it; what adds half of it, or nothing, is not."""
+    alone, metric = (
+        judged([20.0] * 25),
+        RandomEffects(np.zeros((1, 6)), np.zeros((1, 6, 0)), np.zeros(0), np.zeros(1, int)),
+    )
+
+    def beside(name, each):
+        pair = judged([20.0 + each] * 25)
+        fit = SimpleNamespace(names=("lag", name), effect_change=np.ones((1, 6)), metric=metric)
+        return dataclasses.replace(pair, fit=fit)
+
+    stays = dataclasses.replace(alone, fit=SimpleNamespace(names=("lag",), metric=metric))
+    twins = [(stays, beside("heating", 3.8)), (stays, beside("inertia", 2.0)), (stays, beside("dome", -1.0))]
+    (tie,) = ties_of_two(beside("wear", 4.0), twins, ESTIMATED)
+    assert (tie.name, tie.instead_of, tie.label) == ("heating", "wear", "lag + heating")
+    assert tie.cosine == pytest.approx(1.0)
+    assert tie.gain_apart == pytest.approx(5.0)
 
 
 def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
