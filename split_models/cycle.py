@@ -81,7 +81,10 @@ class CycleObjective(Objective):
         cycle = self._both(self.pair.forth(back), picture, self.pair.back(forth), mesh)
         losses = {"loss": error + self.weight * cycle, "error": error.detach(), "cycle": cycle.detach()}
         if self.own_weight:
-            own = self._both(self.pair.forth(batch[MESHES]), picture, self.pair.back(batch[PICTURES]), mesh)
+            walks = batch[MESHES].shape[1]
+            pictures, meshes = (one.repeat_interleave(walks, dim=0) for one in (picture, mesh))
+            forth, back = (batch[name].flatten(0, 1) for name in (MESHES, PICTURES))
+            own = self._both(self.pair.forth(forth), pictures, self.pair.back(back), meshes)
             losses["loss"] = losses["loss"] + self.own_weight * own
             losses["own"] = own.detach()
         return losses
@@ -117,19 +120,20 @@ def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
 
 
 def cycle_items(workshop: Workshop, part: str, forth: Projection, back: Projection, learns_own: bool) -> TensorItems:
-    """Latent vectors of a part: ``mesh``, ``deformation``, and as they come back from one cycle."""
+    """Latent vectors of a part: ``mesh``, ``deformation``, and as they come back from some cycles."""
     tensors = {name: workshop.latents(part, name) for name in ("mesh", "deformation")}
     if learns_own:
         base = workshop.latents(part, "image") - tensors["deformation"]
-        tensors |= once_around(workshop, forth, back, tensors["deformation"], base)
+        tensors |= around(workshop, forth, back, tensors["deformation"], base)
     frames = workshop.frames(part)
     return TensorItems(tensors, frames.fingerprint, frames)
 
 
-def once_around(
+def around(
     workshop: Workshop, forth: Projection, back: Projection, deformation: Tensor, base: Tensor
 ) -> dict[str, Tensor]:
-    """Latent vectors of the meshes that are made of pictures, and of the pictures made of these, encoded again.
+    """Latent vectors (n, cycles, d) of the meshes that are made of pictures, and of the pictures made of these, encoded
+    again in each of some cycles.
 
     Parameters
     ----------
@@ -138,15 +142,20 @@ def once_around(
     deformation, base : (n, d)
         Latent vectors of the pictures' deformations, and of their backgrounds.
     """
-    meshes, pictures = [], []
-    for start in range(0, len(base), CHUNK):
-        workshop.tell(start, len(base), "cycle_pair: once around")
-        some = slice(start, start + CHUNK)
-        moved = decode_displacements(workshop.mesh_vae, project(back, deformation[some]))
-        meshes.append(encode_displacements(workshop.mesh_vae, moved))
-        shown = decode_pictures(workshop.image_vae, project(forth, meshes[-1]) + base[some])
-        pictures.append(encode_pictures(workshop.image_vae, shown) - base[some])
-    return {MESHES: torch.cat(meshes), PICTURES: torch.cat(pictures)}
+    walks: dict[str, list[Tensor]] = {MESHES: [], PICTURES: []}
+    for cycle in range(workshop.recipe.models["cycle"]["walks"]):
+        meshes, pictures = [], []
+        for start in range(0, len(base), CHUNK):
+            workshop.tell(start, len(base), f"cycle_pair: cycle {cycle + 1}")
+            some = slice(start, start + CHUNK)
+            moved = decode_displacements(workshop.mesh_vae, project(back, deformation[some]))
+            meshes.append(encode_displacements(workshop.mesh_vae, moved))
+            shown = decode_pictures(workshop.image_vae, project(forth, meshes[-1]) + base[some])
+            pictures.append(encode_pictures(workshop.image_vae, shown) - base[some])
+        deformation = torch.cat(pictures)
+        walks[MESHES].append(torch.cat(meshes))
+        walks[PICTURES].append(deformation)
+    return {name: torch.stack(found, dim=1) for name, found in walks.items()}
 
 
 def split_cycle(workshop: Workshop) -> LatentMeshToImage:

@@ -24,7 +24,7 @@ def batch(seed=1, count=64):
     torch.manual_seed(seed)
     mesh = torch.randn(count, 4)
     deformation = torch.cat([mesh, mesh[:, :2] ** 2], dim=1)
-    return {"mesh": mesh, "deformation": deformation, MESHES: 0.7 * mesh, PICTURES: 0.7 * deformation}
+    return {"mesh": mesh, "deformation": deformation, MESHES: 0.7 * mesh[:, None], PICTURES: 0.7 * deformation[:, None]}
 
 
 def test_the_loss_is_its_parts():
@@ -43,7 +43,8 @@ def test_the_loss_is_its_parts():
         ]
     assert torch.isclose(scaled, errors[0] / 4.0 + errors[1] / 0.5)
     identity = {name: items[name] for name in ("mesh", "deformation")}
-    identity |= {MESHES: items["mesh"], PICTURES: items["deformation"]}
+    for again, one in ((MESHES, "mesh"), (PICTURES, "deformation")):
+        identity[again] = identity[one][:, None].repeat(1, 3, 1)
     assert torch.isclose(CycleObjective(network, 0.0, 1.0)(identity, 0.0)["own"], plain["error"])
 
 
