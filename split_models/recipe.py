@@ -84,6 +84,7 @@ DEFAULTS: dict[str, Any] = {
         "cycle": {
             "weight": 1.0,
             "own_weight": 1.0,
+            "walks": 3,
             "training": {
                 "epochs": 100, "batch_size": 512, "learning_rate": 3e-4, "decay": 0.99, "weight_decay": 0.0,
                 "patience": 15, "save_seconds": 120.0,
