@@ -107,16 +107,16 @@ def main() -> None:
         f"OMP_NUM_THREADS={os.environ.get('OMP_NUM_THREADS', 'not set')}",
         ["torch", "numpy", *(["onnxruntime"] if find_spec("onnxruntime") else [])],
     )
-    names = list(dict.fromkeys(name for row in rows for name in row if not name.startswith("times")))
-    units = {name: row[name]["unit"] for row in rows for name in row}
+    names = [name for name in rows[0] if not name.startswith("times")]
+    units = {name: rows[0][name]["unit"] for name in names}
     table(
         ["method", *(f"{name}, {'ms' if units[name] == 's' else units[name]}" for name in names)],
-        [[one.title, *(_cell(row.get(name)) for name in names)] for one, row in zip(runners, rows, strict=True)],
+        [[one.title, *(_cell(row[name]) for name in names)] for one, row in zip(runners, rows, strict=True)],
     )
     for one, row in zip(runners, rows, strict=True):
         for resolution in ("high", "low"):
-            ratio = row.get(f"times faster than the fastest baseline, {resolution} resolution")
-            if ratio is not None:
+            ratio = row[f"times faster than the fastest baseline, {resolution} resolution"]
+            if ratio["value"] is not None:
                 verdict(
                     f"{one.title} against the faster of Taxim and FOTS at {resolution} resolution",
                     ratio["value"],
@@ -125,7 +125,7 @@ def main() -> None:
 
 
 def _cell(score: Any) -> str:
-    if score is None:
+    if score["value"] is None:
         return ""
     return f"{1e3 * score['value']:.1f}" if score["unit"] == "s" else f"{score['value']:.0f}"
 

@@ -81,8 +81,9 @@ def cost_rows(runners: Sequence[Contender], simulated: Simulated) -> list[dict[s
             if time is not None and not one.is_optical:
                 name = f"times faster than the fastest baseline, {resolution} resolution"
                 row[name] = _scored(float(time / total), frames, "", "higher")
-        row["memory to simulate"] = _scored(simulation.memory, frames, "MB")
-        row["memory to draw"] = _scored(one.memory, frames, "MB")
+        for name, memory in (("memory to simulate", simulation.memory), ("memory to draw", one.memory)):
+            if np.isfinite(memory):
+                row[name] = _scored(memory, frames, "MB")
         rows.append(row)
     return _in_one_order(rows)
 
@@ -99,11 +100,10 @@ def _is_optical_at(one: Contender, resolution: str) -> bool:
 
 
 def _in_one_order(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Steps before totals, whichever method they are of."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    totals = [name for name in names if name == "overall" or name.startswith(("times", "memory"))]
-    order = [*(name for name in names if name not in totals), *totals]
-    return [{name: row[name] for name in order if name in row} for row in rows]
+    """All columns in every row, steps before totals; without a value where a method has no such step."""
+    columns = {name: score for row in rows for name, score in row.items()}
+    order = sorted(columns, key=lambda name: name == "overall" or name.startswith(("times", "memory")))
+    return [{name: row.get(name, {**columns[name], "value": None}) for name in order} for row in rows]
 
 
 def _likeness(one: Contender, frames: TouchFrames, numbers: NDArray[np.int64]) -> dict[str, Any]:
