@@ -41,9 +41,9 @@ def test_it_learns_and_again_is_no_change(touch_store, place, capsys):
     assert code == 0
     assert json.loads(out)["before"] == found["before"]
     assert (place / "out" / "best.pt").read_bytes() == before
-    code, _, err = run_command(capsys, *typed, "--epochs", "3")
+    code, out, _ = run_command(capsys, *typed, "--epochs", "3")
     assert code == 1
-    assert "another state" in err
+    assert "another state" in json.loads(out)["error"]
 
 
 @pytest.mark.parametrize(
