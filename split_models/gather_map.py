@@ -21,13 +21,14 @@ class GatherMap(nn.Module):
 
     def __init__(self, of: SparseMap) -> None:
         super().__init__()
-        counts = of.forward_pointer.diff()
+        parts = dict(of.named_buffers())
+        counts = parts["forward_pointer"].diff()
         longest = max(1, int(counts.max()))
         place = torch.arange(longest)
         is_there = place < counts[:, None]
         index = torch.zeros(of.shape[0], longest, dtype=torch.int64)
         weight = torch.zeros(of.shape[0], longest)
-        index[is_there], weight[is_there] = of.forward_index, of.forward_value
+        index[is_there], weight[is_there] = parts["forward_index"], parts["forward_value"]
         self.register_buffer("index", index)
         self.register_buffer("weight", weight)
 

@@ -65,7 +65,9 @@ def recorded_touches(workshop: Workshop, part: str, count: int) -> RecordedTouch
     place_of = {int(row): number for number, row in enumerate(frames.rows)}
     step = max(1, len(playable) * count // max(len(frames), 1))
     chosen = playable[:: max(1, len(playable) // step)]
-    touches, sensors, numbers = [], [], {}
+    touches: list[GelTouch] = []
+    sensors: list[str] = []
+    numbers: dict[tuple[int, int], int] = {}
     for touch in chosen:
         mine = {(len(touches), row - touch.frames[0]): place_of[row] for row in range(*touch.frames) if row in place_of}
         if len(numbers) < count and mine:

@@ -112,13 +112,8 @@ def test_the_table_from_a_store(touch_store, tmp_path, monkeypatch, capsys):
     found = {row["method"]: row["scores"] for row in json.loads(printed)["rows"]}
     names = [f"Taxim, published calibration, {one} resolution" for one in ("low", "high")]
     assert list(found) == [*names, "SPLIT, low resolution"]
-    assert list(found["SPLIT, low resolution"])[:5] == [
-        "simulation",
-        "mesh encoder",
-        "projection",
-        "decoder",
-        "overall",
-    ]
+    steps = ["simulation", "height map", "optics", "mesh encoder", "projection", "decoder", "overall"]
+    assert list(found["SPLIT, low resolution"])[:7] == steps
     assert [found[names[1]][f"memory to {what}"]["value"] for what in ("simulate", "draw")] == [7.0, 5.0]
     grid = cv2.imread(str(tmp_path / "out" / "times" / "small" / "resolutions-test.png"))
     assert grid.shape[1] == 4 * 150 + 3 * 4
