@@ -47,8 +47,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch) / "gelsight.zarr"
         ingest([given.pack], place)
-        make_split(Store.open(place), by="trajectory", hold_out="none", seed=0)
-        parts = [TouchFrames(place, f"default/{part}") for part in ("train", "val", "test")]
+        make_split(Store.open(place), by="trajectory", hold_out="none", force=None)
+        parts = [TouchFrames(place, f"default/{part}", camera="gelsight_r15") for part in ("train", "val", "test")]
         options = TrainOptions(given.epochs, batch_size=16, learning_rate=3e-4, decay=0.97)
         found = fine_tune(tuned, digest, parts[0], parts[1], options, Path(scratch) / "tuned")
         presses = scaled(np.concatenate([parts[2].pictures([n]) for n in range(len(parts[2]))]), vae.size)
