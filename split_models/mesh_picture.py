@@ -15,7 +15,7 @@ from tactiledata.sensors.digit import DIGIT
 
 LIGHT = np.array([-0.5, -0.5, 0.7])
 """Where light comes from: columns, rows, towards the camera."""
-STEEPER = 4.0
+STEEPER = 1.5
 """Slopes are shown so many times as steep as they are."""
 BULGE = 0.15
 """Share of the colours that is left for gel that bulges."""
