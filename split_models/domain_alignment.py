@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from split_models.alignment_pictures import AS_RECORDED, latent_rows, model_of, write_strips
 from split_models.contact_region import contact_region
 from split_models.evaluate import MASKED, Values, summarised
-from split_models.methods import VARIANTS
 from split_models.paired_truth import PAIRED_SCORES, paired_values
 from split_models.pixel_transfer import PIXEL_TRANSFERS
 from split_models.transfer_methods import LATENT, TransferMethod, title_of, vae_transfer
@@ -232,7 +231,7 @@ def _joined(found: list[Values]) -> Values:
 
 def _row(part: str, name: str, scores: Any, letter: str, source: str = "") -> dict[str, Any]:
     variant, _, method = name.rpartition(":")
-    of_variant = f", {VARIANTS.get(variant, variant)}" if variant else ""
+    of_variant = f", {variant}" if variant else ""
     title = "as recorded (Real)" if name == AS_RECORDED else f"{title_of(method)}{of_variant} (Synth.)"
     words = f"{source}, {title}" if source else title
     return {"part": part, "method": words, "transfer": name, "target": letter, "source": source, "scores": scores}

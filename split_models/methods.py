@@ -87,7 +87,7 @@ TITLES = {
     "end_to_end": "end-to-end autoencoder",
     "nosplit": "NOSPLIT",
     "split": "SPLIT",
-    "split_on_background": "SPLIT, change on the recorded background (beyond the paper)",
+    "split_on_background": "SPLIT on the recorded background (beyond the paper)",
     "split_onnx": "SPLIT by onnxruntime",
     "split_sampled": "SPLIT, latent vectors drawn, as in the paper",
     "split_cycle_only": "SPLIT, projections learned together by their cycle (beyond the paper)",
@@ -108,8 +108,6 @@ TITLES = {
     "projected_split": "projected mesh (SPLIT)",
 }
 """For people."""
-VARIANTS = {"relit": "trained on its arithmetic under other sensors' light (beyond the paper)"}
-"""Variants of the bundled recipes, for people."""
 
 
 def mesh_to_image(workshop: Workshop, row: str) -> MeshToImage:
@@ -130,7 +128,7 @@ def title_of(row: str) -> str:
     """A row's name for people."""
     variant, _, name = row.rpartition(":")
     title = TITLES.get(name, name)
-    return f"{title}, {VARIANTS.get(variant, variant)}" if variant else title
+    return f"{title}, {variant}" if variant else title
 
 
 def no_contact(workshop: Workshop) -> MeshToImage:

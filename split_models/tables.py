@@ -81,7 +81,7 @@ def image_rows(workshop: Workshop) -> Rows:
 def side_by_side(
     methods: dict[str, Any], frames: TouchFrames, count: int = 6
 ) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
-    """For some frames, evenly spaced, a row: the recorded picture, then each method's; titles of columns and of rows."""
+    """For some frames, evenly spaced, a row: the recorded picture, each method's; titles of columns and of rows."""
     shown, labels = [], []
     for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
         sensor, moved = frames.sensors[number], frames.displacements([int(number)])

@@ -90,7 +90,7 @@ def _moment_keys(frames: UnitFrames) -> list[tuple[str, int, int]]:
 
 
 def _touches(frames: TouchFrames, numbers: Numbers) -> tuple[NDArray[np.object_], Numbers]:
-    """Names (n,) of the touches of some frames, and their recordings' lengths with the frames' places in them (n, 2)."""
+    """Names (n,) of the touches of some frames; their recordings' lengths and the frames' places in them (n, 2)."""
     table = frames.arrays.store.trajectories(["uid", "extra", "frame_start", "frame_stop"])
     names = [
         str(json.loads(extra or "{}").get("touch", uid))
