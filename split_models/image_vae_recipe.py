@@ -17,6 +17,9 @@ from split_models.objectives import ImageVaeObjective, Objective
 from split_models.relighting import ArithmeticVaeObjective
 from tactiledata.store.targets import find_target
 
+SIZES = ("blocks", "down", "channels", "latent", "activation", "upsampling")
+"""What of a recipe's section shapes the network."""
+
 
 def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: ImageVae | None = None) -> Objective:
     """The objective of a recipe's section ``image_vae``.
@@ -37,7 +40,7 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: 
         A background is that of a sensor of the store that is held out of the train part.
     """
     assert frames.size is not None  # recipes state it
-    vae = ImageVae(frames.size, **{name: section[name] for name in ("blocks", "down", "channels", "latent")})
+    vae = ImageVae(frames.size, **{name: section[name] for name in SIZES})
     if start is not None:
         vae.load_state_dict(start.state_dict())
     augmentation = Augmentation(**section["augmentation"])

@@ -52,6 +52,8 @@ DEFAULTS: dict[str, Any] = {
             "down": [2, 2, 2, 2, 5],
             "channels": [16, 32, 64, 64, 128, 128],
             "latent": 256,
+            "activation": "tanh",
+            "upsampling": "nearest",
             "divergence_weight": 0.001,
             "anneal": 50,
             "background_copies": 0,

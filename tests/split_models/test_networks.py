@@ -5,9 +5,10 @@ import pytest
 import torch
 from small_models import grid_topology, image_vae, mesh_vae, pictures, presses
 
+from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
 from split_models.end_to_end import EndToEnd
 from split_models.force_head import ForceHead, RawForces
-from split_models.image_vae import ImageVae, as_input, as_pictures
+from split_models.image_vae import ImageVae, _enlarge, as_input, as_pictures
 from split_models.latent_normal import annealed, divergence
 from split_models.mesh_graph import build_hierarchy
 from split_models.mesh_vae import ChebyshevConvolution, MeshVae
@@ -37,6 +38,27 @@ def test_image_vae_of_the_paper():
     assert vae.to_mean.out_features == vae.to_log_variance.out_features == vae.latent == 256
     with torch.no_grad():
         assert vae.decode(torch.zeros(1, 256)).shape == (1, 3, 320, 240)
+
+
+def test_sub_pixels_start_as_nearest_neighbours():
+    """Before anything is learned, every block of pixels that one became has one value; learning tells them apart."""
+    enlarge = _enlarge(6, 4, 5, "sub_pixel")
+    blocks = enlarge(torch.randn(2, 6, 4, 3)).unflatten(3, (3, 5)).unflatten(2, (4, 5))
+    assert blocks.shape == (2, 4, 4, 5, 3, 5)
+    assert torch.allclose(blocks, blocks[:, :, :, :1, :, :1].expand_as(blocks))
+    assert enlarge[0].weight.shape[0] == 4 * 25
+
+
+def test_a_vae_without_bounds_is_kept_and_built_again(tmp_path):
+    """SiLU and sub-pixels: features beyond 1, pictures within; the checkpoint says how it is built."""
+    torch.manual_seed(0)
+    vae = image_vae(activation="silu", upsampling="sub_pixel")
+    shown = as_input(torch.as_tensor(pictures(3)))
+    assert vae.features(100 * shown).abs().max() > 1
+    assert image_vae().features(100 * shown).abs().max() <= 1
+    save_checkpoint(tmp_path / "vae.pt", Checkpoint.of(vae, Stamps("r", "s", "i")))
+    again = load_checkpoint(tmp_path / "vae.pt").network()
+    assert torch.equal(again.eval()(shown)[0], vae.eval()(shown)[0])
 
 
 def test_mesh_vae_of_the_paper():
