@@ -1,4 +1,4 @@
-"""`train`, `evaluate`, `run`, `transfer`, `score`, `export-models`: verbs that this package adds to `tactiledata`."""
+"""`train`, `evaluate`, `run`, `transfer`, `score`, `export`: verbs that this package adds to `tactiledata`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`export-models`: SPLIT's networks for programs that have no PyTorch."""
+"""`export`: SPLIT's networks for programs that have no PyTorch."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ OUT = typer.Option(Path("runs"), "--out", help="Folder that the models were trai
 
 def register(app: typer.Typer) -> None:
     """Add the verb; nothing heavy is imported until it is used."""
-    app.command("export-models")(export_models)
+    app.command("export")(export)
 
 
-def export_models(
+def export(
     recipe: str = typer.Argument(..., help="A recipe file, or the name of a bundled one."),
     to: str = typer.Option("onnx", "--to", help="onnx."),
     scale: str = typer.Option("small", "--scale", help="small or paper, as the models were trained."),
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """VAEs and projections of a recipe, trained where they are not, as ONNX files that are held against PyTorch.
+    """VAEs and projections of a recipe as ONNX files. What is not trained is trained; each is held against PyTorch.
 
-    Example: tactiledata export-models split_backbone --to onnx
+    Example: tactiledata export split_backbone --to onnx
     """
     from split_models.commands import opened_workshop
     from tactiledata.errors import UnknownName

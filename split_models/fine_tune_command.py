@@ -30,7 +30,7 @@ def fine_tune(
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Train an image VAE further on a store's pictures, a GelSight's for example. Mesh VAE and projections stay.
+    """Train an image VAE further on a store's pictures. For a GelSight, for example; mesh VAE and projections stay.
 
     Example: tactiledata fine-tune gelsight.zarr --epochs 30
     """

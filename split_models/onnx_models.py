@@ -21,7 +21,7 @@ CHUNK = 64
 
 
 class OnnxModels:
-    """The networks in a folder that `tactiledata export-models` wrote.
+    """The networks in a folder that `tactiledata export` wrote.
 
     Parameters
     ----------
@@ -139,9 +139,7 @@ class OnnxImageToMesh:
 def _document(folder: Path) -> dict[str, Any]:
     path = folder / MODELS
     if not path.is_file():
-        raise MissingFile(
-            f"{path} does not exist", "a folder of exported networks", "`tactiledata export-models RECIPE`."
-        )
+        raise MissingFile(f"{path} does not exist", "a folder of exported networks", "`tactiledata export RECIPE`.")
     document: dict[str, Any] = parse_document(path.read_text(encoding="utf-8"), str(path))
     if document.get("format") != FORMAT:
         raise CheckpointError(f"{path} has format {document.get('format')!r}", FORMAT, "Export again.")

@@ -29,6 +29,8 @@ MISSING_PATH = {
     "train": ["nowhere.yaml"],
     "evaluate": ["nowhere.yaml"],
     "run": ["nowhere.yaml"],
+    "export": ["nowhere.yaml"],
+    "fine-tune": [NOWHERE],
 }
 WITHOUT_PATHS = {"formats", "indenters", "effects"}
 WRONG_CALLS = {

@@ -87,7 +87,7 @@ def test_what_does_not_fit_is_refused(tmp_path):
         OnnxMeshToImage(models).predict(np.full((1, 204, 3), np.nan, np.float32), BACKGROUND)
     with pytest.raises(UsageError, match="Scale the pictures"):
         OnnxImageToMesh(models).predict(pictures(1, size=(44, 30)), BACKGROUND)
-    with pytest.raises(MissingFile, match="export-models"):
+    with pytest.raises(MissingFile, match="tactiledata export"):
         OnnxModels(tmp_path)
     (tmp_path / MODELS).write_text(json.dumps({**document, "format": "x/1"}))
     with pytest.raises(CheckpointError, match="x/1"):
