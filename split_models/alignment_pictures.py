@@ -19,7 +19,6 @@ from tactiledata.scoring.embedding_picture import draw_embedding, embed_vectors
 if TYPE_CHECKING:
     from split_models.domain_alignment import Alignment
     from split_models.image_vae import ImageVae
-    from split_models.workshop import Workshop
 
 Rows = list[dict[str, Any]]
 Vectors = dict[str, dict[str, NDArray[np.floating]]]
@@ -77,15 +76,10 @@ def _vectors(table: Alignment, most: int) -> tuple[Vectors, dict[str, NDArray[np
     return vectors, touches
 
 
-def model_of(workshop: Workshop, variant: str) -> ImageVae:
-    """The image VAE of a workshop's recipe, or of one of its variants."""
-    return (workshop.variant(variant) if variant else workshop).image_vae
-
-
 def _models(table: Alignment) -> dict[str, ImageVae]:
     """Image VAEs by what is said of them."""
     variants = dict.fromkeys(row.rpartition(":")[0] for row in table.methods)
-    return {f" ({name})" if name else "": model_of(table.workshop, name) for name in {"": None, **variants}}
+    return {f" ({name})" if name else "": table.workshop.variant(name).image_vae for name in {"": None, **variants}}
 
 
 def _arrived(source: str, letter: str) -> str:

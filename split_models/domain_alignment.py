@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from split_models.alignment_pictures import AS_RECORDED, latent_rows, model_of, write_strips
+from split_models.alignment_pictures import AS_RECORDED, latent_rows, write_strips
 from split_models.contact_region import contact_region
 from split_models.evaluate import MASKED, Values, summarised
 from split_models.paired_truth import PAIRED_SCORES, paired_values
@@ -114,7 +114,7 @@ def _method(workshop: Workshop, row: str) -> TransferMethod:
     """The transfer of a row; ``VARIANT:METHOD`` is one with the image VAE of a variant of the recipe."""
     variant, _, name = row.rpartition(":")
     if name in LATENT:
-        return vae_transfer(name, model_of(workshop, variant))
+        return vae_transfer(name, workshop.variant(variant).image_vae)
     if variant or name not in PIXEL_TRANSFERS:
         raise UnknownName("transfer method" + (" with a model" if variant else ""), name, [*LATENT, *PIXEL_TRANSFERS])
     found: TransferMethod = PIXEL_TRANSFERS[name]

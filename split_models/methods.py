@@ -113,14 +113,14 @@ TITLES = {
 def mesh_to_image(workshop: Workshop, row: str) -> MeshToImage:
     """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
     variant, _, name = row.rpartition(":")
-    found: MeshToImage = MESH_TO_IMAGE[name](workshop.variant(variant) if variant else workshop)
+    found: MeshToImage = MESH_TO_IMAGE[name](workshop.variant(variant))
     return found
 
 
 def image_to_mesh(workshop: Workshop, row: str) -> ImageToMesh:
     """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
     variant, _, name = row.rpartition(":")
-    found: ImageToMesh = IMAGE_TO_MESH[name](workshop.variant(variant) if variant else workshop)
+    found: ImageToMesh = IMAGE_TO_MESH[name](workshop.variant(variant))
     return found
 
 

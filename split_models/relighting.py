@@ -84,10 +84,10 @@ class ArithmeticVaeObjective(Objective):
         emphasis = self._emphasis(pictures, backgrounds, own)
         return vae_losses((found, mean, log_variance), goal, annealed(self.weight, epoch, self.anneal), emphasis)
 
-    def _emphasis(self, pictures: Tensor, backgrounds: Tensor, own: Tensor) -> Tensor:
+    def _emphasis(self, pictures: Tensor, backgrounds: Tensor, own: Tensor) -> Tensor | None:
         """How much errors count, (n, 1, h, w): more where a picture differs from its background."""
         if not self.contact_weight:
-            return torch.ones_like(pictures[:, :1])
+            return None
         difference = (pictures - backgrounds[own]).abs().amax(dim=1, keepdim=True)
         smooth = functional.avg_pool2d(difference, BLUR, stride=1, padding=BLUR // 2)
         is_touched = (smooth > THRESHOLD) & (own >= 0)[:, None, None, None]

@@ -76,13 +76,15 @@ class Workshop:
         self._base_workshop: Workshop | None = None
 
     def variant(self, name: str) -> Workshop:
-        """The same with models shaped as a variant of the recipe says; what it leaves as it is is shared.
+        """The same with models as a variant of the recipe shapes them, sharing what that leaves alone; itself for "".
 
         Raises
         ------
         UnknownName
             The recipe has no such variant.
         """
+        if not name:
+            return self
         if name not in self._variants:
             recipe = self.recipe.variant(name)
             other = Workshop(recipe, self.out, self.device, self.ranks, self.tell, self.workers, self.kept.may_train)
@@ -146,8 +148,8 @@ class Workshop:
     def image_vae(self) -> ImageVae:
         """The image beta-VAE."""
         section = self.recipe.models["image_vae"]
-        start = self._base_workshop.image_vae if section["learns_on"] and self._base_workshop else None
-        parents = {} if start is None or self._base_workshop is None else self._base_workshop.key_of("image_vae")
+        base = self._base_workshop if section["learns_on"] else None
+        start, parents = (base.image_vae, base.key_of("image_vae")) if base is not None else (None, {})
 
         def build() -> tuple[Objective, Items, Items]:
             train, val = self.frames("train"), self.frames("val")
