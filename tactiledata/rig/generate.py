@@ -34,7 +34,8 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
         choice = (plan.paired_indenters or indenters) if index < paired else indenters
         touch = _draw(plan, rng, f"t{index:05d}", sensor, choice[rounds % len(choice)])
         if index < paired:
-            drawn.extend(replace(touch, name=f"{touch.name}-{serial}", sensor=serial) for serial in sensors)
+            shared = plan.paired_sensors or sensors
+            drawn.extend(replace(touch, name=f"{touch.name}-{serial}", sensor=serial) for serial in shared)
         else:
             drawn.append(touch)
     return scenario.trajectories + tuple(drawn)

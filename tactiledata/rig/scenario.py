@@ -274,11 +274,14 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
         names.add(touch.name)
         _on_pad(touch.position, scenario.sensors[touch.sensor].gel, f"{path}.position", where)
     if scenario.generate is not None:
-        for index, name in enumerate(scenario.generate.sensors):
-            _known(name, scenario.sensors, f"$.generate.sensors[{index}]", where)
-        for key in ("indenters", "paired_indenters"):
-            for index, name in enumerate(getattr(scenario.generate, key)):
-                _known(name, scenario.indenters, f"$.generate.{key}[{index}]", where)
+        kinds: tuple[tuple[str, Mapping[str, Any]], ...] = (
+            ("sensors", scenario.sensors),
+            ("indenters", scenario.indenters),
+        )
+        for kind, table in kinds:
+            for key in (kind, f"paired_{kind}"):
+                for index, name in enumerate(getattr(scenario.generate, key)):
+                    _known(name, table, f"$.generate.{key}[{index}]", where)
         for sensor in scenario.sensors.values():
             _on_pad(scenario.generate.position, sensor.gel, "$.generate.position", where)
         for key, value in document["generate"].items():

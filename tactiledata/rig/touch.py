@@ -51,13 +51,14 @@ class Touch:
 class Generate:
     """Touches drawn at random; ranges as [least, most]. ``speeds``: m/s, drawn from instead of the range.
 
-    ``paired``: every touch is made on every sensor; a number: the first so many are, with ``paired_indenters`` where
-    those are given.
+    ``paired``: every touch is made on every sensor; a number: the first so many are, with ``paired_indenters`` and on
+    ``paired_sensors`` where those are given.
     """
 
     count: int
     paired: bool | int = False
     paired_indenters: tuple[str, ...] = ()
+    paired_sensors: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
     indenters: tuple[str, ...] = ()
     depth: Range = (0.0006, 0.0013)

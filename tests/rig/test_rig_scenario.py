@@ -132,5 +132,11 @@ def test_some_touches_may_be_paired():
     assert len(drawn) == 2 * 2 + 4
     assert {touch.indenter for touch in drawn[:4]} == {"box"}
     assert {(touch.sensor, touch.indenter) for touch in drawn[4:]} == {(s, i) for s in "AB" for i in indenters}
+    alone = touches(
+        load_scenario(changed(generate={**plan, "sensors": ["A"], "paired_sensors": ["A", "B"]}, indenters=indenters))
+    )
+    assert [touch.sensor for touch in alone] == ["A", "B", "A", "B", "A", "A", "A", "A"]
+    with pytest.raises(SchemaError, match=r"generate\.paired_sensors\[0\]"):
+        load_scenario(changed(generate={**plan, "paired_sensors": ["C"]}, indenters=indenters))
     with pytest.raises(SchemaError, match=r"generate\.paired_indenters\[0\]"):
         load_scenario(changed(generate={**plan, "paired_indenters": ["cone"]}, indenters=indenters))
