@@ -27,7 +27,7 @@ class EndToEnd(Network):
     mesh : dict
         ``filters`` and ``order``, as for `MeshVae`.
     image : dict
-        ``size``, ``blocks``, ``down``, ``channels`` and ``latent``, as for `ImageVae`; ``latent`` is the vector's size.
+        As for `ImageVae`; ``latent`` is the size of the vector between.
     mean, spread : (v, 3) m, optional
         Of the train part, vertex by vertex.
     """

@@ -33,7 +33,7 @@ class ResidualBlock(nn.Module):
         if last.bias is not None:
             nn.init.zeros_(last.bias)
         self.body = nn.Sequential(
-            nn.GroupNorm(max(1, channels // GROUP), channels),
+            _normalised(channels),
             ACTIVATIONS[activation](),
             nn.Conv2d(channels, channels, 3, padding=1),
             ACTIVATIONS[activation](),
@@ -44,6 +44,10 @@ class ResidualBlock(nn.Module):
         """Features of the same shape."""
         changed: Tensor = self.body(values)
         return values + changed
+
+
+def _normalised(channels: int) -> nn.GroupNorm:
+    return nn.GroupNorm(max(1, channels // GROUP), channels)
 
 
 def _stage(channels: int, blocks: int, activation: Activation) -> nn.Sequential:
@@ -72,7 +76,6 @@ class ImageEncoder(nn.Module):
         self, blocks: Sequence[int], down: Sequence[int], channels: Sequence[int], activation: Activation = "tanh"
     ) -> None:
         super().__init__()
-        self.is_bounded = activation == "tanh"
         self.stem = nn.Conv2d(3, channels[0], 3, padding=1)
         self.stages = nn.ModuleList(
             _stage(width, count, activation) for width, count in zip(channels, blocks, strict=True)
@@ -81,13 +84,15 @@ class ImageEncoder(nn.Module):
             nn.Conv2d(fine, coarse, factor + 1, stride=factor, padding=factor // 2)
             for fine, coarse, factor in zip(channels[:-1], channels[1:], down, strict=True)
         )
+        self.last = nn.Tanh() if activation == "tanh" else _normalised(channels[-1])
 
     def forward(self, pictures: Tensor) -> Tensor:
         """Features."""
         values = self.stages[0](self.stem(pictures.contiguous(memory_format=LAYOUT)))
         for reduce, stage in zip(self.down, list(self.stages)[1:], strict=True):
             values = stage(reduce(values))
-        return torch.tanh(values) if self.is_bounded else values
+        features: Tensor = self.last(values)
+        return features
 
 
 class ImageDecoder(nn.Module):
@@ -132,7 +137,8 @@ class ImageVae(Network):
         Width of each stage.
     latent : int
     activation : "tanh" or "silu"
-        Between convolutions; with tanh the encoder's features are bounded, too. Pictures always are.
+        Between convolutions; with tanh the encoder's features are bounded, else they are normalised: without either
+        the divergence of the first steps has no bound. Pictures are always bounded.
     upsampling : "nearest" or "sub_pixel"
 
     Raises

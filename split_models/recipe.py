@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from split_models.recipe_defaults import DEFAULTS
 from split_models.train_options import TrainOptions
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.schema import check_document, parse_document, read_document, shipped_folder
@@ -15,132 +16,6 @@ from tactiledata.errors import SchemaError, UnknownName, UsageError
 
 FORMAT = "tactiledata-recipe/1"
 SCALES = ("small", "paper")
-
-DEFAULTS: dict[str, Any] = {
-    "seed": 0,
-    "table": None,
-    "data": {
-        "store": None,
-        "world": None,
-        "camera": "digit",
-        "image_size": [320, 240],
-        "mesh": "",
-        "wrench": "contact_wrench",
-        "replay": {
-            "resolution": "low",
-            "fidelity": "finite-strain",
-            "keep": "all",
-            "youngs_modulus": None,
-            "poisson_ratio": None,
-            "friction": None,
-        },
-        "split": {
-            "name": "default",
-            "make": True,
-            "by": ["trajectory", "sensor", "indenter"],
-            "hold_out": "auto",
-            "fractions": [0.8, 0.1, 0.1],
-            "force": [1.0, 13.0],
-            "seed": 0,
-        },
-        "extra_stores": [],
-    },
-    "models": {
-        "latents": "mean",
-        "image_vae": {
-            "blocks": [3, 3, 5, 5, 3, 3],
-            "down": [2, 2, 2, 2, 5],
-            "channels": [16, 32, 64, 64, 128, 128],
-            "latent": 256,
-            "activation": "tanh",
-            "upsampling": "nearest",
-            "divergence_weight": 0.001,
-            "anneal": 50,
-            "background_copies": 0,
-            "learns_on": False,
-            "augmentation": {"rotation": 0.1, "flip": 0.5, "noise": 0.02, "contrast": 0.1, "brightness": 0.1},
-            "relighting": {"relit": 0.0, "exchanged": 0.0, "contact_weight": 0.0, "backgrounds": []},
-            "training": {
-                "epochs": 300, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 1e-5,
-                "patience": 20, "save_seconds": 120.0,
-            },
-        },
-        "mesh_vae": {
-            "filters": [16, 16, 16, 32],
-            "order": 6,
-            "latent": 128,
-            "divergence_weight": 0.005,
-            "training": {
-                "epochs": 300, "batch_size": 128, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
-                "patience": 20, "save_seconds": 120.0,
-            },
-        },
-        "projection": {
-            "layers": [512, 1024, 1024, 256],
-            "dropout": [0.2, 0.4],
-            "training": {
-                "epochs": 300, "batch_size": 512, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
-                "patience": 30, "save_seconds": 120.0,
-            },
-        },
-        "cycle": {
-            "weight": 1.0,
-            "own_weight": 1.0,
-            "walks": 3,
-            "training": {
-                "epochs": 100, "batch_size": 512, "learning_rate": 3e-4, "decay": 0.99, "weight_decay": 0.0,
-                "patience": 15, "save_seconds": 120.0,
-            },
-        },
-        "end_to_end": {
-            "training": {
-                "epochs": 300, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 1e-5,
-                "patience": 20, "save_seconds": 120.0,
-            },
-        },
-        "force_head": {
-            "layers": [128, 512, 512, 128],
-            "dropout": [0.2, 0.2],
-            "training": {
-                "epochs": 300, "batch_size": 512, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
-                "patience": 30, "save_seconds": 120.0,
-            },
-        },
-        "zhu": {
-            "size": [80, 60],
-            "channels": [16, 32, 64, 64],
-            "adaptation_weight": 1.0,
-            "anneal": 10,
-            "training": {
-                "epochs": 100, "batch_size": 64, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
-                "patience": 10, "save_seconds": 120.0,
-            },
-        },
-        "raw_forces": {
-            "training": {
-                "epochs": 100, "batch_size": 512, "learning_rate": 1e-3, "decay": 0.99, "weight_decay": 0.0,
-                "patience": 10, "save_seconds": 120.0,
-            },
-        },
-    },
-    "variants": {},
-    "rows": {
-        "methods": None,
-        "parts": ["test", "test_unseen"],
-        "scores": None,
-        "rounds": 1000,
-        "cycles": 40,
-        "frames": 100,
-        "sources": None,
-        "targets": None,
-        "pairs": 240,
-        "weights": None,
-        "head_seeds": 20,
-        "raw_seeds": 3,
-    },
-    "published": {},
-}  # fmt: skip
-"""The paper's protocol; where the paper leaves a size open, docs/decisions/0013-split-model-sizes.md says why."""
 
 
 @dataclass(frozen=True)

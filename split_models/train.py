@@ -174,8 +174,6 @@ class _Loop:
     def epoch(self) -> None:
         """One epoch, or what is left of it, and its end."""
         epoch, started = self.order.epoch, time.monotonic()
-        for group in self.optimiser.param_groups:
-            group["lr"] = self.options.learning_rate * self.options.decay**epoch
         self.objective.train()
         spent, consumed = self.progress.seconds, self.order.consumed
         for numbers, batch in _ahead((numbers, self.items.batch(numbers)) for numbers in self.order):
@@ -189,10 +187,13 @@ class _Loop:
 
     def _step(self, batch: Batch, numbers: list[int], epoch: int, consumed: int) -> None:
         step = -(-consumed // self.order.stride)
+        passed = epoch + (step - 1) / self.steps
+        for group in self.optimiser.param_groups:
+            group["lr"] = self.options.rate_at(passed)
         torch.manual_seed(_seed(self.options.seed, epoch, step, self.ranks.rank))
         self._require_finite(batch, numbers)
         moved = {name: values.to(self.device, non_blocking=True) for name, values in batch.items()}
-        losses = self._losses(self.learner, moved, epoch + (step - 1) / self.steps)
+        losses = self._losses(self.learner, moved, passed)
         self._require_finite_loss(losses, numbers, epoch)
         self.optimiser.zero_grad(set_to_none=True)
         losses["loss"].backward()
@@ -256,7 +257,7 @@ class _Loop:
         progress.rows.append(
             {
                 "epoch": epoch,
-                "learning_rate": self.options.learning_rate * self.options.decay**epoch,
+                "learning_rate": self.options.rate_at(epoch),
                 **{f"train_{name}": value for name, value in learned.items()},
                 **{f"val_{name}": value for name, value in checked.items()},
                 "seconds": round(progress.seconds, 3),

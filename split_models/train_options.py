@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Literal
+
+Schedule = Literal["decay", "one_cycle"]
+RISING = 0.1
+"""Share of a one-cycle training over which the learning rate rises."""
+LEAST_RATE = 0.01
+"""Of the learning rate: where one cycle begins and ends."""
 
 
 @dataclass(frozen=True)
@@ -16,8 +24,11 @@ class TrainOptions:
     batch_size : int
         Of all processes together.
     learning_rate : float
+    schedule : "decay" or "one_cycle"
+        By a factor after every epoch; or up to the learning rate and down again, once, over all epochs (Smith and Topin
+        2019), which allows a larger one.
     decay : float
-        Factor on the learning rate after every epoch.
+        Factor on the learning rate after every epoch; of no meaning to one cycle.
     weight_decay : float
     patience : int
         Epochs without a better validation loss after which it stops; 0: never.
@@ -31,9 +42,18 @@ class TrainOptions:
     epochs: int
     batch_size: int
     learning_rate: float = 1e-3
+    schedule: Schedule = "decay"
     decay: float = 1.0
     weight_decay: float = 0.0
     patience: int = 0
     settle: int = 0
     seed: int = 0
     save_seconds: float = 120.0
+
+    def rate_at(self, epoch: float) -> float:
+        """The learning rate after so many epochs, fractions counted."""
+        if self.schedule == "decay":
+            return self.learning_rate * self.decay ** math.floor(epoch)
+        done = epoch / self.epochs
+        along = done / RISING if done < RISING else (1.0 - done) / (1.0 - RISING)
+        return self.learning_rate * (LEAST_RATE + (1.0 - LEAST_RATE) * 0.5 * (1.0 - math.cos(math.pi * along)))

@@ -18,7 +18,7 @@ from split_models.device import Ranks
 from split_models.end_to_end import EndToEnd
 from split_models.force_head import ForceHead, Forces, RawForces
 from split_models.image_vae import ImageVae, as_input
-from split_models.image_vae_recipe import image_vae_objective
+from split_models.image_vae_recipe import SIZES, image_vae_objective
 from split_models.items import FrameItems, Items, PictureItems, TensorItems
 from split_models.kept_models import Build, KeptModels
 from split_models.latent import encode_displacements, encode_pictures, subtract
@@ -193,7 +193,7 @@ class Workshop:
         """The network from meshes to pictures."""
         models = self.recipe.models
         mesh = {name: models["mesh_vae"][name] for name in ("filters", "order")}
-        image = {name: models["image_vae"][name] for name in ("blocks", "down", "channels", "latent")}
+        image = {name: models["image_vae"][name] for name in SIZES}
         section = {"mesh": mesh, "image": {"size": self.recipe.data["image_size"], **image}}
 
         def build() -> tuple[Objective, Items, Items]:

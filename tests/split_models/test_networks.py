@@ -50,11 +50,12 @@ def test_sub_pixels_start_as_nearest_neighbours():
 
 
 def test_a_vae_without_bounds_is_kept_and_built_again(tmp_path):
-    """SiLU and sub-pixels: features beyond 1, pictures within; the checkpoint says how it is built."""
+    """SiLU and sub-pixels: features beyond 1 but normalised, pictures within; the checkpoint says how it is built."""
     torch.manual_seed(0)
     vae = image_vae(activation="silu", upsampling="sub_pixel")
     shown = as_input(torch.as_tensor(pictures(3)))
     assert vae.features(100 * shown).abs().max() > 1
+    assert vae.features(100 * shown).square().mean() < 2
     assert image_vae().features(100 * shown).abs().max() <= 1
     save_checkpoint(tmp_path / "vae.pt", Checkpoint.of(vae, Stamps("r", "s", "i")))
     again = load_checkpoint(tmp_path / "vae.pt").network()

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 from learner import STAMPS, items, learn, objective
@@ -44,6 +45,20 @@ def test_it_learns_and_writes_its_curve(tmp_path):
     assert json.loads((tmp_path / "curve.json").read_text()) == trained.rows
     assert trained.rows[3]["learning_rate"] == pytest.approx(0.01 * 0.99**3)
     assert trained.best_epoch == min(range(12), key=lambda epoch: trained.rows[epoch]["val_loss"])
+
+
+def test_one_cycle_of_the_learning_rate(tmp_path):
+    """Up over the first tenth of all epochs and down again to the end, step by step; a decay holds for an epoch."""
+    once = TrainOptions(20, 8, learning_rate=0.01, schedule="one_cycle")
+    rates = [once.rate_at(epoch) for epoch in np.linspace(0.0, 20.0, 201)]
+    assert rates[0] == rates[-1] == pytest.approx(0.01 * 0.01)
+    assert max(rates) == rates[20] == pytest.approx(0.01)
+    assert (np.diff(rates[:21]) > 0).all()
+    assert (np.diff(rates[20:]) < 0).all()
+    assert TrainOptions(20, 8, decay=0.5).rate_at(1.9) == TrainOptions(20, 8, decay=0.5).rate_at(1.0) == 0.5e-3
+    trained = learn(tmp_path, epochs=12, schedule="one_cycle")
+    assert trained.rows[-1]["train_loss"] < 0.5 * trained.rows[0]["train_loss"]
+    assert trained.rows[-1]["learning_rate"] < 0.2 * trained.rows[2]["learning_rate"]
 
 
 class Stop(Exception):
