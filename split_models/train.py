@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import torch
 from torch import distributed
@@ -21,8 +20,10 @@ from split_models.device import Ranks, uses_bfloat16
 from split_models.items import Batch, Items
 from split_models.network import Network
 from split_models.objectives import Losses, Objective
+from split_models.require_finite import require_finite_batch, require_finite_losses, require_finite_validation
 from split_models.train_options import TrainOptions
-from tactiledata.errors import NotFinite, UsageError
+from split_models.training_progress import Progress
+from tactiledata.errors import UsageError
 from tactiledata.loaders.order import Order
 
 Tell = Callable[..., None]
@@ -30,29 +31,6 @@ Tell = Callable[..., None]
 T = TypeVar("T")
 
 LAST, BEST = "last.pt", "best.pt"
-
-
-@dataclass
-class Progress:
-    """Where training stands, as JSON values in the checkpoint."""
-
-    order: dict[str, Any] = field(default_factory=dict)
-    sums: dict[str, float] = field(default_factory=dict)
-    seconds: float = 0.0
-    rows: list[dict[str, float]] = field(default_factory=list)
-    best: float = float("inf")
-    best_epoch: int = -1
-    is_over: bool = False
-
-    def document(self) -> dict[str, Any]:
-        """As JSON values."""
-        return {**vars(self), "best": None if self.best_epoch < 0 else self.best}
-
-    @classmethod
-    def from_document(cls, document: Mapping[str, Any]) -> Progress:
-        """The inverse of `document`."""
-        best = document["best"]
-        return cls(**{**document, "best": float("inf") if best is None else best})
 
 
 @dataclass(frozen=True)
@@ -191,10 +169,10 @@ class _Loop:
         for group in self.optimiser.param_groups:
             group["lr"] = self.options.rate_at(passed)
         torch.manual_seed(_seed(self.options.seed, epoch, step, self.ranks.rank))
-        self._require_finite(batch, numbers)
+        require_finite_batch(batch, numbers, self.items)
         moved = {name: values.to(self.device, non_blocking=True) for name, values in batch.items()}
         losses = self._losses(self.learner, moved, passed)
-        self._require_finite_loss(losses, numbers, epoch)
+        self._require_finite(losses, numbers, epoch)
         self.optimiser.zero_grad(set_to_none=True)
         losses["loss"].backward()
         self.optimiser.step()
@@ -212,40 +190,9 @@ class _Loop:
             sums[name] = sums.get(name, 0.0) + value.item() * count
         sums["items"] = sums.get("items", 0.0) + count
 
-    def _require_finite(self, batch: Batch, numbers: list[int]) -> None:
-        for name, values in batch.items():
-            if not values.is_floating_point():
-                continue
-            bad = ~values.flatten(1).isfinite().all(dim=1)
-            if bad.any():
-                places = [numbers[place] for place in bad.nonzero().flatten().tolist()]
-                raise NotFinite(
-                    f"NaN or infinity in {name!r} of {self.items.where(places[0])}"
-                    + (f" and {len(places) - 1} more of its batch" if places[1:] else ""),
-                    "numbers",
-                    "`tactiledata check` looks for damage; leave such frames out.",
-                    items=places,
-                )
-
-    def _require_finite_loss(self, losses: Losses, numbers: list[int], epoch: int) -> None:
-        for name, value in losses.items():
-            if not bool(value.isfinite()):
-                raise NotFinite(
-                    f"the {name} of the {self.objective.network.kind} became {value.item()} in epoch {epoch}, at "
-                    f"{self.items.where(numbers[0])} and the rest of its batch",
-                    "a number",
-                    f"Lower the learning rate ({self.options.learning_rate:g}); the checkpoint before is whole.",
-                    epoch=epoch,
-                )
-
-    def _require_finite_validation(self, checked: Mapping[str, float], epoch: int) -> None:
-        if not math.isfinite(checked["loss"]):
-            raise NotFinite(
-                f"the validation loss of the {self.objective.network.kind} is {checked['loss']} after epoch {epoch}",
-                "a number",
-                "`tactiledata check` looks for damage; else lower the learning rate.",
-                epoch=epoch,
-            )
+    def _require_finite(self, losses: Losses, numbers: list[int], epoch: int) -> None:
+        place = f"{self.items.where(numbers[0])} and the rest of its batch"
+        require_finite_losses(losses, self.objective.network.kind, epoch, place, self.options.learning_rate)
 
     def _end_epoch(self, epoch: int) -> None:
         progress = self.progress
@@ -253,7 +200,7 @@ class _Loop:
         names = sorted(set(progress.sums) - {"items"})
         learned = self._shared(progress.sums, names)
         checked = self._shared(self._validated(epoch), names)
-        self._require_finite_validation(checked, epoch)
+        require_finite_validation(checked, self.objective.network.kind, epoch)
         progress.rows.append(
             {
                 "epoch": epoch,

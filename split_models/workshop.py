@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -13,7 +12,7 @@ import torch
 from torch import Tensor
 
 from split_models.checkpoint import Stamps
-from split_models.data import TouchFrames, vertex_scale
+from split_models.data import TouchFrames
 from split_models.device import Ranks
 from split_models.end_to_end import EndToEnd
 from split_models.force_head import ForceHead, Forces, RawForces
@@ -23,22 +22,20 @@ from split_models.items import FrameItems, Items, PictureItems, TensorItems
 from split_models.kept_models import Build, KeptModels
 from split_models.latent import encode_displacements, encode_pictures, subtract
 from split_models.latent_normal import drawn_alike
-from split_models.mesh_graph import Hierarchy, Topology, build_hierarchy
 from split_models.mesh_vae import MeshVae
 from split_models.network import Network
 from split_models.objectives import MeshVaeObjective, Objective, Regression, scaled_forces
-from split_models.prepare import mesh_name, prepare_store, store_place
 from split_models.projection import Projection
 from split_models.recipe import Recipe
+from split_models.recipe_data import RecipeData, Tell
 from split_models.train_options import TrainOptions
 from tactiledata.contract.provenance import digest_of
 
-Tell = Callable[..., None]
 Direction = Literal["mesh_to_image", "image_to_mesh"]
 MODELS = "models"
 
 
-class Workshop:
+class Workshop(RecipeData):
     """What a recipe needs, made when it is asked for and kept in ``out``.
 
     Parameters
@@ -66,11 +63,9 @@ class Workshop:
         workers: int = 1,
         may_train: bool = True,
     ) -> None:
-        self.recipe, self.out, self.device, self.workers = recipe, out, device, workers
-        self.ranks = ranks or Ranks()
-        self.tell: Tell = tell or (lambda done, total, what="": None)
+        super().__init__(recipe, out, ranks or Ranks(), tell or (lambda done, total, what="": None), workers)
+        self.device = device
         self.kept = KeptModels(out / MODELS, device, self.ranks, self.tell, may_train)
-        self._frames: dict[str, TouchFrames] = {}
         self._latents: dict[str, Tensor] = {}
         self._variants: dict[str, Workshop] = {}
         self._base_workshop: Workshop | None = None
@@ -97,51 +92,6 @@ class Workshop:
         """Where the recipe's table and pictures go."""
         return self.out / self.recipe.name / self.recipe.scale
 
-    # -- data --------------------------------------------------------------------------------------------------------
-
-    @cached_property
-    def store(self) -> Path:
-        """The store, ready to learn from."""
-        if self.ranks.is_first:
-            prepare_store(self.recipe, self.out, self.workers, self.tell)
-        self.ranks.wait()
-        return store_place(self.recipe, self.out)
-
-    def frames(self, part: str) -> TouchFrames:
-        """Frames of a part of the split that have picture, mesh, wrench and background."""
-        if part not in self._frames:
-            data = self.recipe.data
-            self._frames[part] = TouchFrames(
-                self.store,
-                f"{data['split']['name']}/{part}",
-                camera=data["camera"],
-                size=data["image_size"],
-                mesh=mesh_name(data),
-                wrench=data["wrench"] or None,
-            )
-        return self._frames[part]
-
-    @cached_property
-    def topology(self) -> Topology:
-        """The mesh of the store."""
-        return self.frames("train").topology()
-
-    @cached_property
-    def hierarchy(self) -> Hierarchy:
-        """Its levels."""
-        return build_hierarchy(self.topology, len(self.recipe.models["mesh_vae"]["filters"]))
-
-    @cached_property
-    def vertex_scale(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mean and spread (v, 3), m, of the train part."""
-        return vertex_scale(self.frames("train"))
-
-    @cached_property
-    def force_scale(self) -> tuple[list[float], list[float]]:
-        """Mean and spread (3,), N, of the train part."""
-        forces = self.frames("train").forces().astype(np.float64)
-        return forces.mean(axis=0).tolist(), np.maximum(forces.std(axis=0), 1e-3).tolist()
-
     # -- models ------------------------------------------------------------------------------------------------------
 
     @property
@@ -153,25 +103,12 @@ class Workshop:
 
         def build() -> tuple[Objective, Items, Items]:
             train, val = self.frames("train"), self.frames("val")
-            items = PictureItems([train, *self._extra_frames], section["background_copies"])
+            items = PictureItems([train, *self.extra_frames], section["background_copies"])
             return image_vae_objective(section, train, start), items, PictureItems([val], 0, train.sensor_names)
 
-        fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self._extra_frames]])
+        fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self.extra_frames]])
         options = self.recipe.training("image_vae", settle=section["anneal"])
         return cast("ImageVae", self.learned("image_vae", parents, section, fingerprint, options, build))
-
-    @cached_property
-    def _extra_frames(self) -> list[TouchFrames]:
-        return [
-            TouchFrames(
-                extra["store"],
-                extra.get("split", "default/train"),
-                camera=extra.get("camera", self.recipe.data["camera"]),
-                size=self.recipe.data["image_size"],
-                background=False,
-            )
-            for extra in self.recipe.data["extra_stores"]
-        ]
 
     @property
     def mesh_vae(self) -> MeshVae:
