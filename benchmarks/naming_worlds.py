@@ -4,9 +4,12 @@ engine is the simulation that lacks them.
     python benchmarks/naming_worlds.py [--quick] [--plan N] [--cases all] [--count K] [--out FILE.jsonl] [--bank FOLDER]
 
 Cases: `nulls`, `effects` (each of the rig's, in the catalogue), `outside` of it, `pairs`, `metadata` (an indenter whose
-radius is not what the log says). A plan of touches is the same in all its cases, so that what the gel engine played
-(TACTILEDATA_CACHE) and what the rig's layer solver answered (--bank) serve all of them; what is not there yet is
-solved first, which takes an hour. Cases that the file holds already are not run again. Clocks of the logs are right.
+radius is not what the log says). The *signal* of what is hidden: the root of the squares, in units of the noise, that
+the plain simulation leaves of it when it is refitted to wrenches without noise.
+
+A plan of touches is the same in all its cases, so that what the gel engine played (TACTILEDATA_CACHE) and what the
+rig's layer solver answered (--bank) serve all of them; what is not there yet is solved first, which takes an hour.
+Cases that the file holds already are not run again. Clocks of the logs are right.
 """
 
 from __future__ import annotations
@@ -16,7 +19,7 @@ import json
 import tempfile
 import time
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +34,11 @@ from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
+from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.play_touches import play_touches
+from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.touch_plays import PlayedFamily
+from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.diagnose.zero_causes import zero_causes
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.fem import Fidelity
@@ -147,10 +153,14 @@ class Bench:
         began = time.perf_counter()
         naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False))
         seconds = time.perf_counter() - began
-        change = np.zeros((int(cases.counts.sum()), 6))
+        change, left = np.zeros((int(cases.counts.sum()), 6)), 0.0
         if asked.hidden or asked.more:
-            felt = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more, is_exact=True)
-            change = np.concatenate(felt.wrenches) - self._clean(asked.seed, truth)
+            felt = np.concatenate(
+                self.maker.recorded(asked.seed, truth, asked.hidden, asked.more, is_exact=True).wrenches
+            )
+            clean = self._clean(asked.seed, truth)
+            change = felt - clean
+            left = _left_by_a_refit(cases, felt) - _left_by_a_refit(cases, clean)
         return {
             "case": asked.label,
             **{key: value for key, value in asdict(asked).items() if key != "wrong"},
@@ -159,11 +169,19 @@ class Bench:
             "seconds": round(seconds, 2),
             "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],
             **_found(naming, asked, change),
+            "signal": round(float(np.sqrt(max(left, 0.0))), 2),
         }
 
 
+def _left_by_a_refit(cases: CaseSet, wrenches: np.ndarray) -> float:
+    """The cost, in squares of the noise, of the plain simulation refitted to wrenches (N, 6) without noise."""
+    ends = np.cumsum(cases.counts)[:-1]
+    exact = [replace(case, measured=one) for case, one in zip(cases.cases, np.split(wrenches, ends), strict=True)]
+    return plain_fit(WhitenedCases.of(replace(cases, cases=exact), NamingOptions().errors), START).cost
+
+
 def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
-    """What is kept of an answer; ``signal`` is the hidden change beyond what a refit imitates, over the noise."""
+    """What is kept of an answer; ``to_first_order`` is the hidden change beyond what a linear refit imitates."""
     answer = Answer(naming)
     metric = naming.base.metric
     field_ = naming.cases.white(change)
@@ -191,7 +209,7 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
         "after": [one["value"] for one in document["after"][:3]],
         "values": {one["name"]: one["value"] for one in document["after"][3:]},
         "errors": naming.base.model.errors.round(2).tolist(),
-        "signal": round(signal, 2),
+        "to_first_order": round(signal, 2),
         "cosine": float(cosines(metric, [field_, best.fit.effect_change])[0, 1]) if best and signal > 0 else None,
         "reach": reach,
         "visible": ESTIMATED.visible,

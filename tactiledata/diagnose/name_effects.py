@@ -17,6 +17,7 @@ from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.judge import Judged, judge
 from tactiledata.diagnose.left_over import LeftOver
+from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.profiled_interval import Interval, intervals
 from tactiledata.diagnose.screen import Screened, screen
 from tactiledata.diagnose.touch_case import CaseSet
@@ -117,10 +118,10 @@ def name_effects(
     cases.need_cases()
     white = WhitenedCases.of(cases, chosen.errors)
     progress("plain fit")
-    base = _plain_fit(white, material)
+    base = plain_fit(white, material)
     if chosen.robust:
         white = white.trusting(_huber(base.residual))
-        base = _plain_fit(white, base.model.material)
+        base = plain_fit(white, base.model.material)
     numerical = white.numerical(base.model.material, base.model.offsets)
     base = joint_fit(white, numerical, base.model)
     names, not_tried = playable(white, chosen.effects)
@@ -140,12 +141,6 @@ def name_effects(
     )
     identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
     return Naming(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
-
-
-def _plain_fit(white: WhitenedCases, material: GelMaterial) -> JointFit:
-    numerical = white.numerical(material)
-    model = joint_model(material, [], len(white.starts), numerical.shape[2], box=white.cases.box)
-    return joint_fit(white, numerical, model)
 
 
 def _huber(residual: Array, turn: float = 2.0) -> Array:
