@@ -35,7 +35,7 @@ def require_finite_batch(batch: Batch, numbers: list[int], items: Items) -> None
 
 
 def require_finite_losses(
-    losses: Mapping[str, Tensor], network: str, epoch: int, place: str, learning_rate: float
+    losses: Mapping[str, Tensor], network: str, epoch: int, items: Items, numbers: list[int], learning_rate: float
 ) -> None:
     """Refuse a loss that is no number.
 
@@ -47,7 +47,8 @@ def require_finite_losses(
     for name, value in losses.items():
         if not bool(value.isfinite()):
             raise NotFinite(
-                f"the {name} of the {network} became {value.item()} in epoch {epoch}, at {place}",
+                f"the {name} of the {network} became {value.item()} in epoch {epoch}, at "
+                f"{items.where(numbers[0])} and the rest of its batch",
                 "a number",
                 f"Lower the learning rate ({learning_rate:g}); the checkpoint before is whole.",
                 epoch=epoch,

@@ -172,7 +172,8 @@ class _Loop:
         require_finite_batch(batch, numbers, self.items)
         moved = {name: values.to(self.device, non_blocking=True) for name, values in batch.items()}
         losses = self._losses(self.learner, moved, passed)
-        self._require_finite(losses, numbers, epoch)
+        kind, rate = self.objective.network.kind, self.options.learning_rate
+        require_finite_losses(losses, kind, epoch, self.items, numbers, rate)
         self.optimiser.zero_grad(set_to_none=True)
         losses["loss"].backward()
         self.optimiser.step()
@@ -189,10 +190,6 @@ class _Loop:
         for name, value in losses.items():
             sums[name] = sums.get(name, 0.0) + value.item() * count
         sums["items"] = sums.get("items", 0.0) + count
-
-    def _require_finite(self, losses: Losses, numbers: list[int], epoch: int) -> None:
-        place = f"{self.items.where(numbers[0])} and the rest of its batch"
-        require_finite_losses(losses, self.objective.network.kind, epoch, place, self.options.learning_rate)
 
     def _end_epoch(self, epoch: int) -> None:
         progress = self.progress
