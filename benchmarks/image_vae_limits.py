@@ -20,8 +20,7 @@ from split_models.contact_region import contact_region
 from split_models.data import TouchFrames
 from split_models.evaluate import of_each_sensor
 from split_models.image_vae import ImageVae
-from split_models.latent import decode_pictures, encode_pictures
-from split_models.latent_transfer import load_image_vae
+from split_models.latent_transfer import Laid, LatentTransfer, load_image_vae
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
 Pictures = NDArray[np.uint8]
@@ -52,8 +51,8 @@ def main() -> None:
     for count in given.components:
         rows[f"{count} principal components of picture - background"] = linear_model(train, count)
     for name, vae in vaes.items():
-        rows[f"{name}: encoded and decoded"] = decoded(vae)
-        rows[f"{name}: its change on the recorded background"] = on_background(vae)
+        rows[f"{name}: encoded and decoded"] = through(vae, "")
+        rows[f"{name}: its change on the recorded background"] = through(vae, "change")
     print(f"{'mean absolute grey levels inside the contact':60s}" + "".join(f"{part:>13s}" for part in PARTS))
     for title, again in rows.items():
         print(f"{title:60s}" + "".join(f"{error(again, frames):13.2f}" for frames in parts.values()))
@@ -69,31 +68,15 @@ def linear_model(train: TouchFrames, count: int) -> Again:
     def again(pictures: Pictures, background: Pictures) -> Pictures:
         change = (pictures.astype(np.float32) - background).reshape(len(pictures), -1)
         found = model.inverse_transform(model.transform(change)).reshape(pictures.shape)
-        return clipped(background + found)
+        return np.clip(np.rint(background + found), 0, 255).astype(np.uint8)
 
     return again
 
 
-def decoded(vae: ImageVae) -> Again:
-    """Pictures through the VAE."""
-    return lambda pictures, background: decode_pictures(vae, encode_pictures(vae, pictures))
-
-
-def on_background(vae: ImageVae) -> Again:
-    """What the VAE says a touch changes, on the picture that is known."""
-
-    def again(pictures: Pictures, background: Pictures) -> Pictures:
-        both = decode_pictures(vae, encode_pictures(vae, np.concatenate([background[None], pictures]))).astype(
-            np.float32
-        )
-        return clipped(background + both[1:] - both[0])
-
-    return again
-
-
-def clipped(values: NDArray[np.floating]) -> Pictures:
-    """As pictures."""
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
+def through(vae: ImageVae, laid: Laid) -> Again:
+    """Pictures through the VAE, transferred from their sensor to itself."""
+    method = LatentTransfer("", vae, laid)
+    return lambda pictures, background: method.transfer(pictures, background, background)
 
 
 def error(again: Again, frames: TouchFrames) -> float:
