@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.force_zeros import ForceZeros
 from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
+from tactiledata.effects.imprint import ImprintTable, nearness
 from tactiledata.effects.last_move import last_move
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelTouch
@@ -80,6 +81,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
     robot = scenario.robot
     gel_from_ft = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix
     found: list[Touch] = []
+    tables = {name: ImprintTable.of(indenter) for name, indenter in log.stage.indenters.items()}
     for play, (_, mounted) in zip(performance.plays, performance.poses, strict=True):
         host = frame_times(play)
         tcp = performance.tcp(host)
@@ -87,7 +89,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
         poses = np.linalg.inv(base_from_gel) @ mounted.matrix
         seconds = (host - performance.start_ns) * 1e-9
         commanded = play.path.at((host - play.start_ns) * 1e-9)[:, 2]
-        earlier = [other for other in found if _is_beside(other, play)]
+        earlier = [other for other in found if other.sensor == play.touch.sensor]
         touch = Touch(
             seconds=seconds,
             poses=poses,
@@ -100,8 +102,8 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
             gravity=-9.80665 * base_from_gel[:, 2, :3],
             joints=ur5e.inverse(tcp @ robot.flange_from_tcp.inverse().matrix),
             powered=seconds + scenario.recordings.powered,
-            earlier_depth=np.full(len(host), max((-float(one.tips[:, 2].min()) for one in earlier), default=0.0)),
-            earlier_contacts=np.full(len(host), float(len(earlier))),
+            earlier_depth=_as_deep(poses, play.touch.indenter, earlier, tables),
+            earlier_contacts=np.full(len(host), float(sum(_is_beside(other, play) for other in earlier))),
             tare=(commanded < -CLEAR) & (seconds < seconds[int(np.argmax(commanded))]),
             **_history(play, host),
             gel_from_sensor=np.tile(gel_from_ft, (len(host), 1, 1)),
@@ -116,6 +118,17 @@ def _history(play: Play, host: Times) -> dict[str, Array]:
     dense = np.arange(0.0, play.path.duration, 1.0 / POSES)
     pace, rest = last_move((host - play.start_ns) * 1e-9, dense, play.path.at(dense)[:, :2])
     return {"pace": pace, "rest": rest}
+
+
+def _as_deep(poses: Array, name: str, earlier: Sequence[Touch], tables: Mapping[str, ImprintTable]) -> Array:
+    """How deep (n,), m, this indenter would have to press to do what the strongest earlier touch has done there."""
+    strongest = np.zeros(len(poses))
+    for one in earlier:
+        deepest = int(np.argmin(one.tips[:, 2]))
+        away = np.linalg.norm(poses[:, :2, 3] - one.tips[deepest, :2], axis=1)
+        imprint = float(tables[one.indenter_name].imprint(-one.tips[deepest, 2]))
+        strongest = np.maximum(strongest, imprint * nearness(away))
+    return tables[name].depth(strongest)
 
 
 def _is_beside(other: Touch, play: Play) -> bool:

@@ -12,8 +12,10 @@ from scipy.interpolate import PchipInterpolator
 
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
-from tactiledata.diagnose.shear_memory import friction_change, shear_change, shear_stiffness
+from tactiledata.diagnose.friction_memory import CubicsOverFriction, remembered_shear
+from tactiledata.diagnose.shear_memory import shear_change
 from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
+from tactiledata.effects.shear_stiffness import shear_stiffness
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
@@ -92,17 +94,19 @@ class TouchPlays:
         return {}
 
     def _between(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
-        weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
-        by_node, bends = self._at_frictions(frictions)
-        level = np.tensordot(weights, by_node, axes=([0], [1]))
-        slope, curvature = (
-            np.tensordot(weights, self.by_ratio, axes=1)
-            + bends.transpose(1, 0, 2)
-            - self.by_friction[self.plan.middle[1]]
-        )
-        z = offset[:, None]
-        columns: Array = level + z * (slope + z * curvature) + np.einsum("na,ank->nk", shift, self.by_shift)
+        columns: Array = self.over_friction(ratio, offset, shift).at(frictions)
         return columns
+
+    def over_friction(self, ratio: float, offset: Array, shift: Array) -> CubicsOverFriction:
+        """Columns (n, 7) as functions of the friction, at one nu, and at an offset and a shift of each frame."""
+        weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
+        z = offset[:, None]
+        cubics = self._cubics
+        over = np.tensordot(cubics[..., :-2, :], weights, axes=([3], [0]))
+        over += z * (cubics[..., -2, :] + z * cubics[..., -1, :])
+        slope, curvature = np.tensordot(weights, self.by_ratio, axes=1) - self.by_friction[self.plan.middle[1]]
+        over[3] += z * (slope + z * curvature) + np.einsum("na,ank->nk", shift, self.by_shift)
+        return CubicsOverFriction(np.asarray(self.plan.frictions), over)
 
     @cached_property
     def _cubics(self) -> Array:
@@ -111,24 +115,15 @@ class TouchPlays:
         coefficients: Array = PchipInterpolator(self.plan.frictions, values).c
         return coefficients
 
-    def _at_frictions(self, frictions: Array) -> tuple[Array, Array]:
-        """Level (n, n_nu, 7) and bends (n, 2, 7), each row at its own friction (n,)."""
-        nodes = np.asarray(self.plan.frictions)
-        wanted = np.clip(frictions, nodes[0], nodes[-1])
-        place = np.clip(np.searchsorted(nodes, wanted, side="right") - 1, 0, len(nodes) - 2)
-        third, second, first, none = self._cubics[:, place, np.arange(len(wanted))]
-        x = (wanted - nodes[place])[:, None, None]
-        values = ((third * x + second) * x + first) * x + none
-        return values[:, :-2], values[:, -2:]
-
 
 @dataclass(frozen=True)
 class PlayedResponse:
     """`BaseResponse` of a touch from its plays.
 
-    Between plays the wrench is interpolated; the offset of a frame acts as if the whole path had had it, and so does
-    the median of its friction. Friction that is another at a frame, or a shift that differs from frame to frame, lets a
-    spring of the contact's size slide further or less far, and shear that sticks afterwards remembers it.
+    Between plays the wrench is interpolated; the offset of a frame acts as if the whole path had had it. Where friction
+    differs from frame to frame, a frame answers as if the whole path had had its own, but shear that sticks remembers
+    the pull at which the contact slid last. A shift that differs from frame to frame lets a spring of the contact's
+    size slide further or less far.
 
     Parameters
     ----------
@@ -144,8 +139,7 @@ class PlayedResponse:
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
         """As `BaseResponse.respond`."""
         frictions = self.material.friction * friction
-        usual = np.full(len(frictions), self._usual(frictions))
-        columns = self.plays.at(self.material.poisson_ratio, usual, offset, shift)
+        columns = self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
         tips = self.touch.tips
         depth = self.plays.height - tips[:, 2] + offset
         touching = (columns[:, 2] > LEAST_FORCE) & (depth > 0)
@@ -159,32 +153,35 @@ class PlayedResponse:
         area = np.where(touching, np.maximum(columns[:, AREA], 0.0), 0.0)
         load = np.where(touching, normal, 0.0)
         limit = frictions * load
-        unit = unit + self._sheared(unit, shift, area, (usual * load, limit), centre)
+        unit = unit + self._force_at(self._remembered(frictions, offset, shift, touching), centre)
+        spring = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
+        unit = unit + self._sheared(unit, shift, spring, limit, centre)
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
-        return ContactResponse(unit * self.material.youngs_modulus, area, centre, depth, sliding)
+        modulus = self.material.youngs_modulus
+        return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
 
-    def _usual(self, frictions: Array) -> float:
-        """The friction that stands for the path: the median over frames that touch."""
-        deep = np.isfinite(frictions) & (self.plays.height > self.touch.tips[:, 2])
-        return float(np.median(frictions[deep])) if deep.any() else self.material.friction
+    def _remembered(self, frictions: Array, offset: Array, shift: Array, touching: NDArray[np.bool_]) -> Array:
+        """Shear (n, 2) that stuck at another friction than that of the frame."""
+        if (frictions == frictions[:1]).all():
+            return np.zeros((len(frictions), 2))
+        columns = self.plays.over_friction(self.material.poisson_ratio, offset, shift)
+        return remembered_shear(frictions, columns, touching)
 
-    def _sheared(self, unit: Array, shift: Array, area: Array, limits: tuple[Array, Array], centre: Array) -> Array:
-        """Change (n, 6) of the wrench by a shift, and by a limit of friction, that differ from frame to frame.
-
-        ``limits``: with the path's usual friction, and with that of each frame.
-        """
-        path, (before, limit) = self.touch.tips[:, :2], limits
-        stiffness = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
-        change = shear_change(path, shift, stiffness, limit) + friction_change(path, stiffness, before, limit)
+    def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
+        """Change (n, 6) of the wrench by a shift that differs from frame to frame."""
+        change = shear_change(self.touch.tips[:, :2], shift, spring, limit)
         if not change.any():
             return np.zeros_like(unit)
-        shear = unit[:, :2] + change
+        shear, before = unit[:, :2] + change, np.hypot(unit[:, 0], unit[:, 1])
         size = np.hypot(shear[:, 0], shear[:, 1])
         # what slides already may be a little over the limit, by the interpolation
-        over = np.divide(np.hypot(unit[:, 0], unit[:, 1]), before, out=np.ones_like(limit), where=before > 0)
-        most = limit * np.maximum(over, 1.0)
+        most = np.maximum(limit, before)
         shear *= np.divide(most, size, out=np.ones_like(size), where=size > most)[:, None]
-        force = np.column_stack([shear - unit[:, :2], np.zeros(len(unit))])
+        return self._force_at(shear - unit[:, :2], centre)
+
+    def _force_at(self, shear: Array, centre: Array) -> Array:
+        """Wrenches (n, 6) of forces (n, 2) along the gel, at the height of the tip."""
+        force = np.column_stack([shear, np.zeros(len(shear))])
         at = np.column_stack([centre, self.touch.tips[:, 2]])
         return np.nan_to_num(np.concatenate([force, np.cross(at, force)], axis=1))
 

@@ -9,6 +9,7 @@ from tactiledata.diagnose.touch_case import CaseSet, TouchCase
 from tactiledata.diagnose.trial import Trial, TrialTouch
 from tactiledata.diagnose.trial_bench import TrialBench
 from tactiledata.diagnose.trial_path import FREE_AIR, TrialPath, trial_path
+from tactiledata.effects.imprint import ImprintTable, nearness
 from tactiledata.effects.touch import Touch
 
 Array = NDArray[np.float64]
@@ -16,7 +17,7 @@ Array = NDArray[np.float64]
 DOWN = (0.0, 0.0, -9.81)
 """m/s^2, gel frame, where no recording tells it."""
 SAME_PLACE = 1.5e-3
-"""m within which a place of the gel remembers."""
+"""m within which touches are of one place."""
 
 
 def trial_cases(trial: Trial, bench: TrialBench) -> CaseSet:
@@ -47,19 +48,28 @@ def _case(trial: Trial, number: int, touch: Touch, measured: Array, bench: Trial
 
 
 class _Spots:
-    """How deep, and how often, places were touched before."""
+    """What was done to places, and how often they were touched before."""
 
     def __init__(self, bench: TrialBench) -> None:
         usual = bench.touch
-        self.depth = 0.0 if usual.earlier_depth is None else float(np.nanmax(usual.earlier_depth))
-        self.visits = [(np.asarray(place), self.depth) for place in bench.visited]
+        depth = 0.0 if usual.earlier_depth is None else float(np.nanmax(usual.earlier_depth))
+        self._bench, self._tables = bench, {usual.indenter_name: ImprintTable.of(usual.indenter)}
+        imprint = float(self._tables[usual.indenter_name].imprint(depth))
+        self._visits = [(np.asarray(place), imprint) for place in bench.visited]
 
-    def before(self, place: tuple[float, float]) -> tuple[float, int]:
-        near = [depth for where, depth in self.visits if np.linalg.norm(where - place) < SAME_PLACE]
-        return max(near, default=0.0), len(near)
+    def before(self, place: tuple[float, float], indenter: str) -> tuple[float, int]:
+        """The depth, m, at which an indenter would do as much, and the number of touches."""
+        away = np.array([np.linalg.norm(where - place) for where, _ in self._visits])
+        strongest = np.array([imprint for _, imprint in self._visits]) * nearness(away)
+        return float(self._table(indenter).depth(strongest.max(initial=0.0))), int((away < SAME_PLACE).sum())
 
-    def touched(self, place: tuple[float, float], depth: float) -> None:
-        self.visits.append((np.asarray(place), depth))
+    def touched(self, place: tuple[float, float], indenter: str, depth: float) -> None:
+        self._visits.append((np.asarray(place), float(self._table(indenter).imprint(depth))))
+
+    def _table(self, indenter: str) -> ImprintTable:
+        if indenter not in self._tables:
+            self._tables[indenter] = ImprintTable.of(self._bench.indenter(indenter))
+        return self._tables[indenter]
 
 
 def _touch(trial: Trial, one: TrialTouch, path: TrialPath, bench: TrialBench, since: float, spots: _Spots) -> Touch:
@@ -75,10 +85,10 @@ def _touch(trial: Trial, one: TrialTouch, path: TrialPath, bench: TrialBench, si
     joints = np.zeros((len(seconds), 6)) + (0.0 if usual.joints is None else usual.joints[0])
     # about the gel's normal the last joint turns; other turns share themselves out among the wrist's joints
     joints[:, 5] += np.arctan2(turned[:, 1, 0], turned[:, 0, 0])
-    depth, count = spots.before(one.position)
+    depth, count = spots.before(one.position, one.indenter)
     deepest = max(float(path.positions[:, 2].max()), 0.0)
     if deepest > 0:
-        spots.touched(one.position, deepest)
+        spots.touched(one.position, one.indenter, deepest)
     return Touch(
         seconds=since + seconds,
         poses=poses,

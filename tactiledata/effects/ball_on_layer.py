@@ -55,7 +55,7 @@ class BallOnLayer(OnLayer):
         place = np.column_stack([centre, -pressed])
         touching = pressed > 0
         wrench = np.where((depth <= 0)[:, None], 0.0, wrench_at(force, place))
-        return ContactResponse(wrench, np.pi * a**2, centre, depth, sliding & touching)
+        return ContactResponse(wrench, np.pi * a**2, centre, depth, sliding & touching, spring)
 
 
 def stick_and_slip(centre: Array, spring: Array, limit: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -19,7 +19,8 @@ class Mullins(Effect):
     """The stiffness is multiplied by eta = 1 - softening erf((1 - W / Wm) / beta), Wm the largest energy so far.
 
     Ogden and Roxburgh's law with 1 / r written as ``softening`` and m = 0, applied to the contact as a whole. The
-    energy W of a press is taken to grow as depth^(5/2), as a ball's does; Wm counts earlier touches of the spot.
+    energy W of a press is taken to grow as depth^(5/2), as a ball's does; Wm counts earlier touches, of whatever
+    indenter, by the depth of this one that would have done as much.
 
     Source: Ogden and Roxburgh, Proc. R. Soc. A 455, 1999; soft silicones: clean PDMS 0 to 5 %, filled or Ecoflex 5 to
     30 %.

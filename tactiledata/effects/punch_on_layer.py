@@ -47,4 +47,5 @@ class PunchOnLayer(OnLayer):
         shear, sliding = stick_and_slip(centre, spring, material.friction * friction * normal)
         wrench = wrench_at(np.column_stack([shear, normal]), np.column_stack([centre, -pressed]))
         wrench = np.where(touching[:, None], wrench, 0.0)
-        return ContactResponse(wrench, np.where(touching, np.pi * a**2, 0.0), centre, depth, sliding & touching)
+        area = np.where(touching, np.pi * a**2, 0.0)
+        return ContactResponse(wrench, area, centre, depth, sliding & touching, spring)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.effects.base import Effect
+from tactiledata.effects.last_move import SLOWEST as STANDING
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
 
@@ -21,8 +22,9 @@ class RateFriction(Effect):
     """mu(v) = mu (1 + beta log10(v / v0)), v the speed at which the contact slides.
 
     While the tip moves that is its speed. Where it stands and beta > 0, the contact creeps on under its own shear: with
-    k dx = -dF and F on the law, v = u / (1 + u t / L), L = beta mu N / (k ln 10), k = 8 G a / (2 - nu), t the rest
-    after a move at u: after a moment only L / t counts. Touches that do not tell their rest keep the last move's speed.
+    k dx = -dF and F on the law, v = u / (1 + u t / L), L = beta mu N / (k ln 10), k the contact's stiffness along the
+    gel, t the rest and u the speed below which a tip is said to stand: every move ends slowly. After a moment only
+    L / t counts. Touches that do not tell their rest keep the last move's speed.
 
     Source: Vorvolakos and Chaudhury, Langmuir 19, 2003: the shear stress of silicone rises with speed up to a maximum;
     beyond, it levels out or falls, which is a negative beta here. The logarithm is the usual form between.
@@ -61,11 +63,11 @@ class RateFriction(Effect):
 
 
 def _creeping(state: TouchState, beta: float, pace: Array, rest: Array) -> Array:
-    """Speed (n,) of the contact, m/s."""
+    """Speed (n,) of the contact, m/s, where the tip moves at a pace and where it rests."""
     gel, contact = state.touch.material, state.contact
-    spring = 8.0 * gel.shear_modulus * contact.radius / (2.0 - gel.poisson_ratio)
     limit = max(beta, 0.0) * gel.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0) / np.log(10.0)
-    way = np.divide(limit, spring, out=np.zeros_like(spring), where=spring > 0)
+    way = np.divide(limit, contact.spring, out=np.zeros_like(limit), where=contact.spring > 0)
     creeps = (way > 0) & (rest > 0)
-    slowed: Array = pace / (1.0 + np.divide(pace * rest, way, out=np.zeros_like(way), where=creeps))
-    return slowed
+    last = np.minimum(pace, STANDING)
+    slowed: Array = last / (1.0 + np.divide(last * rest, way, out=np.zeros_like(way), where=creeps))
+    return np.where(rest > 0, slowed, pace)

@@ -28,6 +28,8 @@ class ContactResponse:
         How far the tip is below the undeformed surface; negative above it.
     sliding : (n,) bool
         Whether the whole contact slides.
+    spring : (n,) N/m
+        Stiffness along the gel of the contact where it sticks; 0 in free air.
     """
 
     wrench: Array
@@ -35,6 +37,7 @@ class ContactResponse:
     centre: Array
     depth: Array
     sliding: NDArray[np.bool_]
+    spring: Array
 
     @property
     def radius(self) -> Array:

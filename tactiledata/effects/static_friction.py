@@ -20,8 +20,8 @@ class StaticFriction(Effect):
 
     ``slip`` is how far the contact slid since it stuck, ``age`` how old it is: d age / dt = 1 - v age / length, so that
     it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier. When and how far it
-    slides on its way into a frame is that of a slider on a spring of 8 G a / (2 - nu); what it has at the end of its
-    move counts where it slid. Pace and rest are the touch's own where it tells them.
+    slides on its way into a frame is that of a slider on a spring as stiff as the contact; what it has at the end of
+    its move counts where it slid. Pace and rest are the touch's own where it tells them.
 
     Source: Dieterich's ageing law, as in Baumberger and Caroli, Adv. Phys. 55, 2006.
     """
@@ -58,7 +58,7 @@ class StaticFriction(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         touch, contact = state.touch, state.contact
         steps = np.diff(touch.tips[:, :2], axis=0, prepend=touch.tips[:1, :2])
-        spring = 8.0 * touch.material.shear_modulus * contact.radius / (2.0 - touch.material.poisson_ratio)
+        spring = contact.spring
         limit = touch.material.friction * state.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0)
         paces = touch.lateral_speed if touch.pace is None else touch.pace
         rests = np.zeros(len(touch)) if touch.rest is None else np.minimum(touch.rest, touch.time_steps)

@@ -39,7 +39,8 @@ class Touch:
     powered : (n,) s, optional
         Since the sensor was switched on.
     earlier_depth : (n,) m, optional
-        The deepest press near this spot in earlier touches; 0 where it is untouched.
+        How deep this indenter would have to press to do here what the strongest earlier touch has done, as
+        `tactiledata.effects.imprint` compares them; 0 where the gel is untouched.
     earlier_contacts : (n,), optional
         How many touches this spot had before.
     selection : (low, high) N, optional

@@ -92,9 +92,9 @@ class _Way:
 
     def took(self, history: GelHistory) -> GelHistory | None:
         """The history with the wrench as it is read; ``None`` where the indenter has to be elsewhere first."""
-        rows, friction = self._effects.known, self._material.friction
-        surface = self._engine.surface
-        answer = PlayedAnswer.of(history, rows, self._poses, self._engine.mesh, surface.patch_areas, friction)
+        rows, areas = self._effects.known, self._engine.surface.patch_areas
+        touch = replace(self._effects.touch, material=self._material)
+        answer = PlayedAnswer.of(history, rows, self._poses, self._engine.mesh, areas, touch)
         if self._feeds_back:
             self._weigh(self._state(answer).contact.wrench)
         state = self._state(answer)

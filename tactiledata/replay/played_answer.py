@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from tactiledata.effects.gel_variants import surface_height
 from tactiledata.effects.response import ContactResponse, GelVariant
+from tactiledata.effects.shear_stiffness import shear_stiffness
 from tactiledata.effects.state import wrench_at
+from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelHistory
 from tactiledata.gel.pad import PadMesh
 
@@ -41,9 +43,7 @@ class PlayedAnswer:
     tips: Array
 
     @staticmethod
-    def of(
-        history: GelHistory, rows: Flags, poses: Array, mesh: PadMesh, areas: Array, friction: float
-    ) -> PlayedAnswer:
+    def of(history: GelHistory, rows: Flags, poses: Array, mesh: PadMesh, areas: Array, touch: Touch) -> PlayedAnswer:
         """Of some of the frames that were played.
 
         Parameters
@@ -53,8 +53,10 @@ class PlayedAnswer:
             That were played.
         areas : (m,) m^2
             Of the patches.
+        touch : Touch
+            Of these frames, with its material and geometry.
         """
-        wrench, tips = history.wrench[rows], poses[rows, :3, 3]
+        wrench, tips, gel = history.wrench[rows], poses[rows, :3, 3], touch.material
         area = history.pressed[rows] @ areas
         depth = surface_height(mesh, tips[:, :2]) - tips[:, 2]
         touching = (area > 0) & (wrench[:, 2] > 0)
@@ -63,16 +65,19 @@ class PlayedAnswer:
         x = (tips[:, 2] * wrench[:, 0] - wrench[:, 4]) / normal
         y = (wrench[:, 3] + tips[:, 2] * wrench[:, 1]) / normal
         centre = np.where(touching[:, None], np.column_stack([x, y]), tips[:, :2])
-        limit = np.where(touching, friction * normal, 0.0)
+        limit = np.where(touching, gel.friction * normal, 0.0)
         sliding = touching & (np.hypot(wrench[:, 0], wrench[:, 1]) >= SLIDES * limit)
-        return PlayedAnswer(ContactResponse(wrench, area, centre, depth, sliding), limit, tips)
+        spring = gel.youngs_modulus * shear_stiffness(area, gel.poisson_ratio, touch.geometry.thickness)
+        return PlayedAnswer(ContactResponse(wrench, area, centre, depth, sliding, spring), limit, tips)
 
     @staticmethod
     def untouched(poses: Array) -> PlayedAnswer:
         """Before anything is played: nothing touches (n, 4, 4)."""
         count, tips = len(poses), poses[:, :3, 3]
         nothing = np.zeros(count)
-        contact = ContactResponse(np.zeros((count, 6)), nothing, tips[:, :2], -np.ones(count), nothing.astype(bool))
+        contact = ContactResponse(
+            np.zeros((count, 6)), nothing, tips[:, :2], -np.ones(count), nothing.astype(bool), nothing
+        )
         return PlayedAnswer(contact, nothing, tips)
 
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:

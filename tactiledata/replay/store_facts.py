@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
+from tactiledata.effects.imprint import ImprintTable, nearness
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
 from tactiledata.store.reader import Store
 from tactiledata.transforms import pose_matrices
@@ -33,12 +34,13 @@ class Visit:
     ----------
     t_ns : int
     place : (2,) m, gel frame
-    depth : m
+    imprint : m^4
+        See `tactiledata.effects.imprint`.
     """
 
     t_ns: int
     place: Array
-    depth: float
+    imprint: float
 
 
 class StoreFacts:
@@ -53,6 +55,7 @@ class StoreFacts:
 
     def __init__(self, store: Store, touches: Sequence[PlannedTouch]) -> None:
         self._store = store
+        self._tables: dict[str, ImprintTable] = {}
         self._t_ns: Array = np.asarray(store.frames(["t_ns"])["t_ns"])
         table = store.trajectories(["uid", "source"])
         self._source = dict(zip(table["uid"].to_pylist(), table["source"].to_pylist(), strict=True))
@@ -94,16 +97,24 @@ class StoreFacts:
         return self._mounts[planned.uid]
 
     def earlier(self, planned: PlannedTouch, places: Array, rows: Indices) -> tuple[Array, Array]:
-        """The deepest press (n,), m, and the number of touches (n,), at places (n, 2) of this gel before this touch.
+        """What was done at places (n, 2) of this gel before this touch, as the depth (n,), m, at which this indenter
+        would do as much, and the number of touches (n,) of the spot.
 
         What was done to a gel before this store began is not known, and counts as nothing.
         """
         before = [visit for visit in self._visits.get(planned.sensor, []) if visit.t_ns < self._t_ns[rows[0]]]
         if not before:
             return np.zeros(len(places)), np.zeros(len(places))
-        near = np.linalg.norm(places[:, None] - np.array([one.place for one in before]), axis=2) < SPOT
-        depths = np.array([one.depth for one in before])
-        return np.where(near, depths, 0.0).max(axis=1), near.sum(axis=1).astype(float)
+        away = np.linalg.norm(places[:, None] - np.array([one.place for one in before]), axis=2)
+        strongest = (np.array([one.imprint for one in before]) * nearness(away)).max(axis=1)
+        return self._table(planned).depth(strongest), (away < SPOT).sum(axis=1).astype(float)
+
+    def _table(self, planned: PlannedTouch) -> ImprintTable:
+        """Of its indenter."""
+        assert planned.solid is not None
+        if planned.indenter not in self._tables:
+            self._tables[planned.indenter] = ImprintTable.of(planned.solid)
+        return self._tables[planned.indenter]
 
     def _values(self, name: str, rows: Indices) -> Array | None:
         values, gap_ns = self._store.aligned(name, rows)
@@ -120,7 +131,8 @@ class StoreFacts:
             if np.isfinite(tips[:, 2]).any():
                 deepest = int(np.nanargmin(tips[:, 2]))
                 moment = int(self._t_ns[planned.frames[0]])
-                visit = Visit(moment, tips[deepest, :2], max(-float(tips[deepest, 2]), 0.0))
+                imprint = float(self._table(planned).imprint(-tips[deepest, 2]))
+                visit = Visit(moment, tips[deepest, :2], imprint)
                 visits.setdefault(planned.sensor, []).append(visit)
         return visits
 

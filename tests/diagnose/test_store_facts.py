@@ -7,6 +7,7 @@ import pytest
 from recorded_touches import POWERED, recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.effects.imprint import SPREAD, ImprintTable
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.store.reader import Store
@@ -62,14 +63,13 @@ def test_history_counts_what_came_before_at_the_spot(recorded):
         poses = touch.gel_touch(store, 0.0).poses
         places = poses[:, :2, 3]
         depth, count = facts.earlier(touch, places, rows)
-        near = [np.linalg.norm(places - place, axis=1) < 2e-3 for place, _ in tips]
-        assert np.array_equal(count, np.sum(near, axis=0) if near else np.zeros(len(rows)))
-        expected = (
-            np.max([np.where(one, deep, 0) for one, (_, deep) in zip(near, tips, strict=True)], axis=0) if near else 0
-        )
-        assert depth == pytest.approx(expected)
+        away = np.array([np.linalg.norm(places - place, axis=1) for place, _ in tips]).reshape(-1, len(rows))
+        assert np.array_equal(count, (away < 2e-3).sum(axis=0))
+        table = ImprintTable.of(touch.solid)
+        done = np.array([imprint for _, imprint in tips])[:, None] * np.exp(-((away / SPREAD) ** 2) / 2)
+        assert table.imprint(depth) == pytest.approx(done.max(axis=0, initial=0.0), abs=1e-16)
         deepest = int(np.argmin(poses[:, 2, 3]))
-        tips.append((places[deepest], max(-poses[deepest, 2, 3], 0.0)))
+        tips.append((places[deepest], table.imprint(-poses[deepest, 2, 3])))
     assert len(ours) > 2
 
 

@@ -87,7 +87,9 @@ class Punch:
         force = np.column_stack([0 * depth, 0 * depth, 2 * modulus * radius * pressed])
         centre = self.touch.tips[:, :2] + shift
         area = np.where(depth > 0, np.pi * radius**2, 0.0)
-        return ContactResponse(wrench_at(force, centre), area, centre, depth, np.zeros(len(depth), dtype=bool))
+        return ContactResponse(
+            wrench_at(force, centre), area, centre, depth, np.zeros(len(depth), dtype=bool), 0.0 * area
+        )
 
     def difference(self, variant):
         raise NotImplementedError

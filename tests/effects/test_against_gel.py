@@ -85,7 +85,9 @@ def test_a_soft_spot_is_met_to_first_order(gel, touch, play):
             def respond(self, offset, shift, friction):
                 depth = np.array([4e-4, 1e-3])
                 centre = np.column_stack([np.full(2, self.x), np.zeros(2)])
-                return ContactResponse(self.wrench, np.pi * 0.004 * depth, centre, depth, np.zeros(2, dtype=bool))
+                return ContactResponse(
+                    self.wrench, np.pi * 0.004 * depth, centre, depth, np.zeros(2, dtype=bool), np.zeros(2)
+                )
 
         fields = dict.fromkeys(("gravity", "joints", "powered", "earlier_depth", "earlier_contacts"))
         two = dataclasses.replace(touch, seconds=np.arange(2.0), poses=poses[1:], **fields)

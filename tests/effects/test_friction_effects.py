@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from tactiledata.effects.last_move import SLOWEST as STANDING
 from tactiledata.effects.partial_slip import slip_levels
 
 FRICTION_EFFECTS = ("area_friction", "rate_friction", "static_friction", "partial_slip")
@@ -55,7 +56,7 @@ def test_rate_friction_is_a_line_over_the_logarithm_of_speed(touch, play, moved)
 
 
 def test_a_contact_at_rest_creeps_down_the_law_of_speed(touch, play, moved):
-    """After a slide F falls by A ln(1 + k u t / A), A = beta mu N / ln 10: what dF = -k v dt gives on the law."""
+    """From where it stands F falls by A ln(1 + k u t / A), A = beta mu N / ln 10: dF = -k v dt on the law."""
     there = np.concatenate([np.zeros(2), np.linspace(0.0, 4e-3, 41), np.full(4, 4e-3)])
     depth = np.concatenate([[0.0], np.full(46, DEPTH)])
     path = moved(touch, np.arange(47.0), depth, x=there)
@@ -65,11 +66,15 @@ def test_a_contact_at_rest_creeps_down_the_law_of_speed(touch, play, moved):
     state, gel = play("rate_friction", on=path, beta=0.12), touch.material
     normal = state.wrench[-1, 2]
     scale = 0.12 * gel.friction * normal / np.log(10.0)
-    spring = 8 * gel.shear_modulus * state.contact.radius[-1] / (2 - gel.poisson_ratio)
-    wanted = gel.friction * normal - scale * np.log1p(spring * 1e-3 * rest[-5:] / scale)
-    np.testing.assert_allclose(np.hypot(*state.wrench[-5:, :2].T), wanted, rtol=1e-9)
+    spring = 8 * gel.shear_modulus * state.contact.radius[-1] / (2 - gel.poisson_ratio)  # of the ball on a layer
+    stands = gel.friction * normal * (1 + 0.12 * np.log10(STANDING / 1e-3))
+    wanted = stands - scale * np.log1p(spring * STANDING * rest[-4:] / scale)
+    np.testing.assert_allclose(np.hypot(*state.wrench[-4:, :2].T), wanted, rtol=1e-9)
+    assert np.hypot(*state.wrench[-5, :2]) == pytest.approx(gel.friction * normal)
     # what slides the easier the faster does not creep
-    np.testing.assert_array_equal(play("rate_friction", on=path, beta=-0.12).friction[-4:], 1.0)
+    np.testing.assert_allclose(
+        play("rate_friction", on=path, beta=-0.12).friction[-4:], 1 - 0.12 * np.log10(STANDING / 1e-3)
+    )
 
 
 def test_static_friction_peaks_once_and_dies_out(touch, play, moved):

@@ -1,0 +1,84 @@
+"""Shear that sticks remembers the pull at which the contact slid last."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+BEGINS_TO_SLIDE, ALL_SLIDES = 0.8, 0.95
+"""Shares of the limit between which shear forgets: what slides on a curved gel is a little off the limit."""
+TURNS = 0.05
+"""By how much that share goes down, from frame to frame, where nothing is forgotten, near the limit or not."""
+
+
+@dataclass(frozen=True)
+class CubicsOverFriction:
+    """Columns of n frames as piecewise cubics of the friction; beyond the nodes, what they are at the end.
+
+    Parameters
+    ----------
+    nodes : (m,)
+        Frictions, ascending.
+    coefficients : (4, m - 1, n, c)
+        Of the third power of the distance from the node below first.
+    """
+
+    nodes: Array
+    coefficients: Array
+
+    def at(self, frictions: Array) -> Array:
+        """Columns (n, c), each frame at its own friction (n,)."""
+        wanted = np.clip(frictions, self.nodes[0], self.nodes[-1])
+        place = np.clip(np.searchsorted(self.nodes, wanted, side="right") - 1, 0, len(self.nodes) - 2)
+        third, second, first, none = self.coefficients[:, place, np.arange(len(wanted))]
+        x = (wanted - self.nodes[place])[:, None]
+        columns: Array = ((third * x + second) * x + first) * x + none
+        return columns
+
+
+def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: NDArray[np.bool_]) -> Array:
+    """Shear (n, 2) that stuck at another friction, beyond what each frame has if the whole path had its own friction.
+
+    From frame to frame shear T changes as it does at the friction f of the later one, T_k = T_k-1 + T_k(f) - T_k-1(f),
+    within the limit: Masing's rule, which holds for partial slip on the way back as in Mindlin's contact. The nearer to
+    its limit T(f) is, if it does not go down, the more of what was remembered is forgotten; so shear depends
+    continuously on all that it is made of.
+
+    Parameters
+    ----------
+    frictions : (n,)
+    columns : x, y and normal force first
+    touching : (n,)
+    """
+    more = np.zeros((len(frictions), 2))
+    if (frictions == frictions[:1]).all():
+        return more
+    own = columns.at(frictions)[:, :3]
+    before = CubicsOverFriction(columns.nodes, columns.coefficients[:, :, :-1]).at(frictions[1:])[:, :3]
+    limits = frictions * np.maximum(own[:, 2], 0.0)
+    sizes = np.hypot(own[:, 0], own[:, 1])
+    share = _share(own[1:], frictions[1:])
+    grows = share - _share(before, frictions[1:])
+    kept = np.maximum((ALL_SLIDES - share) / (ALL_SLIDES - BEGINS_TO_SLIDE), -grows / TURNS).clip(0.0, 1.0)
+    changed = own[:-1, :2] - before[:, :2]
+    for frame in range(1, len(frictions)):
+        if not (touching[frame - 1] and touching[frame] and kept[frame - 1] > 0):
+            continue
+        x, y = own[frame, :2] + more[frame - 1] + changed[frame - 1]
+        size, most = float(np.hypot(x, y)), max(limits[frame], sizes[frame])
+        within = most / size if size > most else 1.0
+        more[frame] = kept[frame - 1] * (np.array([x, y]) * within - own[frame, :2])
+    return more
+
+
+def _share(columns: Array, frictions: Array) -> Array:
+    """Of the limit, (n,): how much shear there is."""
+    limits = frictions * np.maximum(columns[:, 2], 0.0)
+    share: Array = np.divide(
+        np.hypot(columns[:, 0], columns[:, 1]), limits, out=np.zeros_like(limits), where=limits > 0
+    )
+    return share

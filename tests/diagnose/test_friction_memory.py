@@ -1,0 +1,94 @@
+"""Shear that sticks remembers the pull at which it slid: against Mindlin's contact, and how it forgets."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
+
+from tactiledata.diagnose.friction_memory import CubicsOverFriction, remembered_shear
+
+NODES = np.array([0.4, 0.6, 0.85])
+STIFFNESS = 4e3
+NORMAL = 3.0
+OUT, BACK = 10, 12
+PATH = np.concatenate([np.linspace(0, 12e-4, OUT), np.linspace(12e-4, 9e-4, 9)[1:], np.linspace(9e-4, 1e-4, 5)[1:]])
+
+
+def mindlin(way, friction):
+    """Shear of two balls, Mindlin 1949: k x at first, the limit from x = 3 mu N / (2 k) on."""
+    return friction * NORMAL * (1 - np.maximum(1 - STIFFNESS * way / (1.5 * friction * NORMAL), 0.0) ** 1.5)
+
+
+def there_and_back(friction):
+    """Out until all slides, then back: Masing's rule, twice as wide and twice as high."""
+    return np.concatenate(
+        [mindlin(PATH[:OUT], friction), friction * NORMAL - 2 * mindlin((PATH[OUT - 1] - PATH[OUT:]) / 2, friction)]
+    )
+
+
+@pytest.fixture(scope="module")
+def columns():
+    """Along x, with nothing along y."""
+    shear = np.array([there_and_back(friction) for friction in NODES])
+    values = np.stack([shear, np.zeros_like(shear), np.full_like(shear, NORMAL)], axis=2)
+    return CubicsOverFriction(NODES, PchipInterpolator(NODES, values).c)
+
+
+TOUCHING = np.ones(OUT + BACK, dtype=bool)
+
+
+def test_columns_are_given_back(columns):
+    for friction in NODES:
+        assert np.allclose(columns.at(np.full(OUT + BACK, friction))[:, 0], there_and_back(friction))
+    assert np.array_equal(columns.at(np.full(OUT + BACK, 0.1)), columns.at(np.full(OUT + BACK, NODES[0])))
+
+
+def test_one_friction_leaves_nothing_to_remember(columns):
+    assert not remembered_shear(np.full(OUT + BACK, 0.6), columns, TOUCHING).any()
+
+
+@pytest.mark.parametrize(("rest", "back"), [(a, b) for a in NODES for b in NODES if a <= b])
+def test_on_the_way_back_shear_begins_where_it_rested(columns, rest, back):
+    """Slides at one friction, rests at a second, is drawn back at a third: T = T_rest - 2 T(x / 2) of the third."""
+    frictions = np.full(OUT + BACK, 0.6)
+    frictions[OUT - 2 : OUT], frictions[OUT:] = rest, back
+    shear = (columns.at(frictions)[:, :2] + remembered_shear(frictions, columns, TOUCHING))[:, 0]
+    assert shear[OUT - 1] == pytest.approx(rest * NORMAL)
+    expected = rest * NORMAL - 2 * mindlin((PATH[OUT - 1] - PATH[OUT:]) / 2, back)
+    within = (np.abs(expected) < back * NORMAL) & (there_and_back(back)[OUT:] > -0.8 * back * NORMAL)
+    assert within.sum() >= 3
+    assert np.allclose(shear[OUT:][within], expected[within])
+
+
+def test_what_slides_again_forgets(columns):
+    """At the end of a way back that is long enough the limit of the time counts, whatever was before."""
+    frictions = np.full(OUT + BACK, 0.4)
+    frictions[OUT - 2 : OUT] = 0.6
+    more = remembered_shear(frictions, columns, TOUCHING)
+    assert more[OUT, 0] > 0.1
+    assert abs(there_and_back(0.4)[-1]) > 0.95 * 0.4 * NORMAL
+    assert not more[-1].any()
+
+
+def test_air_forgets(columns):
+    frictions = np.full(OUT + BACK, 0.6)
+    frictions[OUT - 2 : OUT] = 0.4
+    touching = TOUCHING.copy()
+    touching[OUT + 2] = False
+    more = remembered_shear(frictions, columns, touching)
+    assert (more[OUT : OUT + 2, 0] < 0).all()
+    assert not more[OUT + 2 :].any()
+
+
+@given(st.lists(st.floats(0.35, 0.9), min_size=OUT + BACK, max_size=OUT + BACK), st.integers(0, OUT + BACK - 1))
+def test_it_stays_within_the_limit_and_depends_smoothly_on_friction(columns, frictions, row):
+    frictions = np.array(frictions)
+    own = columns.at(frictions)[:, :2]
+    shear = own + remembered_shear(frictions, columns, TOUCHING)
+    limits = np.maximum(frictions * NORMAL, np.abs(own[:, 0]))
+    assert (np.hypot(*shear.T) <= limits * (1 + 1e-12)).all()
+    nudged = frictions.copy()
+    nudged[row] += 1e-7
+    there = columns.at(nudged)[:, :2] + remembered_shear(nudged, columns, TOUCHING)
+    assert np.abs(there - shear).max() < 1e-4

@@ -1,0 +1,41 @@
+"""Imprints: closed forms, what is as deep as what, and how places fade."""
+
+import numpy as np
+import pytest
+
+from tactiledata.effects.imprint import DEEPEST, SPREAD, ImprintTable, nearness
+from tactiledata.indenters import INDENTERS, make_indenter
+from tactiledata.indenters.cylinder_flat import CylinderFlat
+from tactiledata.indenters.sphere import Sphere
+
+
+@pytest.mark.parametrize("depth", [3e-4, 1e-3, 1.8e-3])
+def test_imprint_of_a_ball_and_of_a_punch(depth):
+    """A ball's is pi R d^3 2/3 (1 - d / 4 R), from its circle; a punch's its area times the depth's square."""
+    ball, punch = ImprintTable.of(Sphere(4e-3)), ImprintTable.of(CylinderFlat(3e-3))
+    height = np.linspace(0.0, depth, 20001)
+    ring = 2 * np.pi * (4e-3 - height)  # r dr = (R - z) dz on the ball
+    assert ball.imprint(depth) == pytest.approx(np.trapezoid(ring * (depth - height) ** 2, height), rel=0.02)
+    assert punch.imprint(depth) == pytest.approx(np.pi * 3e-3**2 * depth**2, rel=0.02)
+
+
+@pytest.mark.parametrize("name", INDENTERS)
+def test_depth_is_the_inverse_of_imprint(name):
+    table = ImprintTable.of(make_indenter({"shape": name}, None, name))
+    assert (np.diff(table.imprints) >= 0).all()
+    for depth in (2e-4, 7e-4, 1.5e-3):
+        assert table.depth(table.imprint(depth)) == pytest.approx(depth, abs=1e-6)
+    assert table.depth(0.0) == 0.0
+    assert table.depth(1.0) == DEEPEST
+
+
+def test_a_punch_does_more_than_a_ball():
+    """To do what a punch has done half a millimetre deep, a ball has to go deeper."""
+    ball, punch = ImprintTable.of(Sphere(4e-3)), ImprintTable.of(CylinderFlat(3e-3))
+    assert ball.depth(punch.imprint(5e-4)) > 8e-4
+
+
+def test_places_fade():
+    assert nearness(np.array(0.0)) == 1.0
+    assert nearness(np.array(SPREAD)) == pytest.approx(np.exp(-0.5))
+    assert nearness(np.array(5 * SPREAD)) < 1e-5
