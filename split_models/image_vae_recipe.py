@@ -45,7 +45,7 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: 
         vae.load_state_dict(start.state_dict())
     augmentation = Augmentation(**section["augmentation"])
     relighting = section["relighting"]
-    if not (relighting["relit"] or relighting["exchanged"]):
+    if not (relighting["relit"] or relighting["exchanged"] or relighting["contact_weight"]):
         return ImageVaeObjective(vae, section["divergence_weight"], section["anneal"], augmentation)
     own = [frames.background(name) for name in frames.sensor_names]
     others = [_background(name, frames) for name in relighting["backgrounds"]]

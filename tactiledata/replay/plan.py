@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import json_bytes
 from tactiledata.effects.response import GelVariant
-from tactiledata.errors import TactileDataError
+from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.cells import cell_quadrature
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.pad import PadMesh
@@ -198,6 +198,12 @@ class _Planner:
         key = json_bytes({part: value for part, value in entry.items() if part != "base_from_indenter"})
         if key not in self._solids:
             try:
+                if "mesh" in entry and self._folder is None:
+                    raise UsageError(
+                        f"indenter {name!r} is the mesh {entry['mesh']!r}",
+                        "the folder of the mesh files that recordings name",
+                        "Name it with --indenters FOLDER.",
+                    )
                 solid = make_indenter(entry, self._folder, f"indenter {name!r}")
                 indenter_relief(solid)
                 self._solids[key] = solid

@@ -138,6 +138,17 @@ def test_a_mesh_of_an_indenter_is_pressed_or_says_why_not(what, log):
     assert len(report.refused) == bool(words)
 
 
+def test_a_mesh_without_its_folder_names_the_option(log):
+    """What to do, and no word of documents; the other touch goes on."""
+    document = yaml.safe_load((log / "log.yaml").read_text())
+    unlike(mesh="ball.stl", unit="mm")(document)
+    (log / "log.yaml").write_text(yaml.safe_dump(document))
+    found, report = ball_status(log)
+    assert FrameStatus.SOLVED in found["cross"]
+    assert len(report.refused) == 1
+    assert all("'ball.stl'" in reason and "--indenters FOLDER" in reason for reason in report.refused)
+
+
 def test_poses_that_are_missing_are_said_frame_by_frame(log):
     """Half a second without poses, and a second of NaN: those frames alone are missing."""
     lines = (log / "tcp.csv").read_text().splitlines()

@@ -8,7 +8,9 @@ from small_models import image_vae, pictures
 from touch_world import UNSEEN, tiny_recipe
 
 from split_models.augment import Augmentation
+from split_models.image_vae_recipe import image_vae_objective
 from split_models.methods import mesh_to_image, title_of
+from split_models.objectives import ImageVaeObjective
 from split_models.recipe import load_recipe
 from split_models.relighting import ArithmeticVaeObjective, relight
 from split_models.workshop import Workshop
@@ -121,3 +123,16 @@ def test_light_of_a_unit_that_is_tested_on_is_refused(tmp_path, touch_store):
     learning = workshop(tmp_path, touch_store, ["digit-bg-14"]).variant("relit")
     with pytest.raises(UsageError, match=f"{UNSEEN}, which is held out"):
         learning.image_vae  # noqa: B018
+
+
+@pytest.mark.parametrize(("weight", "kind"), [(4.0, ArithmeticVaeObjective), (0.0, ImageVaeObjective)])
+def test_weight_in_the_contact_counts_alone(tmp_path, touch_store, weight, kind):
+    """A recipe that relights nothing may still weigh touches."""
+    relighting = {"relit": 0.0, "exchanged": 0.0, "contact_weight": weight, "backgrounds": []}
+    path = tmp_path / "recipe.yaml"
+    document = tiny_recipe(touch_store, "digit_images")
+    path.write_text(yaml.safe_dump({**document, "variants": {"other": {"image_vae": {"relighting": relighting}}}}))
+    shop = Workshop(load_recipe(path), tmp_path / "out", torch.device("cpu")).variant("other")
+    objective = image_vae_objective(shop.recipe.models["image_vae"], shop.frames("train"))
+    assert type(objective) is kind
+    assert getattr(objective, "contact_weight", 0.0) == weight
