@@ -48,7 +48,7 @@ def markdown(document: Mapping[str, Any]) -> str:
     ]
     for part in dict.fromkeys(row["part"] for row in document["rows"]):
         rows = [row for row in document["rows"] if row["part"] == part]
-        lines += ["", f"## {part}: {_size(rows[0])}", "", *table_lines(rows)]
+        lines += ["", f"## {part}: {_size(rows)}", "", *table_lines(rows)]
         published = document["published"].get(part)
         if published:
             lines += ["", "The paper's own figures, of another data set:", "", *_published_lines(published)]
@@ -90,10 +90,15 @@ def _head(name: str, score: Mapping[str, Any]) -> str:
     return f"{name.removesuffix(MASKED)}{where}{unit} {ARROWS[score['better']]}"
 
 
-def _size(row: Mapping[str, Any]) -> str:
-    score = next(iter(row["scores"].values()))
+def _size(rows: Sequence[Mapping[str, Any]]) -> str:
+    score = next(iter(rows[0]["scores"].values()))
     if "seeds" in score:
-        return f"mean and standard deviation over {score['seeds']} seeds"
+        counts = {row["method"]: next(iter(row["scores"].values()))["seeds"] for row in rows}
+        each = [
+            f"{count} ({', '.join(title_of(method) for method, own in counts.items() if own == count)})"
+            for count in sorted(set(counts.values()))
+        ]
+        return f"mean and standard deviation over seeds: {'; '.join(each) if each[1:] else next(iter(counts.values()))}"
     trajectories = (
         f" of {score['trajectories']} trajectories, 95 % over trajectories" if "trajectories" in score else ""
     )

@@ -41,3 +41,13 @@ def test_the_page_has_every_part_and_the_papers_own_figures_apart(tmp_path):
     paths = write_result(tmp_path, document)
     assert json.loads(paths["json"].read_text())["rows"] == rows
     assert paths["markdown"].read_text() == text
+
+
+def test_seeds_are_counted_by_row():
+    """Where rows differ in how many there were, which had how many."""
+    one, other = ({"value": 1.0, "unit": "N", "better": "lower", "seeds": count, "deviation": 0.1} for count in (3, 20))
+    document = result_document(load_recipe("table_force"), [row("test", "raw_mesh", fx=one)], "d" * 64)
+    assert "## test: mean and standard deviation over seeds: 3\n" in markdown(document)
+    rows = [row("test", "raw_mesh", fx=one), row("test", "mesh", fx=other), row("test", "image", fx=other)]
+    text = markdown(result_document(load_recipe("table_force"), rows, "d" * 64))
+    assert "over seeds: 3 (raw vertices); 20 (mesh latent, image latent (NOSPLIT))\n" in text
