@@ -25,8 +25,7 @@ INDENTERS: dict[str, dict[str, Any]] = {
 DEPTHS = {"ball3": (5.5e-4, 8e-4), "ball5": (5.5e-4, 8e-4), "ball8": (5e-4, 7e-4), "punch": (4e-4, 6e-4),
           "bar": (4.5e-4, 6.5e-4)}  # fmt: skip
 TILTS = {"punch": 0.03, "bar": 0.04}
-ROUNDS = {"D20542": (3, 1), "D20571": (2, 1)}
-"""By unit: how often each indenter is mounted, and touches of each mounting."""
+UNITS = ("D20542", "D20571")
 SPEEDS = (3e-4, 1e-3, 3e-3)
 ENOUGH = 40.0
 """N: no touch of a plan comes near, so that no path depends on what the gel answers."""
@@ -41,10 +40,13 @@ class Plan:
     number : int
     is_quick : bool
         Few touches, and a coarse pad of small strain.
+    mounts : int
+        How often each indenter is mounted, for one touch each time; a little oftener on the first unit.
     """
 
     number: int
     is_quick: bool = False
+    mounts: int = 5
 
     @property
     def truth(self) -> GelMaterial:
@@ -84,12 +86,11 @@ class Plan:
         """In the order in which they are played, one unit after the other."""
         chance = np.random.default_rng([self.number, 52])
         told = []
-        for sensor, (mounts, each) in ROUNDS.items():
+        for sensor, mounts in zip(UNITS, (self.mounts - self.mounts * 2 // 5, self.mounts * 2 // 5), strict=True):
             for mount in range(mounts):
                 for indenter in INDENTERS:
-                    for number in range(each):
-                        touch = _touch(chance, indenter)
-                        told.append({"name": f"{sensor}-{mount}-{indenter}-{number}", "sensor": sensor, **touch})
+                    touch = _touch(chance, indenter)
+                    told.append({"name": f"{sensor}-{mount}-{indenter}-0", "sensor": sensor, **touch})
         return told[:5] + told[-5:] if self.is_quick else told
 
     def scenario(self, seed: int, material: GelMaterial, hidden: list[dict[str, Any]]) -> dict[str, Any]:
@@ -98,7 +99,7 @@ class Plan:
             "format": "tactiledata-scenario/1",
             "title": f"naming, plan {self.number}",
             "seed": seed,
-            "sensors": {serial: {"background": "digit-bg-0"} for serial in ROUNDS},
+            "sensors": {serial: {"background": "digit-bg-0"} for serial in UNITS},
             "indenters": INDENTERS,
             "material": {
                 "youngs_modulus": material.youngs_modulus,

@@ -1,7 +1,8 @@
 """Missing physics named in development worlds: another solver presses and hides effects in formulas of its own, our gel
 engine is the simulation that lacks them.
 
-    python benchmarks/naming_worlds.py [--quick] [--plan N] [--cases all] [--count K] [--out FILE.jsonl] [--bank FOLDER]
+    python benchmarks/naming_worlds.py [--quick] [--plan N] [--mounts M] [--cases all] [--count K] [--out FILE.jsonl]
+                                       [--bank FOLDER]
 
 Cases: `nulls`, `effects` (each of the rig's, in the catalogue), `outside` of it, `pairs`, `metadata` (an indenter whose
 radius is not what the log says). The *signal* of what is hidden: the root of the squares, in units of the noise, that
@@ -225,6 +226,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="ten touches on a coarse linear pad; shows that it works")
     parser.add_argument("--plan", type=int, default=0)
+    parser.add_argument("--mounts", type=int, default=5, help="of each of the five indenters, a touch each")
     parser.add_argument("--cases", choices=(*KINDS, "all"), default="all")
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--strength", choices=("weak", "medium", "strong"), default="medium")
@@ -241,14 +243,15 @@ def main() -> None:
         cases = [one for one in cases if one.kind == "nulls" or one.effects == ("frame_rotation",)]
     lines = options.out.read_text().splitlines() if options.out and options.out.is_file() else []
     found = [json.loads(line) for line in lines]
-    done = {one["case"] for one in found if one["plan"] == options.plan}
+    asked_plan = {"plan": options.plan, "mounts": options.mounts}
+    done = {one["case"] for one in found if {name: one.get(name, 5) for name in asked_plan} == asked_plan}
     todo = [one for one in cases if one.label not in done]
     with_variants = not (options.quick or options.without_variants)
-    plan = Plan(options.plan, options.quick)
+    plan = Plan(options.plan, options.quick, options.mounts)
     bench = Bench.of(plan, options.bank, with_variants, options.varied) if todo else None
     for one in todo:
         assert bench is not None
-        result = {"plan": options.plan, **bench.run(one)}
+        result = {**asked_plan, **bench.run(one)}
         found.append(result)
         if options.out:
             with options.out.open("a") as file:
