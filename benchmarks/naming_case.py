@@ -17,7 +17,7 @@ from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.force_zeros import ForceZeros
 from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
 from tactiledata.effects.imprint import ImprintTable, nearness
-from tactiledata.effects.last_move import last_move
+from tactiledata.effects.last_move import last_move, last_ways
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
@@ -116,8 +116,9 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
 def _history(play: Play, host: Times) -> dict[str, Array]:
     """How the tip moved until each frame, from the stream of poses."""
     dense = np.arange(0.0, play.path.duration, 1.0 / POSES)
-    pace, rest = last_move((host - play.start_ns) * 1e-9, dense, play.path.at(dense)[:, :2])
-    return {"pace": pace, "rest": rest}
+    told = (host - play.start_ns) * 1e-9, dense, play.path.at(dense)[:, :2]
+    pace, rest = last_move(*told)
+    return {"pace": pace, "rest": rest, "last_ways": last_ways(*told)}
 
 
 def _as_deep(poses: Array, name: str, earlier: Sequence[Touch], tables: Mapping[str, ImprintTable]) -> Array:

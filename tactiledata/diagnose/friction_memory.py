@@ -40,19 +40,22 @@ class CubicsOverFriction:
         return columns
 
 
-def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: NDArray[np.bool_]) -> Array:
+def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: NDArray[np.bool_], reach: Array) -> Array:
     """Shear (n, 2) that stuck at another friction, beyond what each frame has if the whole path had its own friction.
 
     From frame to frame shear T changes as it does at the friction f of the later one, T_k = T_k-1 + T_k(f) - T_k-1(f),
     within the limit: Masing's rule, which holds for partial slip on the way back as in Mindlin's contact. The nearer to
-    its limit T(f) is, if it does not go down, the more of what was remembered is forgotten; so shear depends
-    continuously on all that it is made of.
+    its limit T(f) is, if it does not go down, the more of what was remembered is forgotten, but not more than the way
+    since the frame before could have loaded: a limit that grows at rest pulls nothing. So shear depends continuously on
+    all that it is made of.
 
     Parameters
     ----------
     frictions : (n,)
     columns : x, y and normal force first
     touching : (n,)
+    reach : (n,)
+        The contact's stiffness times the way along the gel since the frame before, in the unit of the columns.
     """
     more = np.zeros((len(frictions), 2))
     if (frictions == frictions[:1]).all():
@@ -66,12 +69,15 @@ def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: ND
     kept = np.maximum((ALL_SLIDES - share) / (ALL_SLIDES - BEGINS_TO_SLIDE), -grows / TURNS).clip(0.0, 1.0)
     changed = own[:-1, :2] - before[:, :2]
     for frame in range(1, len(frictions)):
-        if not (touching[frame - 1] and touching[frame] and kept[frame - 1] > 0):
+        if not (touching[frame - 1] and touching[frame]):
             continue
         x, y = own[frame, :2] + more[frame - 1] + changed[frame - 1]
         size, most = float(np.hypot(x, y)), max(limits[frame], sizes[frame])
         within = most / size if size > most else 1.0
-        more[frame] = kept[frame - 1] * (np.array([x, y]) * within - own[frame, :2])
+        stuck = np.array([x, y]) * within - own[frame, :2]
+        size = float(np.hypot(stuck[0], stuck[1]))
+        left = size - min((1.0 - kept[frame - 1]) * size, reach[frame])
+        more[frame] = stuck * (left / size) if size > 0.0 else 0.0
     return more
 
 

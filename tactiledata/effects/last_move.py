@@ -11,6 +11,8 @@ WINDOW = 0.04
 """s before a moment over which its speed is taken."""
 SLOWEST = 5e-5
 """m/s: slower is standing."""
+WAYS = (3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
+"""m: for so long ways before a moment it is told how long they took."""
 SURE = 5.0
 """Times what noise of the positions makes of the speed."""
 
@@ -49,3 +51,26 @@ def last_move(frames: Array, seconds: Array, places: Array) -> tuple[Array, Arra
     pace = np.where(moves, speeds[at], peaks[at])
     rest = np.where(moves | (last < 0), 0.0, np.maximum(frames - seconds[np.maximum(last, 0)], 0.0))
     return np.where(last < 0, 0.0, pace), rest
+
+
+def last_ways(frames: Array, seconds: Array, places: Array) -> Array:
+    """For how long (n, w), s, an indenter has been no further than each of ``WAYS`` from where it is at frames (n,), s.
+
+    Parameters
+    ----------
+    frames : (n,) s
+    seconds : (m,) s, ascending
+        Of the positions, many to a move.
+    places : (m, 2), m
+        Along the gel.
+    """
+    found = np.zeros((len(frames), len(WAYS)))
+    for row, moment in enumerate(frames):
+        stop = int(np.searchsorted(seconds, moment, side="right"))
+        if stop == 0:
+            continue
+        away = np.linalg.norm(places[:stop] - places[stop - 1], axis=1)
+        for column, way in enumerate(WAYS):
+            beyond = np.flatnonzero(away > way)
+            found[row, column] = moment - seconds[beyond[-1] if len(beyond) else 0]
+    return found

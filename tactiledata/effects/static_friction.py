@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.effects.base import Effect
+from tactiledata.effects.last_move import WAYS
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
+from tactiledata.effects.touch import Touch
 
 Array = NDArray[np.float64]
 
@@ -21,7 +23,8 @@ class StaticFriction(Effect):
     ``slip`` is how far the contact slid since it stuck, ``age`` how old it is: d age / dt = 1 - v age / length, so that
     it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier. When and how far it
     slides on its way into a frame is that of a slider on a spring as stiff as the contact; what it has at the end of
-    its move counts where it slid. Pace and rest are the touch's own where it tells them.
+    its move counts where it slid, and then it is as old as the last ``length`` of the move took: moves end slowly. Pace
+    and rest are the touch's own where it tells them.
 
     Source: Dieterich's ageing law, as in Baumberger and Caroli, Adv. Phys. 55, 2006.
     """
@@ -62,24 +65,46 @@ class StaticFriction(Effect):
         limit = touch.material.friction * state.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0)
         paces = touch.lateral_speed if touch.pace is None else touch.pace
         rests = np.zeros(len(touch)) if touch.rest is None else np.minimum(touch.rest, touch.time_steps)
+        ages = _ages_of_a_slide(touch, values["length"], rests)
         factors = np.ones(len(touch))
         now = _Interface(values)
         for frame in range(len(touch)):
             if not (contact.touching[frame] and spring[frame] > 0):
                 now = _Interface(values)
                 continue
-            way = _Way(steps[frame], float(touch.time_steps[frame]), float(paces[frame]), float(rests[frame]))
+            way = _Way(
+                steps[frame],
+                float(touch.time_steps[frame]),
+                float(paces[frame]),
+                float(rests[frame]),
+                float(ages[frame]),
+            )
             factors[frame] = now.moved(way, float(spring[frame]), float(limit[frame]))
         return state.rubbed(factors)
 
 
+def _ages_of_a_slide(touch: Touch, length: float, rests: Array) -> Array:
+    """How old (n,), s, a contact is at the end of a long slide: as long as its last ``length`` took; NaN if unknown."""
+    if touch.last_ways is None:
+        return np.full(len(touch), np.nan)
+    columns = np.interp(np.log(length), np.log(WAYS), np.arange(len(WAYS)))
+    below = min(int(columns), len(WAYS) - 2)
+    share = columns - below
+    took = (1.0 - share) * touch.last_ways[:, below] + share * touch.last_ways[:, below + 1]
+    return np.maximum(took - rests, 0.0)
+
+
 class _Way(NamedTuple):
-    """From one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end."""
+    """From one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end.
+
+    ``age``: s, that a long slide has at its end, NaN where it is not known.
+    """
 
     step: Array
     seconds: float
     pace: float
     rest: float
+    age: float
 
 
 class _Interface:
@@ -107,8 +132,9 @@ class _Interface:
         slip = (size - most) / spring
         # a contact may slide where nothing moves, because its load falls
         speed = way.pace if way.pace > 0 else slip / way.seconds
+        age = way.age if way.age > 0 else self._values["length"] / speed
         kept = float(np.exp(-slip / self._values["length"]))
-        self._age = kept * self._age + (1.0 - kept) * self._values["length"] / speed
+        self._age = kept * self._age + (1.0 - kept) * age
         self._slipped += slip
         factor = self.factor
         self._pull = self._pull * (min(limit * factor, size) / size)

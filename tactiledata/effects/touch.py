@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.effects.last_move import WAYS
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 from tactiledata.indenters.base import Indenter
@@ -50,6 +51,8 @@ class Touch:
     pace, rest : (n,) m/s and s, optional
         Speed of the tip along the gel, or of its last move where it stands, and for how long it has stood: see
         `tactiledata.effects.last_move`. Without them both are guessed from the frames.
+    last_ways : (n, w) s, optional
+        For how long the tip has been near where it is, for each of `tactiledata.effects.last_move.WAYS`.
     gel_from_sensor : (n, 4, 4), optional
         Where the force sensor is.
     sensor_weight : (n, 6) N, N m, optional
@@ -79,11 +82,13 @@ class Touch:
     tare: NDArray[np.bool_] | None = None
     pace: Array | None = None
     rest: Array | None = None
+    last_ways: Array | None = None
     gel_from_sensor: Array | None = None
     sensor_weight: Array | None = None
 
     def __post_init__(self) -> None:
         shapes = {"poses": (4, 4), "gravity": (3,), "joints": (6,), "gel_from_sensor": (4, 4), "sensor_weight": (6,)}
+        shapes["last_ways"] = (len(WAYS),)
         for field in fields(self):
             value = getattr(self, field.name)
             wanted = (len(self.seconds), *shapes.get(field.name, ()))

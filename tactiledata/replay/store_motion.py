@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.effects.last_move import last_move
+from tactiledata.effects.last_move import last_move, last_ways
 from tactiledata.replay.plan import PlannedTouch
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.store.reader import Store
@@ -48,8 +48,9 @@ class StoreMotion:
         known = np.isfinite(places).all(axis=1)
         start = self._t_ns[rows[0]] if len(rows) else 0
         seconds = (t_ns[known] - start) / 1e9
-        pace, rest = last_move((self._t_ns[rows] - start) / 1e9, seconds, places[known])
-        return {"pace": pace, "rest": rest}
+        told = (self._t_ns[rows] - start) / 1e9, seconds, places[known]
+        pace, rest = last_move(*told)
+        return {"pace": pace, "rest": rest, "last_ways": last_ways(*told)}
 
     def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
         tcp_from_ft = self._descriptions[self._rows[planned.uid]["source"]].transform("tcp_from_ft")

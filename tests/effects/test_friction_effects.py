@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tactiledata.effects.last_move import SLOWEST as STANDING
+from tactiledata.effects.last_move import WAYS
 from tactiledata.effects.partial_slip import slip_levels
 
 FRICTION_EFFECTS = ("area_friction", "rate_friction", "static_friction", "partial_slip")
@@ -113,6 +114,18 @@ def test_a_long_slide_is_as_old_as_it_takes_to_forget(touch, play, moved):
         wrench = play("static_friction", on=path, ageing=0.1, length=1e-4, time=0.05).wrench[-1]
         wanted = touch.material.friction * (1 + 0.1 * np.log10(1 + 1e-4 / speed / 0.05))
         assert np.hypot(*wrench[:2]) / wrench[2] == pytest.approx(wanted, rel=1e-6)
+
+
+def test_a_slide_that_ends_slowly_is_older_than_its_pace_says(touch, play, moved):
+    """As old as its last ``length`` took; what comes after its end as rest is not in its pull."""
+    path = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=1e-2)
+    took = np.outer(np.ones(len(path)), np.sqrt(np.array(WAYS) / 1e-3))  # a brake of 2 mm/s^2
+    rest = np.zeros(len(path))
+    path = dataclasses.replace(path, pace=np.full(len(path), 1e-2), rest=rest, last_ways=took)
+    values = {"ageing": 0.1, "length": WAYS[3], "time": 0.05}
+    wrench = play("static_friction", on=path, **values).wrench[-1]
+    wanted = touch.material.friction * (1 + 0.1 * np.log10(1 + np.sqrt(WAYS[3] / 1e-3) / 0.05))
+    assert np.hypot(*wrench[:2]) / wrench[2] == pytest.approx(wanted, rel=1e-6)
 
 
 def test_partial_slip_is_mindlins_curve(touch, play, moved):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.last_move import last_move
+from tactiledata.effects.last_move import WAYS, last_move, last_ways
 
 
 def path(rate=125.0):
@@ -30,3 +30,15 @@ def test_a_tip_that_only_trembles_stands():
     pace, rest = last_move(np.array([1.0, 2.5]), seconds, places)
     assert (pace == 0).all()
     assert (rest == 0).all()
+
+
+def test_ways_take_as_long_as_they_are_at_a_steady_speed_and_rest_adds():
+    """1 mm/s for a second, then at rest: way / v on the move, that and the rest after it; no more than there was."""
+    seconds = np.arange(0.0, 3.0, 1e-3)
+    places = np.column_stack([np.minimum(seconds, 1.0) * 1e-3, np.zeros(len(seconds))])
+    took = last_ways(np.array([0.0, 0.5, 1.0, 2.5]), seconds, places)
+    steady = np.array(WAYS) / 1e-3
+    assert took[0] == pytest.approx(0.0)
+    assert took[1] == pytest.approx(np.minimum(steady, 0.5), abs=2e-3)
+    assert took[2] == pytest.approx(np.minimum(steady, 1.0), abs=2e-3)
+    assert took[3] == pytest.approx(np.minimum(steady, 1.0) + 1.5, abs=2e-3)
