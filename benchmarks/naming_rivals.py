@@ -19,8 +19,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naming_asked import Asked, asked_cases
 from naming_plan import Plan
-from naming_worlds import START, Asked, Bench, asked_cases
+from naming_worlds import START, Bench
 from rival_methods import Case, bic_ladder, gaussian_process, ours, sparse_regression
 from timing import header, table
 

@@ -25,10 +25,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naming_asked import KINDS, Asked, asked_cases
 from naming_case import Maker, to_play
-from naming_plan import INDENTERS, Plan
+from naming_plan import Plan
 from naming_summary import summary
-from naming_truth import OUTSIDE, PAIRS, TITLES, WrongRadius
 
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.evidence_scale import ESTIMATED
@@ -44,69 +44,9 @@ from tactiledata.diagnose.zero_causes import zero_causes
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.material import GelMaterial
-from tactiledata.rig.hidden_base import HiddenEffect
 
 START = GelMaterial(0.9e6, 0.475, 0.65)
 QUICK_EFFECTS = ("frame_rotation", "relaxation", "lag")
-KINDS = ("nulls", "effects", "outside", "pairs", "metadata")
-
-
-@dataclass(frozen=True)
-class Asked:
-    """One case.
-
-    Parameters
-    ----------
-    kind : str
-    effects : the rig's names of what is hidden
-    strength : str
-    seed : int
-    wrong : (indenter, share) whose radius is not as stated
-    """
-
-    kind: str
-    effects: tuple[str, ...]
-    strength: str
-    seed: int
-    wrong: tuple[tuple[str, float], ...] = ()
-
-    @property
-    def label(self) -> str:
-        """For the file."""
-        wrong = [f"{name}{100 * share:+.0f}%" for name, share in self.wrong]
-        return " ".join([self.kind, *self.effects, *wrong, self.strength, str(self.seed)])
-
-    @property
-    def hidden(self) -> list[dict[str, Any]]:
-        """Of the scenario."""
-        return [{"effect": name, "strength": self.strength} for name in self.effects]
-
-    @property
-    def more(self) -> tuple[HiddenEffect, ...]:
-        """Effects that no scenario states."""
-        return tuple(WrongRadius(name, share) for name, share in self.wrong)
-
-    @property
-    def truth(self) -> tuple[str, ...]:
-        """The catalogue's names; none for what it does not hold."""
-        return tuple(TITLES[name] for name in self.effects if name in TITLES) + ("mount_offset",) * bool(self.wrong)
-
-
-def asked_cases(kinds: Iterable[str], count: int, strength: str) -> list[Asked]:
-    """So many cases of each kind; of each effect so many."""
-    found = []
-    for kind in kinds:
-        if kind == "nulls":
-            found += [Asked(kind, (), "none", 1000 + number) for number in range(count)]
-        elif kind == "metadata":
-            names = [name for name in INDENTERS if "radius" in INDENTERS[name]]
-            wrong = [(names[number % len(names)], 0.05 * (-1) ** number) for number in range(count)]
-            found += [Asked(kind, (), "5%", 5000 + number, (one,)) for number, one in enumerate(wrong)]
-        else:
-            hidden = {"effects": [(name,) for name in TITLES], "outside": [(name,) for name in OUTSIDE], "pairs": PAIRS}
-            first = {"effects": 2000, "outside": 3000, "pairs": 4000}[kind]
-            found += [Asked(kind, names, strength, first + number) for number in range(count) for names in hidden[kind]]
-    return found
 
 
 @dataclass
