@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
@@ -112,3 +113,10 @@ def _without_bottleneck(vae: Vae) -> Vae:
     for name in ("to_mean", "to_log_variance", "decoder", "from_latent"):
         setattr(vae, name, nn.Identity())
     return vae
+
+
+def predicted_forces(head: Forces, given: Tensor) -> np.ndarray:
+    """Forces (n, 3), N, of what a head takes."""
+    with torch.no_grad():
+        forces: Tensor = head.forces(given.to(head.device)).float().cpu()
+    return forces.numpy()

@@ -12,12 +12,13 @@ from split_models.cyclic import cyclic_rows, prepare_cyclic
 from split_models.data import TouchFrames
 from split_models.domain_alignment import alignment_rows, prepare_alignment
 from split_models.evaluate import image_values, mesh_values, summarised
+from split_models.force_head import predicted_forces
 from split_models.inference_time import prepare_time, time_rows
 from split_models.interval_rows import interval_rows
 from split_models.mesh_figure import mesh_figure
 from split_models.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
 from split_models.picture_grid import write_grid
-from split_models.workshop import Workshop, predicted_forces
+from split_models.workshop import Workshop
 from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Metric
 from tactiledata.metrics.force_error import FORCE_ERROR

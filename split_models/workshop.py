@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, cast
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from split_models.checkpoint import Stamps
-from split_models.data import TouchFrames
 from split_models.device import Ranks
 from split_models.end_to_end import EndToEnd
-from split_models.force_head import ForceHead, Forces, RawForces
+from split_models.force_head import ForceHead, RawForces
 from split_models.image_vae import ImageVae, as_input
 from split_models.image_vae_recipe import SIZES, image_vae_objective
 from split_models.items import FrameItems, Items, PictureItems, TensorItems
 from split_models.kept_models import Build, KeptModels
-from split_models.latent import encode_displacements, encode_pictures, subtract
 from split_models.latent_normal import drawn_alike
 from split_models.mesh_vae import MeshVae
 from split_models.network import Network
 from split_models.objectives import MeshVaeObjective, Objective, Regression, scaled_forces
+from split_models.part_latents import part_latents
 from split_models.projection import Projection
 from split_models.recipe import Recipe
 from split_models.recipe_data import RecipeData, Tell
@@ -234,33 +232,8 @@ class Workshop(RecipeData):
         key = f"{part}/{kind}"
         if key not in self._latents:
             with drawn_alike(self.recipe.seed):
-                self._latents[key] = self._encoded(part, kind)
+                self._latents[key] = part_latents(self, part, kind)
         return self._latents[key]
-
-    def _encoded(self, part: str, kind: str) -> Tensor:
-        frames, latents = self.frames(part), self.recipe.models["latents"]
-        if kind == "force":
-            return torch.from_numpy(frames.forces())
-        if kind == "mesh":
-            return _gathered(
-                frames, lambda some: encode_displacements(self.mesh_vae, frames.displacements(some), latents)
-            )
-        if kind == "image":
-            return _gathered(frames, lambda some: encode_pictures(self.image_vae, frames.pictures(some), latents))
-        if kind == "deformation":
-            return subtract(self.latents(part, "image"), self._base(frames))
-        is_split = kind == "projected_split"
-        network = self.projection("image_to_mesh", is_split)
-        given = self.latents(part, "deformation" if is_split else "image")
-        with torch.no_grad():
-            projected: Tensor = network(given.to(self.device)).cpu()
-        return projected
-
-    def _base(self, frames: TouchFrames) -> Tensor:
-        """Each frame's background in latent space (n, d); always the mean, as a background is one picture."""
-        names = frames.sensor_names
-        bases = encode_pictures(self.image_vae, np.stack([frames.background(name) for name in names]))
-        return bases[torch.as_tensor([names.index(sensor) for sensor in frames.sensors])]
 
     # -- training ----------------------------------------------------------------------------------------------------
 
@@ -323,15 +296,3 @@ class Workshop(RecipeData):
         }
         stamps = Stamps("", self.frames("train").split_digest, fingerprint, topology)
         return self.kept.learned(name, described, stamps, options, build)
-
-
-def _gathered(frames: TouchFrames, encode: Callable[[range], Tensor], chunk: int = 256) -> Tensor:
-    starts = range(0, len(frames), chunk)
-    return torch.cat([encode(range(start, min(start + chunk, len(frames)))) for start in starts])
-
-
-def predicted_forces(head: Forces, given: Tensor) -> np.ndarray:
-    """Forces (n, 3), N, of what a head takes."""
-    with torch.no_grad():
-        forces: Tensor = head.forces(given.to(head.device)).float().cpu()
-    return forces.numpy()
