@@ -19,8 +19,9 @@ from tactiledata.errors import UsageError
 Array = NDArray[np.float64]
 
 MOST_ROUNDS = 30
-CLOSE, CLOSE_ENOUGH = 1e-9, 1e-4
-"""Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more."""
+CLOSE, CLOSE_ENOUGH = 1e-9, 5e-3
+"""Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more. Between
+them lies what jumps: a contact that sticks heals at once, and there may be no balance on either side of it."""
 
 
 @dataclass(frozen=True)
@@ -92,15 +93,18 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
     if not any(setting.member.feeds_back for setting in settings):
         return after(start.felt)
     balance = Balance(start.contact.wrench)
+    nearest, least = start, np.inf
     for _ in range(MOST_ROUNDS):
         state = after(balance.felt)
         balance.measure(state.contact.wrench)
-        if balance.missed <= CLOSE * balance.largest:
+        if balance.missed < least:
+            nearest, least = state, balance.missed
+        if least <= CLOSE * balance.largest:
             break
         balance.move()
-    if balance.missed > CLOSE_ENOUGH * balance.largest:
-        raise unbalanced(balance.missed, MOST_ROUNDS)
-    return state
+    if least > CLOSE_ENOUGH * balance.largest:
+        raise unbalanced(least, MOST_ROUNDS)
+    return nearest
 
 
 def unbalanced(missed: float, rounds: int) -> UsageError:
