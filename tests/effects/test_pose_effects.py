@@ -119,6 +119,28 @@ def test_no_balance_is_said(touch, monkeypatch):
         with_effects(BallOnLayer, SOFTEST).play(touch)
 
 
+@pytest.mark.parametrize(("jump", "is_said"), [(0.004, False), (0.04, True)])
+def test_what_jumps_a_little_is_no_error(touch, moved, jump, is_said):
+    """A force that jumps where springs and gel would meet leaves no balance: the nearest is taken, unless far off."""
+    arm = EffectSetting("arm_compliance", {"translation": 2e-5})
+    press = moved(touch, np.arange(3.0), np.array([0.0, 8e-4, 8e-4]))
+    plain = with_effects(BallOnLayer, [arm]).play(press).contact
+    meets = plain.depth[-1] - 2e-5 * 0.5 * jump * plain.wrench[-1, 2]
+
+    class Jumping(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            answer = super().respond(offset, shift, friction)
+            share = np.where(answer.depth > meets, 1.0 + jump, 1.0)
+            return dataclasses.replace(answer, wrench=answer.wrench * share[:, None])
+
+    if is_said:
+        with pytest.raises(UsageError, match="no balance"):
+            with_effects(Jumping, [arm]).play(press)
+    else:
+        state = with_effects(Jumping, [arm]).play(press)
+        np.testing.assert_allclose(state.felt[-1, 2], state.contact.wrench[-1, 2], rtol=jump)
+
+
 @pytest.mark.parametrize("name", [name for name in EFFECTS if EFFECTS[name].slot in "KCI"])
 def test_springs_find_a_balance_with_every_effect(touch, medium, name):
     """No effect in contact jumps with the force in a way that leaves springs without a balance."""
