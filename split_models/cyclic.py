@@ -123,12 +123,12 @@ def cyclic_rows(workshop: Workshop) -> list[dict[str, Any]]:
         frames, variants = workshop.frames(part), prepare_cyclic(workshop)
         count = min(workshop.recipe.rows["frames"], len(frames))
         chosen = np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64))
-        found = {}
+        found, drawn = {}, surface_pictures(workshop, frames, chosen)
         for done, (name, (forth, back)) in enumerate(variants.items()):
             workshop.tell(done, len(variants), f"{part}: {name}")
             found[name] = cycle_values(forth, back, frames, chosen, workshop.recipe.rows["cycles"])
             strip = workshop.tables / f"strip-{part}-{name}.png"
-            write_strip(strip, variants[name], frames, chosen[-2:], surface_pictures(workshop, frames, chosen))
+            write_strip(strip, variants[name], frames, shown_on_strip(frames, chosen), drawn)
         rows += _part_rows(part, found, faded_values(frames, chosen), frames.trajectories[chosen], workshop)
         curves[part] = {name: _means(values) for name, values in found.items()}
         write_cycle_plot(workshop.tables / f"cycles-{part}.png", {title_of(n): one for n, one in curves[part].items()})
@@ -160,6 +160,13 @@ def surface_pictures(workshop: Workshop, frames: TouchFrames, numbers: NDArray[n
     deepest = float(-frames.displacements(numbers)[..., 2].min())
     assert frames.size is not None  # recipes state it
     return MeshPictures(surface_of(workshop), frames.size, deepest)
+
+
+def shown_on_strip(frames: TouchFrames, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The deepest of each half: two touches, that there is something to see of."""
+    depths = -frames.displacements(numbers)[..., 2].min(axis=1)
+    halves = np.array_split(np.arange(len(numbers)), 2)
+    return np.array([numbers[half[depths[half].argmax()]] for half in halves if len(half)])
 
 
 def write_strip(path: Path, ways: Ways, frames: TouchFrames, numbers: NDArray[np.int64], drawn: MeshPictures) -> None:

@@ -32,7 +32,8 @@ def write_cycle_plot(path: Path, curves: Mapping[str, Mapping[str, Sequence[floa
             one.grid(alpha=0.3)
     for one in axes[-1]:
         one.set_xlabel("cycle")
-    axes[0, 0].legend(fontsize=8)
+    lines, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside lower center", fontsize=8)
     content = io.BytesIO()
     figure.savefig(content, dpi=110)
     write_atomic(path, content.getvalue())
