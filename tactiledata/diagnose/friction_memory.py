@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,27 +58,37 @@ def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: ND
     reach : (n,)
         The contact's stiffness times the way along the gel since the frame before, in the unit of the columns.
     """
-    more = np.zeros((len(frictions), 2))
     if (frictions == frictions[:1]).all():
-        return more
+        return np.zeros((len(frictions), 2))
     own = columns.at(frictions)[:, :3]
     before = CubicsOverFriction(columns.nodes, columns.coefficients[:, :, :-1]).at(frictions[1:])[:, :3]
-    limits = frictions * np.maximum(own[:, 2], 0.0)
-    sizes = np.hypot(own[:, 0], own[:, 1])
     share = _share(own[1:], frictions[1:])
     grows = share - _share(before, frictions[1:])
-    kept = np.maximum((ALL_SLIDES - share) / (ALL_SLIDES - BEGINS_TO_SLIDE), -grows / TURNS).clip(0.0, 1.0)
-    changed = own[:-1, :2] - before[:, :2]
-    for frame in range(1, len(frictions)):
-        if not (touching[frame - 1] and touching[frame]):
+    forgets = 1.0 - np.maximum((ALL_SLIDES - share) / (ALL_SLIDES - BEGINS_TO_SLIDE), -grows / TURNS).clip(0.0, 1.0)
+    most = np.maximum(frictions * np.maximum(own[:, 2], 0.0), np.hypot(own[:, 0], own[:, 1]))
+    in_contact = touching[1:] & touching[:-1]
+    return _followed(own[:, :2], own[:-1, :2] - before[:, :2], most[1:], forgets, reach[1:], in_contact)
+
+
+def _followed(
+    own: Array, changed: Array, most: Array, forgets: Array, reach: Array, in_contact: NDArray[np.bool_]
+) -> Array:
+    """What is remembered (n, 2) beyond the frames' own shear (n, 2); the rest by frame from the second on."""
+    more = np.zeros_like(own)
+    x = y = 0.0
+    steps = zip(own[1:].tolist(), changed.tolist(), *(one.tolist() for one in (most, forgets, reach)), strict=True)
+    for frame, ((own_x, own_y), (add_x, add_y), limit, share, way) in enumerate(steps, start=1):
+        if not in_contact[frame - 1]:
+            x = y = 0.0
             continue
-        x, y = own[frame, :2] + more[frame - 1] + changed[frame - 1]
-        size, most = float(np.hypot(x, y)), max(limits[frame], sizes[frame])
-        within = most / size if size > most else 1.0
-        stuck = np.array([x, y]) * within - own[frame, :2]
-        size = float(np.hypot(stuck[0], stuck[1]))
-        left = size - min((1.0 - kept[frame - 1]) * size, reach[frame])
-        more[frame] = stuck * (left / size) if size > 0.0 else 0.0
+        pull_x, pull_y = own_x + x + add_x, own_y + y + add_y
+        size = hypot(pull_x, pull_y)
+        within = limit / size if size > limit else 1.0
+        x, y = pull_x * within - own_x, pull_y * within - own_y
+        size = hypot(x, y)
+        left = 1.0 - min(share * size, way) / size if size > 0.0 else 0.0
+        x, y = x * left, y * left
+        more[frame] = x, y
     return more
 
 
