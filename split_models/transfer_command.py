@@ -29,9 +29,9 @@ def transfer(
     store: str = STORE_ARGUMENT,
     to: str = typer.Option(..., "--to", help="The target sensor: a name that `tactiledata sensors` lists."),
     method: str = typer.Option(
-        "latent",
+        "latent-on-background",
         "--method",
-        help="latent, latent-on-background, latent-ratio-on-background, adain, background-swap, background-ratio, "
+        help="latent-on-background, latent, latent-ratio-on-background, adain, background-swap, background-ratio, "
         "histogram-matching, reinhard, fourier or no-contact.",
     ),
     model: Path = MODEL,
