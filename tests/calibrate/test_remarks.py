@@ -109,6 +109,7 @@ def test_reasons_for_leaving_out_are_counted(world):
     assert any("3 trajectories left out: no force" in finding.message for finding in findings)
 
 
+@pytest.mark.slow
 def test_an_indenter_that_is_not_as_stated_is_named(world):
     """Forces of one of four indenters 15 % low; the control has them as they are."""
     names = np.array([f"solid {k % 4}" for k in range(world.count)])

@@ -182,6 +182,7 @@ def test_long_tables_are_thinned_and_it_is_said():
     assert "one row of 2" in " ".join(read.notes)
 
 
+@pytest.mark.slow
 def test_groups_of_one_row_are_enough(tmp_path):
     """A table without inner structure: the rate is found; the floor is zero then, and that is said."""
     table = presses(1, 200, 5, rate=0.2, noise=False).groupby("trial").nth(2)
