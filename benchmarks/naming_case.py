@@ -16,7 +16,7 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.force_zeros import ForceZeros
 from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
-from tactiledata.effects.imprint import ImprintTable, nearness
+from tactiledata.effects.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.last_move import last_move, last_ways
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelTouch
@@ -123,13 +123,10 @@ def _history(play: Play, host: Times) -> dict[str, Array]:
 
 def _as_deep(poses: Array, name: str, earlier: Sequence[Touch], tables: Mapping[str, ImprintTable]) -> Array:
     """How deep (n,), m, this indenter would have to press to do what the strongest earlier touch has done there."""
-    strongest = np.zeros(len(poses))
-    for one in earlier:
-        deepest = int(np.argmin(one.tips[:, 2]))
-        away = np.linalg.norm(poses[:, :2, 3] - one.tips[deepest, :2], axis=1)
-        imprint = float(tables[one.indenter_name].imprint(-one.tips[deepest, 2]))
-        strongest = np.maximum(strongest, imprint * nearness(away))
-    return tables[name].depth(strongest)
+    tips = [one.tips[int(np.argmin(one.tips[:, 2]))] for one in earlier]
+    imprints = [float(tables[one.indenter_name].imprint(-tip[2])) for one, tip in zip(earlier, tips, strict=True)]
+    pressed = np.array([tip[:2] for tip in tips])
+    return tables[name].depth(strongest_imprint(poses[:, :2, 3], pressed, np.array(imprints)))
 
 
 def _is_beside(other: Touch, play: Play) -> bool:

@@ -123,12 +123,12 @@ def cyclic_rows(workshop: Workshop) -> list[dict[str, Any]]:
         frames, variants = workshop.frames(part), prepare_cyclic(workshop)
         count = min(workshop.recipe.rows["frames"], len(frames))
         chosen = np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64))
-        found, drawn = {}, surface_pictures(workshop, frames, chosen)
+        found, drawn, shown = {}, surface_pictures(workshop, frames, chosen), shown_on_strip(frames, chosen)
         for done, (name, (forth, back)) in enumerate(variants.items()):
             workshop.tell(done, len(variants), f"{part}: {name}")
             found[name] = cycle_values(forth, back, frames, chosen, workshop.recipe.rows["cycles"])
             strip = workshop.tables / f"strip-{part}-{name}.png"
-            write_strip(strip, variants[name], frames, shown_on_strip(frames, chosen), drawn)
+            write_strip(strip, variants[name], frames, shown, drawn)
         rows += _part_rows(part, found, faded_values(frames, chosen), frames.trajectories[chosen], workshop)
         curves[part] = {name: _means(values) for name, values in found.items()}
         write_cycle_plot(workshop.tables / f"cycles-{part}.png", {title_of(n): one for n, one in curves[part].items()})

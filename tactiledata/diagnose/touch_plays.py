@@ -139,7 +139,8 @@ class PlayedResponse:
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
         """As `BaseResponse.respond`."""
         frictions = self.material.friction * friction
-        columns = self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
+        over = self.plays.over_friction(self.material.poisson_ratio, offset, shift) if np.ptp(frictions) else None
+        columns = over.at(frictions) if over else self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
         tips = self.touch.tips
         depth = self.plays.height - tips[:, 2] + offset
         touching = (columns[:, 2] > LEAST_FORCE) & (depth > 0)
@@ -154,21 +155,13 @@ class PlayedResponse:
         load = np.where(touching, normal, 0.0)
         limit = frictions * load
         spring = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
-        reach = spring * self.touch.lateral_steps
-        unit = unit + self._force_at(self._remembered(frictions, offset, shift, touching, reach), centre)
+        if over:
+            reach = spring * self.touch.lateral_steps
+            unit = unit + self._force_at(remembered_shear(frictions, over, touching, reach), centre)
         unit = unit + self._sheared(unit, shift, spring, limit, centre)
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         modulus = self.material.youngs_modulus
         return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
-
-    def _remembered(
-        self, frictions: Array, offset: Array, shift: Array, touching: NDArray[np.bool_], reach: Array
-    ) -> Array:
-        """Shear (n, 2) that stuck at another friction than that of the frame."""
-        if (frictions == frictions[:1]).all():
-            return np.zeros((len(frictions), 2))
-        columns = self.plays.over_friction(self.material.poisson_ratio, offset, shift)
-        return remembered_shear(frictions, columns, touching, reach)
 
     def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
         """Change (n, 6) of the wrench by a shift that differs from frame to frame."""

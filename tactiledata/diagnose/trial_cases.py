@@ -9,7 +9,7 @@ from tactiledata.diagnose.touch_case import CaseSet, TouchCase
 from tactiledata.diagnose.trial import Trial, TrialTouch
 from tactiledata.diagnose.trial_bench import TrialBench
 from tactiledata.diagnose.trial_path import FREE_AIR, TrialPath, trial_path
-from tactiledata.effects.imprint import ImprintTable, nearness
+from tactiledata.effects.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch import Touch
 
 Array = NDArray[np.float64]
@@ -59,9 +59,10 @@ class _Spots:
 
     def before(self, place: tuple[float, float], indenter: str) -> tuple[float, int]:
         """The depth, m, at which an indenter would do as much, and the number of touches."""
-        away = np.array([np.linalg.norm(where - place) for where, _ in self._visits])
-        strongest = np.array([imprint for _, imprint in self._visits]) * nearness(away)
-        return float(self._table(indenter).depth(strongest.max(initial=0.0))), int((away < SAME_PLACE).sum())
+        pressed = np.array([where for where, _ in self._visits]).reshape(-1, 2)
+        strongest = strongest_imprint(np.array([place]), pressed, np.array([one for _, one in self._visits]))
+        count = (np.linalg.norm(pressed - place, axis=1) < SAME_PLACE).sum()
+        return float(self._table(indenter).depth(strongest)[0]), int(count)
 
     def touched(self, place: tuple[float, float], indenter: str, depth: float) -> None:
         self._visits.append((np.asarray(place), float(self._table(indenter).imprint(depth))))

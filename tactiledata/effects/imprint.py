@@ -53,6 +53,13 @@ class ImprintTable:
         return np.where(np.asarray(imprint) > 0, depth, 0.0)
 
 
+def strongest_imprint(places: Array, pressed: Array, imprints: Array) -> Array:
+    """The largest imprint (n,), m^4, that counts at places (n, 2), m, of presses at places (p, 2); 0 without any."""
+    away = np.linalg.norm(places[:, None] - pressed.reshape(-1, 2), axis=2)
+    found: Array = (imprints * nearness(away)).max(axis=1, initial=0.0)
+    return found
+
+
 def nearness(distance: Array) -> Array:
     """By what an imprint counts at such a distance, m, from its place."""
     near: Array = np.exp(-0.5 * np.square(distance / SPREAD))

@@ -56,13 +56,7 @@ def last_move(frames: Array, seconds: Array, places: Array) -> tuple[Array, Arra
 def last_ways(frames: Array, seconds: Array, places: Array) -> Array:
     """For how long (n, w), s, an indenter has been no further than each of ``WAYS`` from where it is at frames (n,), s.
 
-    Parameters
-    ----------
-    frames : (n,) s
-    seconds : (m,) s, ascending
-        Of the positions, many to a move.
-    places : (m, 2), m
-        Along the gel.
+    Seconds (m,) and places (m, 2) are those of `last_move`.
     """
     found = np.zeros((len(frames), len(WAYS)))
     for row, moment in enumerate(frames):

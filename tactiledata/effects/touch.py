@@ -87,8 +87,14 @@ class Touch:
     sensor_weight: Array | None = None
 
     def __post_init__(self) -> None:
-        shapes = {"poses": (4, 4), "gravity": (3,), "joints": (6,), "gel_from_sensor": (4, 4), "sensor_weight": (6,)}
-        shapes["last_ways"] = (len(WAYS),)
+        shapes = {
+            "poses": (4, 4),
+            "gravity": (3,),
+            "joints": (6,),
+            "last_ways": (len(WAYS),),
+            "gel_from_sensor": (4, 4),
+            "sensor_weight": (6,),
+        }
         for field in fields(self):
             value = getattr(self, field.name)
             wanted = (len(self.seconds), *shapes.get(field.name, ()))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.effects.imprint import ImprintTable, nearness
+from tactiledata.effects.imprint import ImprintTable, strongest_imprint
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
 from tactiledata.store.reader import Store
 from tactiledata.transforms import pose_matrices
@@ -105,8 +105,9 @@ class StoreFacts:
         before = [visit for visit in self._visits.get(planned.sensor, []) if visit.t_ns < self._t_ns[rows[0]]]
         if not before:
             return np.zeros(len(places)), np.zeros(len(places))
-        away = np.linalg.norm(places[:, None] - np.array([one.place for one in before]), axis=2)
-        strongest = (np.array([one.imprint for one in before]) * nearness(away)).max(axis=1)
+        pressed = np.array([one.place for one in before])
+        strongest = strongest_imprint(places, pressed, np.array([one.imprint for one in before]))
+        away = np.linalg.norm(places[:, None] - pressed, axis=2)
         return self._table(planned).depth(strongest), (away < SPOT).sum(axis=1).astype(float)
 
     def _table(self, planned: PlannedTouch) -> ImprintTable:
