@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, playable
+from tactiledata.diagnose.effect_signatures import Signature, Strength, effect_signatures, playable
 from tactiledata.diagnose.folds import FOLDS
 from tactiledata.diagnose.grouped_prediction import folds_of
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
@@ -25,6 +25,7 @@ from tactiledata.diagnose.name_effects import NamingOptions, name_effects
 from tactiledata.diagnose.screen import Screened, screen
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
+from tactiledata.effects.setting import EffectSetting
 from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
@@ -49,10 +50,10 @@ class Case:
         """In units of the frames' noise alone."""
         return WhitenedCases.of(self.cases, NO_ERRORS)
 
-    def fit(self, starts: Sequence[tuple[str, dict[str, float]]], kept: Sequence[frozenset[str]] = ()) -> JointFit:
+    def fit(self, start: Sequence[EffectSetting], kept: frozenset[Strength] = frozenset()) -> JointFit:
         """E, nu, mu, offsets and effects."""
         count = len(self.white.starts)
-        model = joint_model(self.start, starts, count, 0, list(kept) or None, self.cases.box)
+        model = joint_model(self.start, start, count, 0, kept or None, self.cases.box)
         return joint_fit(self.white, np.zeros((len(self.white.measured), 6, 0)), model)
 
     @cached_property
@@ -80,7 +81,7 @@ def bic_ladder(case: Case) -> tuple[str, ...]:
     def criterion(fit: JointFit) -> float:
         return fit.cost + len(fit.model.coordinates) * float(np.log(readings))
 
-    best, signatures, kept = case.base, case.signatures, []
+    best, signatures, kept = case.base, case.signatures, frozenset[Strength]()
     for _ in range(MOST_STEPS):
         ranked = sorted(screen(best.metric, best.undone, signatures), key=lambda one: -one.score)
         tried = [_with(case, best, kept, one) for one in ranked[:MOST_REFITS] if one.effect not in best.names]
@@ -89,15 +90,16 @@ def bic_ladder(case: Case) -> tuple[str, ...]:
         found, added = min(tried, key=lambda one: criterion(one[0]))
         if criterion(best) - criterion(found) < DECISIVE:
             break
-        best, kept = found, [*kept, added]
+        best, kept = found, kept | added
         names = [name for name, _ in _by_name(case.signatures).items() if name not in best.names]
         signatures = effect_signatures(case.white, best.model.material, names, best.model.settings)
     return best.names
 
 
-def _with(case: Case, fit: JointFit, kept: list[frozenset[str]], added: Screened) -> tuple[JointFit, frozenset[str]]:
-    starts = [(one.effect, dict(one.values)) for one in fit.model.settings]
-    return case.fit([*starts, (added.effect, added.starts[0])], [*kept, added.strengths]), added.strengths
+def _with(
+    case: Case, fit: JointFit, kept: frozenset[Strength], added: Screened
+) -> tuple[JointFit, frozenset[Strength]]:
+    return case.fit([*fit.model.settings, *added.starts[0]], kept | added.strengths), added.strengths
 
 
 def _by_name(signatures: Sequence[Signature]) -> dict[str, list[Signature]]:

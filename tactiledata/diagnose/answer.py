@@ -17,6 +17,8 @@ from tactiledata.diagnose.wording import percent, rounded, with_interval
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import effects_document
 
+MOST_NUMBERS = 6
+"""Of a fit, that are all told; of more only those that are not nothing."""
 _SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
 
 
@@ -143,12 +145,18 @@ def _tie(best: Judged, tie: Tie) -> str:
 
 
 def _values(found: Sequence[Interval]) -> list[str]:
+    fitted = found[3:]
+    shown = [one for one in fitted if not one.low <= 0.0 <= one.high] if len(fitted) > MOST_NUMBERS else fitted
+    shown = shown or fitted
     numbers = [
         f"{one.name} = {rounded(one.value)} ({rounded(one.low)} to {rounded(one.high)}"
         f"){'' if one.unit == '1' else ' ' + one.unit}"
-        for one in found[3:]
+        for one in shown
     ]
-    return [f"Fitted: {joined_names(numbers)}, 95 % intervals."] if numbers else []
+    if len(shown) == len(fitted):
+        return [f"Fitted: {joined_names(numbers)}, 95 % intervals."] if numbers else []
+    others = f"the other {len(fitted) - len(shown)} numbers may be nothing."
+    return [f"Fitted: {joined_names(numbers)}, 95 % intervals; {others}"]
 
 
 def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:

@@ -73,7 +73,7 @@ def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]
         shapes = "".join(f", {name} {value:g}" for name, value in one.shapes.items())
         for place, strength in enumerate(one.strengths):
             changed = white.with_zeros(one.field[:, :, place]) * _single(white)
-            fields[f"{EFFECTS[one.effect]().title} ({strength}{shapes})"] = changed[rows]
+            fields[f"{EFFECTS[one.effect]().title} ({strength.label}{shapes})"] = changed[rows]
     return fields
 
 
@@ -120,8 +120,7 @@ def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, .
     ]
     fields = [by_log / modulus, fit.shared[:, :, 1], fit.shared[:, :, 2], fit.own / (1e3 * PRIOR)]
     for place, one in enumerate(model.coordinates):
-        name = f"{model.settings[one.place].effect} {one.parameter.name}"
-        listed.append(Parameter(name, one.parameter.unit, is_tested=False))
+        listed.append(Parameter(model.name_of(one), one.parameter.unit, is_tested=False))
         fields.append(fit.shared[:, :, 3 + place])
     # a factor on an indenter's forces is a modulus of its own: the very field of E, so that E beside it is no question
     owner = white.indenter[white.trajectory]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,24 @@ FAINT = 1e-6
 MATERIAL = ("E", "nu", "mu")
 
 
+class Strength(NamedTuple):
+    """One strength of an effect, of the touches at one place where the effect is another one for each."""
+
+    effect: str
+    name: str
+    place: str = ""
+
+    @property
+    def label(self) -> str:
+        """For tables: ``"x of ball3"``."""
+        return f"{self.name} of {self.place}" if self.place else self.name
+
+    @property
+    def parameter(self) -> Parameter:
+        """As the effect has it."""
+        return next(one for one in EFFECTS[self.effect]().parameters if one.name == self.name)
+
+
 @dataclass(frozen=True)
 class Signature:
     """An effect at its null, at one choice of its shapes.
@@ -39,7 +58,7 @@ class Signature:
     ----------
     effect : str
     shapes : dict, parameter -> value
-    strengths : names of the p strengths that leave anything
+    strengths : the p that leave anything
     scales : (p,)
         Standard deviations of their priors.
     one_sided : (p,) bool
@@ -50,7 +69,7 @@ class Signature:
 
     effect: str
     shapes: dict[str, float]
-    strengths: tuple[str, ...]
+    strengths: tuple[Strength, ...]
     scales: Array
     one_sided: NDArray[np.bool_]
     field: Array
@@ -59,6 +78,18 @@ class Signature:
     def label(self) -> str:
         """For tables: ``"relaxation time=3"``."""
         return " ".join([self.effect, *(f"{name}={value:g}" for name, value in self.shapes.items())])
+
+    def at(self, strengths: Array) -> tuple[EffectSetting, ...]:
+        """The effect with strengths (p,) in standard deviations, inside their bounds: a setting for each place."""
+        values: dict[str, dict[str, float]] = {}
+        for one, strength, scale in zip(self.strengths, strengths, self.scales, strict=True):
+            value = float(np.clip(strength * scale, *one.parameter.bounds))
+            values.setdefault(one.place, {})[one.name] = value
+        each = EFFECTS[self.effect]().each
+        return tuple(
+            EffectSetting(self.effect, {**self.shapes, **found}, {each: place} if place else {})
+            for place, found in values.items()
+        )
 
 
 def shape_grids(effect: Effect) -> Iterator[dict[str, float]]:
@@ -118,37 +149,48 @@ def effect_signatures(
         member: Effect = EFFECTS[name]()
         for shapes in shape_grids(member):
             fields, kept = [], []
-            for parameter in strengths_of(member):
-                scale = deviation_of(parameter)
-                setting = EffectSetting(name, {**shapes, parameter.name: SHARE * scale})
-                field = cases.white(_change(cases, material, [*settings, setting], offsets, before)) / SHARE
-                if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
-                    fields.append(field)
-                    kept.append(parameter)
+            for place in places_of(cases, member):
+                for parameter in strengths_of(member):
+                    values = {**shapes, parameter.name: SHARE * deviation_of(parameter)}
+                    setting = EffectSetting(name, values, {member.each: place} if place else {})
+                    field = cases.white(_change(cases, material, [*settings, setting], offsets, before)) / SHARE
+                    if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
+                        fields.append(field)
+                        kept.append(Strength(name, parameter.name, place))
             if kept:
                 found.append(
                     Signature(
                         name,
                         shapes,
-                        tuple(one.name for one in kept),
-                        np.array([deviation_of(one) for one in kept]),
-                        np.array([one.bounds[0] >= 0.0 for one in kept]),
+                        tuple(kept),
+                        np.array([deviation_of(one.parameter) for one in kept]),
+                        np.array([one.parameter.bounds[0] >= 0.0 for one in kept]),
                         np.stack(fields, axis=2),
                     )
                 )
     return found
 
 
+def places_of(cases: WhitenedCases, effect: Effect) -> tuple[str, ...]:
+    """Where an effect has strengths of its own: one empty name where it is the same everywhere."""
+    if not effect.each:
+        return ("",)
+    names = {getattr(case.touch, effect.each) for case in cases.cases.cases}
+    return tuple(sorted(names)) if all(names) else ("",)
+
+
 def _change(
     cases: WhitenedCases, material: GelMaterial, settings: list[EffectSetting], offsets: Array | None, before: Array
 ) -> Array:
     """What the last setting changes (N, 6); without offsets where, with them, gel and springs find no balance."""
+    last = settings[-1]
     try:
-        return cases.cases.play(material, settings, offsets) - before
+        return cases.cases.play_where(last, before, material, settings, offsets) - before
     except UsageError:
         if offsets is None:
             raise
-        return cases.cases.play(material, settings) - cases.cases.play(material, settings[:-1])
+        without = cases.cases.play(material, settings[:-1])
+        return cases.cases.play_where(last, without, material, settings) - without
 
 
 def material_steps(bounds: Bounds) -> Array:

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, nuisance, playable
+from tactiledata.diagnose.effect_signatures import Signature, Strength, effect_signatures, nuisance, playable
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
-from tactiledata.effects import EFFECTS
 from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
@@ -29,7 +28,7 @@ class Identifiability:
 
     Parameters
     ----------
-    effects, strengths : k names
+    numbers : k of them
     concealment : (k,)
         Share of what the effect changes, squared, that E, nu, mu, offsets, zeros and numerical errors imitate: 0 shows
         in full, 1 is hidden.
@@ -43,8 +42,7 @@ class Identifiability:
         Effects that change nothing in these trajectories.
     """
 
-    effects: tuple[str, ...]
-    strengths: tuple[str, ...]
+    numbers: tuple[Strength, ...]
     concealment: Array
     confusability: Array
     reach: Array
@@ -52,9 +50,19 @@ class Identifiability:
     without_trace: tuple[str, ...] = ()
 
     @property
+    def effects(self) -> tuple[str, ...]:
+        """Of each number."""
+        return tuple(one.effect for one in self.numbers)
+
+    @property
+    def strengths(self) -> tuple[str, ...]:
+        """In words: ``"x of ball3"`` where the effect is another one for each."""
+        return tuple(one.label for one in self.numbers)
+
+    @property
     def ends(self) -> Array:
         """Ends (k,) of the plausible ranges, the farther ones, without sign."""
-        return np.array([_end(*pair) for pair in zip(self.effects, self.strengths, strict=True)])
+        return np.array([_end(one) for one in self.numbers])
 
     @property
     def shows_from(self) -> Array:
@@ -126,21 +134,19 @@ def identifiability_of(
 ) -> Identifiability:
     """The same from signatures that are known already, of all effects that were ``asked`` for and left anything."""
     left_any = {one.effect for one in signatures}
-    best: dict[tuple[str, str], tuple[float, float, Array]] = {}
+    best: dict[Strength, tuple[float, float, Array]] = {}
     for one in signatures:
         left = np.einsum("nkp,nkp->p", one.field, metric.weigh(one.field))
         whole = np.einsum("nkp,nkp->p", one.field, one.field)
         for place, strength in enumerate(one.strengths):
-            reach = float(np.sqrt(max(left[place], 0.0))) * _end(one.effect, strength) / float(one.scales[place])
+            reach = float(np.sqrt(max(left[place], 0.0))) * _end(strength) / float(one.scales[place])
             hidden = 1.0 - float(np.clip(left[place] / whole[place], 0.0, 1.0))
-            key = one.effect, strength
-            if key not in best or reach > best[key][0]:
-                best[key] = reach, hidden, one.field[:, :, place]
+            if strength not in best or reach > best[strength][0]:
+                best[strength] = reach, hidden, one.field[:, :, place]
     fields = [field for _, _, field in best.values()]
     alike = cosines(metric, fields) if fields else np.zeros((0, 0))
     return Identifiability(
-        tuple(effect for effect, _ in best),
-        tuple(strength for _, strength in best),
+        tuple(best),
         np.array([hidden for _, hidden, _ in best.values()]),
         alike,
         np.array([reach for reach, _, _ in best.values()]),
@@ -149,5 +155,5 @@ def identifiability_of(
     )
 
 
-def _end(effect: str, strength: str) -> float:
-    return next(max(map(abs, one.plausible)) for one in EFFECTS[effect]().parameters if one.name == strength)
+def _end(strength: Strength) -> float:
+    return max(map(abs, strength.parameter.plausible))

@@ -60,7 +60,7 @@ class JointFit:
     @property
     def names(self) -> tuple[str, ...]:
         """Of effects in it."""
-        return tuple(setting.effect for setting in self.model.settings)
+        return tuple(dict.fromkeys(setting.effect for setting in self.model.settings))
 
     @property
     def of_effects(self) -> Array:
@@ -223,7 +223,8 @@ class _Work:
             step = DIFFERENCE if vector[place] + DIFFERENCE <= high[place] else -DIFFERENCE
             there[place] += step
             moved = model.at(there, offsets)
-            changed = self.cases.cases.play(moved.material, moved.settings, offsets)
+            setting = moved.settings[model.coordinates[place - 3].place]
+            changed = self.cases.cases.play_where(setting, state.predicted, moved.material, moved.settings, offsets)
             fields.append(self.cases.white(changed - state.predicted) / step)
         return _Slopes(np.concatenate([gel, *(one[:, :, None] for one in fields), self.numerical], axis=2), own)
 

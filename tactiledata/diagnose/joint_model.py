@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
-from tactiledata.diagnose.effect_signatures import deviation_of
-from tactiledata.effects import EFFECTS
+from tactiledata.diagnose.effect_signatures import Strength, deviation_of
 from tactiledata.effects.parameter import Parameter
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.gel.material import GelMaterial
@@ -90,6 +89,20 @@ class JointModel:
     box: Bounds = BOUNDS["wide"]
 
     @property
+    def strengths(self) -> frozenset[Strength]:
+        """Those that are free."""
+        return frozenset(
+            Strength(self.settings[one.place].effect, one.parameter.name, self.settings[one.place].place)
+            for one in self.coordinates
+            if one.is_strength
+        )
+
+    def name_of(self, coordinate: Coordinate) -> str:
+        """Of one of the numbers, for tables: ``"mount_offset x of ball3"``."""
+        setting = self.settings[coordinate.place]
+        return f"{setting.effect} {Strength(setting.effect, coordinate.parameter.name, setting.place).label}"
+
+    @property
     def vector(self) -> Array:
         """Logarithm of E, nu, mu, the coordinates in their units, and the errors."""
         of_effects = [one.to_unit(self.settings[one.place].values[one.parameter.name]) for one in self.coordinates]
@@ -119,32 +132,26 @@ class JointModel:
 
 def joint_model(
     material: GelMaterial,
-    starts: Sequence[tuple[str, dict[str, float]]],
+    settings: Sequence[EffectSetting],
     trajectories: int,
     errors: int,
-    kept: Sequence[frozenset[str]] | None = None,
+    kept: Collection[Strength] | None = None,
     box: Bounds = BOUNDS["wide"],
 ) -> JointModel:
     """A model of effects at their nulls or elsewhere.
 
     Parameters
     ----------
-    starts : (effect, values) of each
-    kept : strengths of each that leave anything; all of them where ``None``
+    settings : of each effect, one for each place where it has strengths of its own
+    kept : strengths that leave anything; all of them where ``None``
     """
-    settings = tuple(EffectSetting(name, _in_bounds(name, values)) for name, values in starts)
     coordinates = []
-    for place, (name, _) in enumerate(starts):
-        for parameter in EFFECTS[name]().parameters:
+    for place, setting in enumerate(settings):
+        for parameter in setting.member.parameters:
             if parameter.null is None:
                 is_free = len(parameter.grid) > 1
             else:
-                is_free = kept is None or parameter.name in kept[place]
+                is_free = kept is None or Strength(setting.effect, parameter.name, setting.place) in kept
             if is_free:
                 coordinates.append(Coordinate(place, parameter))
-    return JointModel(material, settings, tuple(coordinates), np.zeros(trajectories), np.zeros(errors), box)
-
-
-def _in_bounds(name: str, values: dict[str, float]) -> dict[str, float]:
-    bounds = {parameter.name: parameter.bounds for parameter in EFFECTS[name]().parameters}
-    return {key: float(np.clip(value, *bounds[key])) for key, value in values.items()}
+    return JointModel(material, tuple(settings), tuple(coordinates), np.zeros(trajectories), np.zeros(errors), box)

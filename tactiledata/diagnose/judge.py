@@ -34,10 +34,10 @@ class Judged:
     gains : (t,)
         Rise of the held-out log-likelihood of each trajectory, over the dispersion.
     indenter_gain, indenter_error : float
-        The same over indenters; NaN where there is one only.
+        The same over indenters; NaN where there is one only, or the effect has numbers of its own for each.
     excess_share : float
-        Of what the plain fit leaves beyond the noise on indenters (trajectories, where there is one) held out, the
-        share that is gone.
+        Of what the plain fit leaves beyond the noise on indenters held out, the share that is gone; on trajectories
+        where there is one indenter only, or each has numbers of its own.
     signature_before, signature_after : float
         Score along what the effect changes, over its standard error between trajectories, before and after the refit.
     implausible : tuple of str
@@ -141,13 +141,15 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion
-    groups = base_out.by_indenter if len(of_indenters) else base_out.by_trajectory
-    fitted = out.by_indenter if len(of_indenters) else out.by_trajectory
+    # what is another one for each indenter cannot be told of one that is held out
+    is_told = len(of_indenters) > 0 and not any(setting.member.each for setting in fit.model.settings)
+    groups = base_out.by_indenter if is_told else base_out.by_trajectory
+    fitted = out.by_indenter if is_told else out.by_trajectory
     excess = float(groups.sum()) - expected
     before, after = _signature(base, fit, base.undone), _signature(base, fit, _without(base, fit))
     implausible, at_bounds = _range_checks(fit)
     return Judged(
-        fit, gains, float(of_indenters.sum()) if len(of_indenters) else float("nan"),
+        fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
         _error(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after, implausible, at_bounds,
     )  # fmt: skip
 
@@ -188,7 +190,7 @@ def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
             at_bounds.append(symbol)
     for one, error in zip(fit.model.coordinates, errors, strict=False):
         setting = fit.model.settings[one.place]
-        value, name = setting.values[one.parameter.name], f"{setting.effect} {one.parameter.name}"
+        value, name = setting.values[one.parameter.name], fit.model.name_of(one)
         low, high = one.bounds
         unit = one.to_unit(value)
         is_null = one.is_strength and value == one.parameter.null

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.decide import Decision, decide, ties_of_two
-from tactiledata.diagnose.effect_signatures import effect_signatures, playable
+from tactiledata.diagnose.effect_signatures import Strength, effect_signatures, playable
 from tactiledata.diagnose.evidence_scale import ESTIMATED, EvidenceScale
 from tactiledata.diagnose.grouped_prediction import HeldOut, held_out
 from tactiledata.diagnose.identifiability import Identifiability, identifiability_of
@@ -22,6 +22,7 @@ from tactiledata.diagnose.profiled_interval import Interval, intervals
 from tactiledata.diagnose.screen import Screened, screen
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
+from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 
@@ -175,7 +176,7 @@ class Refits:
         found = []
         for one in promising:
             self.progress(f"refit {one.effect}")
-            tried = [self._fit([(one.effect, start)], [one.strengths]) for start in one.starts]
+            tried = [self._fit(start, one.strengths) for start in one.starts]
             found += sorted(filter(None, tried), key=lambda fit: fit.cost)[:1]
         return found
 
@@ -186,7 +187,7 @@ class Refits:
         """
         best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
         kept = {one.effect: one.strengths for one in screened}
-        promises: dict[frozenset[str], tuple[float, list[tuple[str, dict[str, float]]]]] = {}
+        promises: dict[frozenset[str], tuple[float, tuple[EffectSetting, ...]]] = {}
         for first in best[: self.options.most_first]:
             self.progress(f"what {first.names[0]} leaves")
             others = [fit.names[0] for fit in best if fit is not first]
@@ -197,13 +198,14 @@ class Refits:
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
-                start = [(first.names[0], dict(first.model.settings[0].values)), (second.effect, second.starts[0])]
+                start = (*first.model.settings, *second.starts[0])
                 if key not in promises or cost < promises[key][0]:
                     promises[key] = cost, start
         found = []
         for _, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
-            self.progress(f"refit {start[0][0]} with {start[1][0]}")
-            found.append(self._fit(start, [kept[name] for name, _ in start]))
+            names = tuple(dict.fromkeys(setting.effect for setting in start))
+            self.progress(f"refit {' with '.join(names)}")
+            found.append(self._fit(start, frozenset().union(*(kept[name] for name in names))))
         return list(filter(None, found))
 
     def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[Judged], Decision]:
@@ -250,21 +252,19 @@ class Refits:
             model = alone.model
             signatures = effect_signatures(self.white, model.material, others, model.settings, model.offsets)
             scores = {one.effect: one for one in screen(alone.metric, alone.undone, signatures)}
-            of_stays = frozenset(one.parameter.name for one in model.coordinates if one.is_strength)
             least = self.options.scale.as_good * scores[named].score if named in scores else np.inf
             for name, other in scores.items():
                 if name == named or other.score < least:
                     continue
-                start = [(stays, dict(model.settings[0].values)), (name, other.starts[0])]
-                fit = self._fit(start, [of_stays, other.strengths])
+                fit = self._fit((*model.settings, *other.starts[0]), model.strengths | other.strengths)
                 found += [(stays, fit)] if fit is not None else []
         return found
 
-    def _fit(self, start: Sequence[tuple[str, dict[str, float]]], kept: Iterable[frozenset[str]]) -> JointFit | None:
+    def _fit(self, start: Sequence[EffectSetting], kept: frozenset[Strength]) -> JointFit | None:
         """None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate."""
         plain = self.base.model
         errors = self.numerical.shape[2]
-        model = joint_model(plain.material, start, len(self.white.starts), errors, list(kept), plain.box)
+        model = joint_model(plain.material, start, len(self.white.starts), errors, kept, plain.box)
         model = model.at(np.concatenate([model.vector[: 3 + len(model.coordinates)], plain.errors]), plain.offsets)
         try:
             return joint_fit(self.white, self.numerical, model)

@@ -97,7 +97,7 @@ def _name(fit: JointFit, place: int) -> tuple[str, str]:
     if place < 3:
         return MATERIAL[place], ("Pa", "1", "1")[place]
     one = fit.model.coordinates[place - 3]
-    return f"{fit.model.settings[one.place].effect} {one.parameter.name}", one.parameter.unit
+    return fit.model.name_of(one), one.parameter.unit
 
 
 def _value(fit: JointFit, place: int, unit_value: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from tactiledata.diagnose.effect_signatures import Strength, strengths_of
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.name_effects import Naming
@@ -111,18 +112,20 @@ def rivals_of(naming: Naming, most: int = 4) -> Rivals:
     supports = [one.gain for one in ranked]
     if len(found) < 2 and decision.verdict not in CLAIMED:
         promising = [one for one in naming.screened if one.effect not in {rival.name for rival in found}][:most]
-        found += [_screened(naming, one.effect, one.starts[0]) for one in promising]
+        found += [_screened(naming, one.starts[0]) for one in promising]
         supports += [one.evidence for one in promising]
     return Rivals.around(found[:most], supports[:most])
 
 
-def _screened(naming: Naming, effect: str, values: dict[str, float]) -> Rival:
+def _screened(naming: Naming, start: Sequence[EffectSetting]) -> Rival:
     """An effect that was not refitted, as its first-order score has it."""
     base = naming.base.model
     errors = len(base.errors)
-    model = joint_model(base.material, [(effect, values)], len(base.offsets), errors, box=base.box)
+    model = joint_model(base.material, start, len(base.offsets), errors, box=base.box)
     model = replace(model, offsets=base.offsets, errors=base.errors)
-    return Rival(effect, joint_fit(naming.cases, naming.cases.numerical(base.material, base.offsets), model, rounds=0))
+    return Rival(
+        start[0].effect, joint_fit(naming.cases, naming.cases.numerical(base.material, base.offsets), model, rounds=0)
+    )
 
 
 def _unseen(naming: Naming) -> Rivals:
@@ -130,17 +133,18 @@ def _unseen(naming: Naming) -> Rivals:
     known = naming.identifiable
     members = [plain]
     for effect in known.undetectable:
-        strengths = [one for one in EFFECTS[effect]().parameters if one.null is not None]
-        reach = {known.strengths[k]: known.reach[k] for k, name in enumerate(known.effects) if name == effect}
-        parameter = max(strengths, key=lambda one: reach.get(one.name, 0.0))
-        members.append(_at_its_strongest(naming, effect, {parameter.name: max(parameter.plausible, key=abs)}))
+        reach = {one: known.reach[k] for k, one in enumerate(known.numbers) if one.effect == effect}
+        strengths = [Strength(effect, one.name) for one in strengths_of(EFFECTS[effect]())]
+        members.append(_at_its_strongest(naming, max(reach or strengths, key=lambda one: reach.get(one, 0.0))))
     return Rivals(tuple(members), tuple(Pair(place, 0, False) for place in range(1, len(members))))
 
 
-def _at_its_strongest(naming: Naming, effect: str, values: dict[str, float]) -> Rival:
+def _at_its_strongest(naming: Naming, strength: Strength) -> Rival:
     base, cases = naming.base, naming.cases
-    setting = EffectSetting(effect, values)
+    values = {strength.name: max(strength.parameter.plausible, key=abs)}
+    each = EFFECTS[strength.effect]().each
+    setting = EffectSetting(strength.effect, values, {each: strength.place} if strength.place else {})
     model = replace(base.model, settings=(setting,), coordinates=())
     plays = [cases.cases.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
     change = cases.white(plays[0] - plays[1])
-    return Rival(effect, replace(base, model=model, residual=base.residual - change, effect_change=change))
+    return Rival(strength.effect, replace(base, model=model, residual=base.residual - change, effect_change=change))

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.effect_signatures import Signature
+from tactiledata.diagnose.effect_signatures import Signature, Strength
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.effects.setting import EffectSetting
 
 Array = NDArray[np.float64]
 
@@ -25,16 +26,16 @@ class Screened:
         LM: the fall of twice the negative log-likelihood that its strengths promise, to first order.
     evidence : float
         Logarithm of the Bayes factor against nothing, with the catalogue's priors; to first order.
-    starts : list of dict
-        Values from which to refit, the most promising shapes first.
-    strengths : names of those that leave anything
+    starts : list of tuples of EffectSetting
+        From which to refit, the most promising shapes first.
+    strengths : those that leave anything
     """
 
     effect: str
     score: float
     evidence: float
-    starts: list[dict[str, float]]
-    strengths: frozenset[str]
+    starts: list[tuple[EffectSetting, ...]]
+    strengths: frozenset[Strength]
 
 
 MOST_STARTS = 2
@@ -62,10 +63,7 @@ def screen(metric: RandomEffects, residual: Array, signatures: Sequence[Signatur
     for name, tried in by_effect.items():
         tried.sort(key=lambda each: -each[0])
         best = tried[0]
-        starts = [
-            {**one.shapes, **dict(zip(one.strengths, (strengths * one.scales).tolist(), strict=True))}
-            for _, _, one, strengths in tried[:MOST_STARTS]
-        ]
+        starts = [one.at(strengths) for _, _, one, strengths in tried[:MOST_STARTS]]
         kept = frozenset(strength for _, _, one, _ in tried for strength in one.strengths)
         # the best of several shapes is chosen: that choice is paid for
         paid = best[1] - float(np.log(len(tried)))

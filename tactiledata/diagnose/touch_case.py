@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.effects.response import BaseResponse
 from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.simulator import Simulator, with_effects
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.material import GelMaterial
@@ -126,12 +126,28 @@ class CaseSet:
 
     def play(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Array:
         """What the sensor would read (N, 6), each trajectory deeper by an offset (t,), m, of its own."""
-        base = self.base(material)
-        simulator = with_effects(base, settings)
-        read = []
+        simulator = with_effects(self.base(material), settings)
+        return np.concatenate([self._read(number, simulator, material, offsets) for number in range(len(self.cases))])
+
+    def play_where(
+        self,
+        changed: EffectSetting,
+        before: Array,
+        material: GelMaterial,
+        settings: Sequence[EffectSetting],
+        offsets: Array | None = None,
+    ) -> Array:
+        """The same where one setting differs from what was played ``before`` (N, 6): only what it acts on is played."""
+        simulator = with_effects(self.base(material), settings)
+        ends = np.cumsum(self.counts)
+        read = before.copy()
         for number, case in enumerate(self.cases):
-            one = simulator
-            if offsets is not None and offsets[number] != 0.0:
-                one = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
-            read.append(one.play(replace(case.touch, material=material)).wrench)
-        return np.concatenate(read)
+            if changed.acts_on(case.touch):
+                rows = slice(ends[number] - len(case.touch), ends[number])
+                read[rows] = self._read(number, simulator, material, offsets)
+        return read
+
+    def _read(self, number: int, simulator: Simulator, material: GelMaterial, offsets: Array | None) -> Array:
+        if offsets is not None and offsets[number] != 0.0:
+            simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
+        return simulator.play(replace(self.cases[number].touch, material=material)).wrench

@@ -54,6 +54,9 @@ class Effect:
     designs : dict, parameter -> values
         Of effects that are played by the gel engine: design points, other than the null, at which it must have played
         `variant` beforehand; one parameter at a time.
+    each : str
+        Of effects that are another one for each: of ``sensor``, ``indenter_name`` or ``mount``; empty where all touches
+        share the numbers. Naming then fits strengths for each.
     """
 
     name: ClassVar[str]
@@ -68,6 +71,7 @@ class Effect:
     needs: ClassVar[tuple[str, ...]] = ()
     feeds_back: ClassVar[bool] = False
     designs: ClassVar[Mapping[str, tuple[float, ...]]] = {}
+    each: ClassVar[str] = ""
 
     def complete(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters by name: those given, checked, and the defaults of the others.

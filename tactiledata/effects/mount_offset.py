@@ -16,10 +16,10 @@ _PRINT = "estimate: tolerance of a printed part in a holder"
 
 
 class MountOffset(Effect):
-    """A rigid displacement of the tip, the same for one mounting, and a radius other than stated.
+    """A rigid displacement of the tip, another one for each indenter, and a radius other than stated.
 
-    d -> d + deeper, (x, y) -> (x, y) + (x0, y0), all lengths of the indenter times 1 + radius_error. The first two are
-    kinematics; the third is played by the gel engine at -3 % and +3 %.
+    d -> d + deeper, (x, y) -> (x, y) + R (x0, y0), R the indenter's turn over the gel, all lengths of the indenter
+    times 1 + radius_error. The first two are kinematics; the third is played by the gel engine at -3 % and +3 %.
 
     Source: rigid-body kinematics.
     """
@@ -34,11 +34,11 @@ class MountOffset(Effect):
             bounds=(-1e-3, 1e-3), plausible=(-2e-4, 2e-4), deviation=1e-4, source=_PRINT,
         ),
         strength(
-            "x", "m", "how much further along x of the gel frame it is",
+            "x", "m", "how much further along x of its own frame it is",
             bounds=(-3e-3, 3e-3), plausible=(-5e-4, 5e-4), deviation=3e-4, source=_PRINT,
         ),
         strength(
-            "y", "m", "how much further along y of the gel frame it is",
+            "y", "m", "how much further along y of its own frame it is",
             bounds=(-3e-3, 3e-3), plausible=(-5e-4, 5e-4), deviation=3e-4, source=_PRINT,
         ),
         strength(
@@ -51,9 +51,11 @@ class MountOffset(Effect):
     detectability = "0.1 mm is 0.6 to 1.5 N; a depth offset fitted for each trajectory hides it completely."
     reference = "rigid-body kinematics"
     designs: ClassVar = {"radius_error": (-0.03, 0.03)}
+    each = "indenter_name"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        return state.moved(values["deeper"], np.array([values["x"], values["y"]]))
+        aside = state.touch.poses[:, :2, :2] @ np.array([values["x"], values["y"]])
+        return state.moved(values["deeper"], aside)
 
     def variant(self, values: Mapping[str, float]) -> GelVariant:
         return GelVariant(indenter_scale=1.0 + values.get("radius_error", 0.0))

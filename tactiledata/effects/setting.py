@@ -72,6 +72,11 @@ class EffectSetting:
         return self.member.apply(state, self.values) if self.acts_on(state.touch) else state
 
     @property
+    def place(self) -> str:
+        """What it is restricted to, in words; empty where it acts everywhere."""
+        return ", ".join(self.where.values())
+
+    @property
     def document(self) -> dict[str, Any]:
         """The setting as ``schemas/effect.json`` has it."""
         where = {"where": dict(self.where)} if self.where else {}

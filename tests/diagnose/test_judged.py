@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tactiledata.diagnose.decide import decide, ties_of_two
+from tactiledata.diagnose.effect_signatures import Strength
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import Identifiability
 from tactiledata.diagnose.joint_model import joint_model
@@ -15,6 +16,7 @@ from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import NamingOptions, Refits
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.screen import Screened
+from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 
@@ -89,7 +91,8 @@ def test_another_may_stand_for_one_of_two_that_are_named():
 def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
     """A reach of twice the claim's signal shows from half its range; half of it at no plausible strength."""
     reach = ESTIMATED.visible * np.array([2.0, 0.5])
-    known = Identifiability(("lag", "wear"), ("delay", "stiffness_change"), np.zeros(2), np.eye(2), reach, ())
+    numbers = Strength("lag", "delay"), Strength("wear", "stiffness_change")
+    known = Identifiability(numbers, np.zeros(2), np.eye(2), reach, ())
     assert known.undetectable == ("wear",)
     assert known.shows_from == pytest.approx(known.ends / [2.0, 0.5])
     assert ESTIMATED.visible**2 / 2 == pytest.approx(ESTIMATED.claim)
@@ -104,5 +107,6 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     monkeypatch.setattr("tactiledata.diagnose.name_effects.joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
     fits = Refits(SimpleNamespace(starts=[0]), np.zeros((1, 6, 0)), plain, NamingOptions(), lambda text: None)
-    asked = Screened("arm_compliance", 9.0, 5.0, [{"translation": 1e-4}], frozenset({"translation"}))
+    start = EffectSetting("arm_compliance", {"translation": 1e-4})
+    asked = Screened("arm_compliance", 9.0, 5.0, [(start,)], frozenset({Strength("arm_compliance", "translation")}))
     assert fits.singles([asked]) == []

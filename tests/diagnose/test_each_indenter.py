@@ -1,0 +1,78 @@
+"""An effect that is another one for each indenter: strengths of its own for each, named as one effect."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from touch_worlds import START, null
+
+from tactiledata.diagnose.answer import Answer
+from tactiledata.diagnose.effect_signatures import effect_signatures
+from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.effects.setting import EffectSetting
+
+FEW = ("mount_offset", "frame_rotation", "lag")
+
+
+@pytest.fixture(scope="module")
+def quiet():
+    return null(3000, trajectories=30)
+
+
+def elsewhere(cases, deeper):
+    """The same recordings, of which the log tells poses that lack by how much deeper each indenter really is, m."""
+    told = []
+    for case in cases.cases:
+        poses = case.touch.poses.copy()
+        poses[:, 2, 3] += deeper[case.touch.indenter_name]
+        told.append(dataclasses.replace(case, touch=dataclasses.replace(case.touch, poses=poses)))
+    return CaseSet(told, cases.base, cases.box)
+
+
+def test_each_indenter_gets_its_own_offset_back(quiet):
+    """Indenters that sit 0.15 mm higher or lower than told are named as one effect, with a number for each."""
+    names = sorted(set(quiet.indenters))
+    deeper = {name: 1.5e-4 * (-1) ** number for number, name in enumerate(names)}
+    naming = name_effects(elsewhere(quiet, deeper), START, NamingOptions(effects=FEW, profile=False))
+    found = Answer(naming)
+    assert found.names == ("mount_offset",)
+    settings = naming.decision.best.fit.model.settings
+    assert sorted(setting.place for setting in settings) == names
+    for setting in settings:
+        assert setting.values["deeper"] == pytest.approx(deeper[setting.place], abs=5e-5)
+    numbers = [one.name for one in naming.intervals[3:]]
+    assert len(set(numbers)) == len(numbers) >= 2 * len(names)
+    assert f"mount_offset deeper of {names[0]}" in numbers
+    assert np.isnan(naming.decision.best.indenter_gain)
+    said = next(sentence for sentence in found.sentences if sentence.startswith("Fitted"))
+    assert said.endswith("numbers may be nothing.")
+
+
+def test_nothing_is_missing_where_every_indenter_sits_as_told(quiet):
+    """So many numbers do not make a name of what two contact laws disagree in."""
+    found = Answer(name_effects(quiet, START, NamingOptions(effects=FEW, profile=False)))
+    assert found.naming.decision.verdict == "nothing is missing"
+
+
+def test_only_what_a_setting_acts_on_is_played_again(quiet):
+    """Rows of other indenters are those before; the others are those of a whole play."""
+    name = quiet.indenters[0]
+    setting = EffectSetting("mount_offset", {"deeper": 1e-4}, {"indenter_name": name})
+    before = quiet.play(START, [])
+    found = quiet.play_where(setting, before, START, [setting])
+    assert found.tobytes() == quiet.play(START, [setting]).tobytes()
+    owner = np.repeat(quiet.indenters, quiet.counts)
+    assert (found[owner != name] == before[owner != name]).all()
+    assert (found[owner == name] != before[owner == name]).any()
+
+
+def test_touches_that_do_not_tell_their_indenter_share_one_offset(quiet):
+    """Without names there is one number for all."""
+    unnamed = [
+        dataclasses.replace(case, touch=dataclasses.replace(case.touch, indenter_name="")) for case in quiet.cases
+    ]
+    white = WhitenedCases.of(CaseSet(unnamed, quiet.base))
+    (found,) = effect_signatures(white, START, ["mount_offset"])
+    assert {one.place for one in found.strengths} == {""}
