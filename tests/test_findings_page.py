@@ -231,6 +231,7 @@ def listed():
     return [match.groupdict() for match in ROW.finditer(PAGE.read_text(encoding="utf-8"))]
 
 
+@pytest.mark.slow
 def test_the_search_can_follow_every_code():
     """Every code that is given to a finding is a text that this test finds, and a word-with-hyphens."""
     found, lost = emissions()

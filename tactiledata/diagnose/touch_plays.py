@@ -212,14 +212,18 @@ class PlayedFamily:
 
     def __call__(self, material: GelMaterial) -> Callable[[Touch], BaseResponse]:
         """What answers for the touches, told apart by their poses."""
-        by_pose = {_key(touch): plays for touch, plays in zip(self.touches, self.plays, strict=True)}
 
         def answer(touch: Touch) -> BaseResponse:
-            if _key(touch) not in by_pose:
+            plays = self._by_pose.get(_key(touch))
+            if plays is None:
                 raise UsageError("a touch that was not played", "one of those played", "Play it first.")
-            return PlayedResponse(touch, by_pose[_key(touch)], material)
+            return PlayedResponse(touch, plays, material)
 
         return answer
+
+    @cached_property
+    def _by_pose(self) -> dict[tuple[str, bytes], TouchPlays]:
+        return {_key(touch): plays for touch, plays in zip(self.touches, self.plays, strict=True)}
 
 
 def _key(touch: Touch) -> tuple[str, bytes]:

@@ -94,7 +94,9 @@ class Effect:
 
     def is_null(self, values: Mapping[str, float]) -> bool:
         """Whether every strength has its null value."""
-        complete = self.complete(values)
+        return self._is_nothing(self.complete(values))
+
+    def _is_nothing(self, complete: Mapping[str, float]) -> bool:
         return all(parameter.null in (None, complete[parameter.name]) for parameter in self.parameters)
 
     def apply(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
@@ -105,9 +107,11 @@ class Effect:
         UsageError
             Values that it cannot have, or a covariate that the touch does not tell.
         """
-        if self.is_null(values):
-            return state
         complete = self.complete(values)
+        return state if self._is_nothing(complete) else self.applied(state, complete)
+
+    def applied(self, state: TouchState, complete: Mapping[str, float]) -> TouchState:
+        """The same with values that are known to be complete, and not all null."""
         state = self.change(state, complete)
         for name, places in self.designs.items():
             if complete[name] != 0.0:

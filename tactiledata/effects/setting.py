@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -52,13 +53,13 @@ class EffectSetting:
             if name not in PLACES:
                 raise UnknownName("place of an effect", name, PLACES)
 
-    @property
+    @cached_property
     def member(self) -> Effect:
         """The effect itself."""
         member: Effect = EFFECTS[self.effect]()
         return member
 
-    @property
+    @cached_property
     def is_null(self) -> bool:
         """Whether it changes nothing."""
         return self.member.is_null(self.values)
@@ -69,7 +70,7 @@ class EffectSetting:
 
     def apply(self, state: TouchState) -> TouchState:
         """The state with the effect."""
-        return self.member.apply(state, self.values) if self.acts_on(state.touch) else state
+        return state if self.is_null or not self.acts_on(state.touch) else self.member.applied(state, self.values)
 
     @property
     def place(self) -> str:

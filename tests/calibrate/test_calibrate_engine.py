@@ -81,6 +81,7 @@ def test_the_engines_own_truth_is_found(calibration, measured):
     assert len(calibration.fit.held_out) == 2
 
 
+@pytest.mark.slow
 def test_a_second_calibration_plays_nothing(calibration, measured, monkeypatch):
     """All plays are kept; the file is the same, byte by byte."""
 
@@ -118,6 +119,7 @@ def test_what_a_play_depends_on_has_a_place_of_its_own(measured):
     assert len(paths) == 8
 
 
+@pytest.mark.slow
 def test_another_engine_is_named_in_every_output(measured, monkeypatch, tmp_path):
     """What plays the touches is what was asked for, and file, provenance, force error and page say so."""
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
@@ -151,6 +153,7 @@ def test_touches_are_played_by_the_flex():
     assert 1.0 < flex.wrench[-1, 2] / fem.wrench[-1, 2] < 3.0
 
 
+@pytest.mark.slow
 def test_the_file_and_the_page(calibration, tmp_path):
     """The file fits its schema and names what it rests on; the page holds three pictures and the words."""
     document = write_calibration(calibration, tmp_path / "calibration.json")

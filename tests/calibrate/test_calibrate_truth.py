@@ -73,6 +73,7 @@ def test_planted_truth_is_found_in_noise(world):
     assert np.corrcoef(loss.offsets(found), offsets)[0, 1] > 0.9
 
 
+@pytest.mark.slow
 def test_offsets_that_are_not_allowed_for_bias(world):
     """A shift that all trajectories share goes into E where poses are taken as they are, and not with offsets."""
     measured = world.measured(offsets=4e-5)
@@ -125,6 +126,7 @@ def test_a_fit_is_the_same_every_time(world, loss):
     assert values.held_out < 1.5 * values.fitted
 
 
+@pytest.mark.slow
 def test_held_out_trajectories_do_not_touch_the_fit(world):
     """Spoiling them changes their loss only."""
     measured = world.measured()

@@ -28,6 +28,7 @@ def loss():
     return vector(world, world.measured(offsets=np.random.default_rng(5).normal(0, 4e-5, world.count)))
 
 
+@pytest.mark.slow
 def test_polish_finds_what_the_search_finds(loss):
     """Gauss-Newton from a start that is not the optimum ends where nlopt does."""
     found = search(loss, WIDE, TRUTH)
@@ -50,6 +51,7 @@ def test_the_deviance_has_risen_at_the_ends(loss):
             assert rise == pytest.approx(RISE * known.inflation[k], rel=0.1)
 
 
+@pytest.mark.slow
 def test_intervals_narrow_with_more_trajectories(loss):
     """Four times the trajectories, half the width."""
     many = ClosedFormWorld(80)
@@ -94,6 +96,7 @@ def test_the_bootstrap_is_the_same_for_a_seed():
     assert (draws[0][:, 0] <= draws[0][:, 1]).all()
 
 
+@pytest.mark.slow
 def test_coverage_counts_what_is_covered(loss):
     """A few draws: shares between 0 and 1, the same for a seed."""
     one, other = (coverage(loss, WIDE, TRUTH, draws=2, seed=1) for _ in range(2))

@@ -56,6 +56,7 @@ def calibration(offsets):
     }
 
 
+@pytest.mark.slow
 def test_it_attaches_and_says_where_to_look(store, capsys):
     """A preview is called one; the page is there; info and report know the mesh."""
     code, out, err = run_command(capsys, "replay", "--fidelity", "linear", *MATERIAL)

@@ -27,6 +27,7 @@ def store(tiny_store, tmp_path, monkeypatch):
     return Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
 
 
+@pytest.mark.slow
 def test_material_and_effects_come_from_the_file(store, capsys):
     """A mesh beside the plain one, labelled; what is stated wins, and each number says where it comes from."""
     write_settings([TURN], Path("effects.json"), GelMaterial(0.9e6, 0.45, 0.7))

@@ -32,6 +32,7 @@ def quiet():
     return plain_fit(null(3000, trajectories=24))
 
 
+@pytest.mark.slow
 def test_nulls_are_seldom_structured():
     """Contact laws that differ by some per cent, jitter and coloured noise: of 6 such worlds at most one alarms."""
     alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9100, 9106)]

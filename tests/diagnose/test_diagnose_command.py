@@ -27,6 +27,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_sentences_and_files(folder, capsys, monkeypatch):
     """The answer comes first; the page and the document lie in the folder; without --gate the code is 0."""
     code, out, err = run_command(capsys, monkeypatch, "rate.csv", "--out", "diagnosis")
@@ -36,6 +37,7 @@ def test_sentences_and_files(folder, capsys, monkeypatch):
     assert "diagnosing" in err
 
 
+@pytest.mark.slow
 def test_the_gate(folder, capsys, monkeypatch):
     """1 where structure is found, 0 where none is."""
     assert run_command(capsys, monkeypatch, "rate.csv", "--gate", "--json")[0] == 1

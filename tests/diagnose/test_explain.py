@@ -14,6 +14,7 @@ from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.wording import quantity, rounded, signed_change, with_interval
 
 
+@pytest.mark.slow
 def test_all_locators_together_keep_the_level():
     """Of 40 nulls at most 5 % and three standard errors are called structured."""
     alarms = [
@@ -44,6 +45,7 @@ def test_two_drifts_are_both_said():
     assert said & {("mu", "minutes"), ("mu", "index")}
 
 
+@pytest.mark.slow
 def test_what_is_planted_is_explained_and_what_is_left_is_quiet():
     """With its sentences: the formula, the share of the gap, the ceiling."""
     world = planted(5, 60, plant=modulus_over("speed", 0.6, 0.1, 10.0, True))
@@ -55,6 +57,7 @@ def test_what_is_planted_is_explained_and_what_is_left_is_quiet():
     assert sentences[-1] == "After the formula no structure is left."
 
 
+@pytest.mark.slow
 def test_a_shape_without_a_formula_is_not_explained_away():
     """A bump in two covariates: a short formula takes a part of it at most, and that is said."""
 
@@ -101,6 +104,7 @@ def test_the_gate_is_one_of_the_locators():
     assert "size of the residual" not in locate(world, LocateOptions()).p
 
 
+@pytest.mark.slow
 def test_progress_is_told():
     """Every step, in order, up to the last."""
     told = []

@@ -36,6 +36,7 @@ def test_a_planted_drift_is_the_first_answer(covariate, share):
     assert "%" in first.words
 
 
+@pytest.mark.slow
 def test_the_false_alarm_rate_is_the_level():
     """Noise that is correlated and of all sizes, moduli of trajectories that differ: 5 % alarms in 120 nulls."""
     smallest = [

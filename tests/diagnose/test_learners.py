@@ -1,6 +1,7 @@
 """Black box and surface: they explain what is there on trajectories that they have not seen, and no noise."""
 
 import numpy as np
+import pytest
 from planted import planted
 
 from tactiledata.diagnose.black_box import black_box
@@ -16,6 +17,7 @@ def bump(world):
     return values
 
 
+@pytest.mark.slow
 def test_the_ceiling_is_high_where_structure_is():
     """Trees explain a third of the squares or more, and nothing of noise."""
     with_bump = black_box(project(planted(1, 60, plant=bump)))
@@ -23,12 +25,14 @@ def test_the_ceiling_is_high_where_structure_is():
     assert black_box(project(planted(1, 60))).explained < 0.05
 
 
+@pytest.mark.slow
 def test_the_ceiling_is_deterministic():
     """The same seed, the same trees."""
     projection = project(planted(2, 16, 8))
     np.testing.assert_array_equal(black_box(projection, 1).predicted, black_box(projection, 1).predicted)
 
 
+@pytest.mark.slow
 def test_the_surface_is_labelled_and_does_not_extrapolate():
     """It takes a part of the squares, says that it explains nothing, and is NaN outside what was seen."""
     world = planted(1, 60, plant=bump)
@@ -42,6 +46,7 @@ def test_the_surface_is_labelled_and_does_not_extrapolate():
     assert np.isnan(predicted[1:]).all()
 
 
+@pytest.mark.slow
 def test_the_surface_of_noise_is_flat():
     """Nothing is taken from trajectories that were held out."""
     found = empirical(project(planted(3, 60, random_effects=False)), ("depth", "speed"))

@@ -196,6 +196,7 @@ def test_a_soft_corner_shows_on_the_map():
     assert np.abs(first.statistic).max() > first.band
 
 
+@pytest.mark.slow
 def test_map_false_alarms(nulls):
     """5 % over all parameters and places."""
     smallest = [

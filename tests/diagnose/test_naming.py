@@ -73,6 +73,7 @@ def test_a_preview_is_taken_to_err_more():
     assert preview.law > fine.law
 
 
+@pytest.mark.slow
 def test_the_document_fits_its_schema(quiet):
     """Both answers fit the part of the schema that is theirs, as JSON."""
     import json
@@ -85,6 +86,7 @@ def test_the_document_fits_its_schema(quiet):
         jsonschema.validate(json.loads(json.dumps(answer(cases, ("lag", "thickness")).document)), part)
 
 
+@pytest.mark.slow
 def test_a_world_without_the_true_effect_is_given_no_wrong_name():
     """Ripples along the gel are in no catalogue: what relaxation and lag offer is not taken for them."""
     found = answer(world_cases(dataclasses.replace(PLANTS["relaxation"], relaxing=0.0, ripple=0.15), 1, 24))

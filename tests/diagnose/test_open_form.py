@@ -164,6 +164,7 @@ def test_two_terms_at_once():
     assert any("minutes" in term.term for term in found.terms)
 
 
+@pytest.mark.slow
 def test_noise_gives_no_formula():
     """At most 3 of 60 nulls."""
     assert sum(bool(open_form(planted(seed, 24, 10), seed=seed).terms) for seed in range(60)) <= 3

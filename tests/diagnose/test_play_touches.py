@@ -67,6 +67,7 @@ def test_it_answers_as_the_engine(played, deeper, friction):
         assert answer.depth[4] == pytest.approx(0.5e-3 + deeper + plays.height[4], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
     touch = measured((0.0, 0.0))
@@ -76,6 +77,7 @@ def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
     assert np.isfinite(plays.level[:, :, [1, 2, 4]]).all()
 
 
+@pytest.mark.slow
 def test_variants_are_played_and_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
     touch = measured((0.0, 0.0))

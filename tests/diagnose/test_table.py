@@ -204,6 +204,7 @@ def test_strays_are_left_out_and_said():
     assert len(residuals_of(half).residuals.values) == len(table)
 
 
+@pytest.mark.slow
 def test_a_planted_rate_is_explained(tmp_path):
     """The answer names the scale, the speed and the coefficient; held-out groups fit; nothing is left."""
     table, explanation, document = diagnose_table(saved(tmp_path, presses(1, 50, rate=0.08)))
@@ -223,6 +224,7 @@ def test_a_planted_rate_is_explained(tmp_path):
         assert words in text
 
 
+@pytest.mark.slow
 def test_without_the_noise_it_is_found_too(tmp_path):
     """The scatter from row to row is the floor then, and the size of the residual proves nothing."""
     _, explanation, document = diagnose_table(saved(tmp_path, presses(1, 50, rate=0.08, noise=False)))
@@ -232,6 +234,7 @@ def test_without_the_noise_it_is_found_too(tmp_path):
     assert explanation.located.gate is None
 
 
+@pytest.mark.slow
 def test_nothing_is_a_first_class_answer(tmp_path):
     """Noise, correlated and with scales of its own in each trial: nothing found, in plain words."""
     _, _, document = diagnose_table(saved(tmp_path, presses(5, 40)))
@@ -250,6 +253,7 @@ def test_a_common_factor_is_a_calibration(tmp_path):
     assert any("throughout" in sentence for sentence in document["sentences"])
 
 
+@pytest.mark.slow
 def test_the_same_table_gives_the_same_document(tmp_path):
     """Byte for byte."""
     path = saved(tmp_path, presses(4, 20, rate=0.1))

@@ -78,7 +78,7 @@ def test_the_proposed_trial_tells_more_than_another(hidden, true, other, before,
     ranked = ranked_trials(rivals, WhitenedCases.of(cases), bench)
     assert best.__name__ in [one.trial.name for one in ranked[:2]]
     reckoned = next(one for one in ranked if one.trial.name == best.__name__).separations[0].after
-    starts = [fit.model.settings[0] for fit in fits]
+    starts = [(one.effect, one.values) for one in (fit.model.settings[0] for fit in fits)]
     really = []
     for make in (best, rate_ladder):
         together = CaseSet([*cases.cases, *on_rig(make(bench), bench, secret, 2).cases], closed_form)

@@ -60,7 +60,11 @@ def fitted(cases, starts):
     white = WhitenedCases.of(cases)
     numerical = white.numerical(START)
     return [
-        joint_fit(white, numerical, joint_model(START, [one] if one else [], len(white.starts), numerical.shape[2]))
+        joint_fit(
+            white,
+            numerical,
+            joint_model(START, [EffectSetting(*one)] if one else [], len(white.starts), numerical.shape[2]),
+        )
         for one in starts
     ]
 

@@ -158,6 +158,7 @@ def test_whoever_is_turned_away_leaves_the_store_alone(tiny_mcaps, tmp_path, mon
     assert (store / "manifest.json").exists()
 
 
+@pytest.mark.slow
 def test_copies_of_a_recording_among_several_workers(tiny_mcaps, tiny_store, tmp_path):
     """Two workers that are given the same bytes under other names end with one recording, and no error."""
     folder = tmp_path / "recordings"

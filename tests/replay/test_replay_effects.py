@@ -62,6 +62,7 @@ def test_an_arm_that_yields_is_in_balance_with_the_gel(copied, replayed):
     assert report.lines()[1].startswith("  with compliance of arm")
 
 
+@pytest.mark.slow
 def test_another_gel_is_another_pad(copied, replayed):
     """A thicker gel is softer, its base lies deeper, and its surface where it was."""
     mesh, _ = with_effects(copied, EffectSetting("thickness", {"error": 0.2}))
@@ -105,6 +106,7 @@ def test_friction_acts_on_what_slides(copied, replayed):
     assert (size <= np.linalg.norm(plain.wrench()[:, :2], axis=1) + 1e-12).all()
 
 
+@pytest.mark.slow
 def test_effects_that_this_store_cannot_have_are_refused(copied):
     """Before anything is attached, with what the store holds."""
     for effect, changes, words in (

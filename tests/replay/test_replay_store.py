@@ -88,6 +88,7 @@ def test_the_same_replay_again_changes_nothing(replayed, tmp_path):
     assert files(place) == before
 
 
+@pytest.mark.slow
 def test_others_stand_beside_it_or_are_refused(copied):
     """Another name stands beside; another material under the same name is an error, unless it is to replace."""
     replay(copied, options())
@@ -221,6 +222,7 @@ def test_statuses_of_a_mesh_are_those_of_the_engine():
     assert len({*FrameStatus, *ReplayStatus}) == len(FrameStatus) + len(ReplayStatus)
 
 
+@pytest.mark.slow
 def test_the_page_shows_every_mesh(replayed, tmp_path):
     """One page with a picture; the linear one is called a preview."""
     store = Store.open(replayed)

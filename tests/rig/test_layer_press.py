@@ -205,6 +205,7 @@ def test_large_strain_stiffens_the_layer():
     np.testing.assert_allclose(forces, [4.092, 3.908], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_grids_agree():
     """A tilted box: half the pitch changes the force by less than 4 %, and torque follows."""
     path = poses_at(down_to(2e-4, 2), tilt=(0.03, 0.0, 0.4))

@@ -115,6 +115,7 @@ def test_latent_scores_look_at_each_kind_of_vector(store):
     assert list(score_pairs(store, scores, sets)) == []
 
 
+@pytest.mark.slow
 def test_embedding_is_drawn(store, tmp_path):
     """A panel for each kind of vector, a place for each touch."""
     pytest.importorskip("matplotlib")

@@ -139,6 +139,7 @@ def fitted(network, inputs, target, predicted, steps):
     return errors[0], errors[-1]
 
 
+@pytest.mark.slow
 def test_each_network_overfits_eight_samples():
     """Whatever is learned by heart is learned: nothing between input and output is cut."""
     torch.manual_seed(0)

@@ -83,6 +83,7 @@ def test_pictures_of_several_sets_keep_their_places(touch_store):
     assert f"frame {val.rows[1]} " in items.where(numbers[2])
 
 
+@pytest.mark.slow
 def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsys):
     """Every row on both parts, full frame and in contact, with intervals; the second run trains nothing."""
     path = recipe_file(out, touch_store, "digit_images")
@@ -108,6 +109,7 @@ def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsy
     assert grid.shape[1] == 150 + 4 + 5 * 150 + 4 * 4  # words beside, five pictures five times as large, gaps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("table", ["mesh", "force", "cyclic"])
 def test_the_other_tables(table, touch_store, out, monkeypatch, capsys):
     """Rows of all methods; the VAEs are those of the table of pictures."""

@@ -200,6 +200,7 @@ def files(folder):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_killed_and_run_again_gives_the_same_bytes(target, tmp_path, seed, monkeypatch):
     """SIGKILL at random calls that change the disk, then left alone: every file as without a kill."""

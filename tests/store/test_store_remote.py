@@ -93,6 +93,7 @@ def url(folder: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterato
         thread.join()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("url", ["file", "memory", "zip", "http"], indirect=True)
 def test_remote_store_reads_the_same(folder: Path, url: str) -> None:
     """Tables, payloads, pictures, signals, values, references and splits: all as from the folder."""

@@ -116,6 +116,7 @@ def grouped_seeds(draw: st.DrawFn) -> list[list[int]]:
     return [seeds[start:stop] for start, stop in zip([0, *borders[:-1]], borders, strict=True)]
 
 
+@pytest.mark.slow
 @settings(max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(grouped_seeds(), st.sampled_from([SMALL, Settings(1 << 20, 1000, 64), Settings(1000, 1, 1)]))
 def test_random_takes_come_back(groups: list[list[int]], sizes: Settings) -> None:
