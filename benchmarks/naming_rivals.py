@@ -1,6 +1,6 @@
 """Naming missing physics: ours beside a BIC ladder, sparse regression and a Gaussian process, on the same cases.
 
-    python benchmarks/naming_rivals.py [--quick] [--bank FOLDER] [--nulls 5] [--only EFFECT ...] [--out FILE.jsonl]
+    python benchmarks/naming_rivals.py [--quick] [--mounts M] [--bank FOLDER] [--nulls 5] [--only EFFECT ...] [--out FILE.jsonl]
 
 The cases are those of benchmarks/naming_worlds.py: the rig's layer solver presses and hides effects in formulas of its
 own. A name is right where what is hidden stands first among what a method says, and in the set where it is said at
@@ -77,6 +77,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="ten touches on a coarse linear pad; shows that it works")
     parser.add_argument("--with-variants", action="store_true", help="effects that need other gels played, too")
     parser.add_argument("--nulls", type=int, default=5)
+    parser.add_argument("--mounts", type=int, default=5, help="of each of the five indenters, a touch each")
     parser.add_argument("--only", nargs="*", default=HIDDEN, help="of the rig's effects")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
@@ -91,7 +92,7 @@ def main() -> None:
 
     header("naming missing physics", ("numpy", "scipy", "scikit-learn", "pysindy"))
     if todo:
-        bench = Bench.of(Plan(0, options.quick), options.bank, options.with_variants)
+        bench = Bench.of(Plan(0, options.quick, options.mounts), options.bank, options.with_variants)
         for asked in todo:
             said = run(bench, asked)
             found += said
