@@ -1,6 +1,7 @@
 """Naming missing physics: ours beside a BIC ladder, sparse regression and a Gaussian process, on the same cases.
 
-    python benchmarks/naming_rivals.py [--quick] [--mounts M] [--bank FOLDER] [--nulls 5] [--only EFFECT ...] [--out FILE.jsonl]
+    python benchmarks/naming_rivals.py [--quick] [--mounts M] [--bank FOLDER] [--nulls 5] [--only EFFECT ...]
+                                       [--out FILE.jsonl]
 
 The cases are those of benchmarks/naming_worlds.py: the rig's layer solver presses and hides effects in formulas of its
 own. A name is right where what is hidden stands first among what a method says, and in the set where it is said at
