@@ -178,7 +178,7 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
 def _probabilities(judged: Sequence[Judged], scale: EvidenceScale, is_left: bool) -> dict[str, float]:
     """A softmax of calibrated evidence; its numbers are estimates, see `EvidenceScale`."""
     odds = {
-        one.label: scale.slope * (one.gain - scale.claim * len(one.names)) - 2.0 * len(one.implausible)
+        one.label: scale.log_odds(one.gain, one.gain_error, len(one.names)) - 2.0 * len(one.implausible)
         for one in judged
     }
     odds[NONE] = 0.0

@@ -40,6 +40,9 @@ class EvidenceScale:
         Mean square of what is left, over that of noise, that is no structure yet.
     slope, temperature : float
         Of the softmax: log-odds per log-likelihood of held-out gain, and what divides all of them.
+    doubt : float
+        Standard errors over trajectories that are taken off a gain before it counts for a probability: what hangs on
+        few touches is weak evidence.
     other : float
         Log-odds of an effect that is not in the catalogue, where structure is left.
     """
@@ -55,12 +58,17 @@ class EvidenceScale:
     dispersion: float = 1.25
     slope: float = 0.5
     temperature: float = 3.0
+    doubt: float = 1.2
     other: float = 4.0
 
     @property
     def visible(self) -> float:
         """Signal over noise whose gain, half its square, reaches the claim."""
         return float(np.sqrt(2.0 * self.claim))
+
+    def log_odds(self, gain: float, error: float, effects: int) -> float:
+        """Of so many effects against none, by a held-out gain and its standard error; before the temperature."""
+        return self.slope * (gain - self.doubt * error - self.claim * effects)
 
 
 ESTIMATED = EvidenceScale()
