@@ -149,7 +149,8 @@ def _ties(
         explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
         # what simulators that differ bring is no proof of one against the other
         is_as_good = not _exceeds(apart, scale)
-        if is_as_good and (cosine > scale.tie or explains_as_much):
+        is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error
+        if is_as_good and (cosine > scale.tie or explains_as_much or is_rival):
             found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error))
     return tuple(found)
 

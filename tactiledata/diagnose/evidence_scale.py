@@ -36,6 +36,9 @@ class EvidenceScale:
         Cosine of projected signatures beyond which two effects are told apart by nothing.
     as_good : float
         Share of the best one's gain from which another, which could be claimed as well, explains as much.
+    rival : float
+        Standard errors over trajectories by which the best one must gain more than another, whose gain reaches the
+        claim, for the other not to be listed: nine in ten of a normal distribution.
     dispersion : float
         Mean square of what is left, over that of noise, that is no structure yet.
     slope, temperature : float
@@ -55,6 +58,7 @@ class EvidenceScale:
     agreement: float = 6.0
     tie: float = 0.95
     as_good: float = 0.8
+    rival: float = 1.3
     dispersion: float = 1.25
     slope: float = 0.5
     temperature: float = 3.0

@@ -46,7 +46,8 @@ class PartialSlip(Effect):
     parameters = (
         strength(
             "share", "1", "how much of the rounding is missing: 1 is all of it",
-            bounds=(0.0, 1.5), plausible=(0.0, 1.0), deviation=0.4, source="0: none, 1: Mindlin's contact",
+            bounds=(0.0, 2.0), plausible=(0.0, 1.5), deviation=0.4,
+            source="0: none, 1: Mindlin's contact, more where parts of it differ more; estimate",
         ),
     )  # fmt: skip
     look_alikes = ("stem_bending", "static_friction", "lag", "rate_friction")

@@ -110,3 +110,28 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     start = EffectSetting("arm_compliance", {"translation": 1e-4})
     asked = Screened("arm_compliance", 9.0, 5.0, [(start,)], frozenset({Strength("arm_compliance", "translation")}))
     assert fits.singles([asked]) == []
+
+
+def test_what_is_not_beaten_is_listed_beside_the_best():
+    """Another that reaches the claim is listed until the best gains more by 1.3 standard errors of the difference."""
+    rng = np.random.default_rng(0)
+    metric = RandomEffects(np.zeros((2, 6)), np.zeros((2, 6, 0)), np.zeros(0), np.zeros(1, int))
+
+    def one(name, gains, column):
+        change = np.zeros((2, 6))
+        change[:, column] = 1.0
+        fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None])
+        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), ())
+
+    best = one("lag", rng.normal(2.4, 0.2, 25), 0)
+    scattered = rng.normal(0.0, 1.0, 25)
+    scattered = 3.0 * (scattered - scattered.mean()) / scattered.std(ddof=1)
+    error = float(np.sqrt(25) * scattered.std(ddof=1))
+    for name, behind in (("wear", 1.0), ("dome", 1.8)):
+        other = one(name, best.gains - scattered - behind * error / 25, 1)
+        assert other.gain >= ESTIMATED.claim
+        gains = {"lag": best.gains, name: other.gains}
+        left = LeftOver.of(np.full(25, 10.0), np.full(25, 10.0), [f"t{k}" for k in range(25)])
+        found = decide([best, other], [], gains, metric, left, ESTIMATED)
+        assert found.best is best
+        assert [tie.name for tie in found.ties] == (["wear"] if name == "wear" else [])
