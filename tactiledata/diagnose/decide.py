@@ -96,12 +96,12 @@ def decide(
     """
     is_left = left.is_structure(scale)
     chances = _probabilities([*singles, *pairs], scale, is_left)
-    ranked = sorted(singles, key=lambda one: -one.gain)
+    ranked = sorted(singles, key=lambda one: -one.sure_gain(scale))
     best = next((one for one in ranked if not one.objections(scale)), None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
         # another explains far more, and yet cannot be believed: what is there is not what could be
         best = None
-    for pair in sorted(pairs, key=lambda one: -one.gain):
+    for pair in sorted(pairs, key=lambda one: -one.sure_gain(scale)):
         if pair.objections(scale):
             continue
         if best is None or _exceeds(gains[pair.label] - gains[best.label], scale):

@@ -104,6 +104,11 @@ def strengths_of(effect: Effect) -> tuple[Parameter, ...]:
     return tuple(one for one in effect.parameters if one.null is not None)
 
 
+def looks(effect: Effect) -> int:
+    """At how many sizes its signature is taken: several where it acts from a threshold on."""
+    return max(1, *(len(one.grid) for one in strengths_of(effect)))
+
+
 def deviation_of(parameter: Parameter) -> float:
     """Standard deviation of a strength's prior."""
     return parameter.deviation or (parameter.plausible[1] - parameter.plausible[0]) / 4.0
@@ -147,13 +152,14 @@ def effect_signatures(
     found = []
     for name in names:
         member: Effect = EFFECTS[name]()
-        for shapes in shape_grids(member):
+        for shapes, look in itertools.product(shape_grids(member), range(looks(member))):
             fields, kept = [], []
             for place in places_of(cases, member):
                 for parameter in strengths_of(member):
-                    values = {**shapes, parameter.name: SHARE * deviation_of(parameter)}
+                    share = parameter.grid[look] / deviation_of(parameter) if parameter.grid else SHARE
+                    values = {**shapes, parameter.name: share * deviation_of(parameter)}
                     setting = EffectSetting(name, values, {member.each: place} if place else {})
-                    field = cases.white(_change(cases, material, [*settings, setting], offsets, before)) / SHARE
+                    field = cases.white(_change(cases, material, [*settings, setting], offsets, before)) / share
                     if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                         fields.append(field)
                         kept.append(Strength(name, parameter.name, place))

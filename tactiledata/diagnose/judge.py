@@ -21,7 +21,7 @@ AT_BOUND = 0.01
 BEST = 2
 """Trajectories that a gain may not hang on: two of 25 gained 43 together in a world where nothing was missing."""
 STANDS_OUT = 2.0
-"""Standard errors by which an implausible number must differ from nothing to count against an effect."""
+"""Standard errors by which a number must be implausible to count against an effect."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,10 @@ class Judged:
     def gain_error(self) -> float:
         """Its standard error over trajectories."""
         return _error(self.gains)
+
+    def sure_gain(self, scale: EvidenceScale) -> float:
+        """The gain less so many of its standard errors: what hangs on few touches comes after what all bring."""
+        return self.gain - scale.doubt * self.gain_error
 
     @property
     def gain_of_others(self) -> float:
@@ -198,7 +202,6 @@ def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
             at_bounds.append(name)
         if not one.is_strength:
             continue
-        beyond = max(one.parameter.plausible[0] - value, value - one.parameter.plausible[1], 0.0)
-        if beyond > STANDS_OUT * error * one.scale:
+        if one.parameter.beyond(value) > STANDS_OUT * error * one.scale:
             implausible.append(f"{name} = {quantity(value, one.parameter.unit)}")
     return tuple(implausible), tuple(at_bounds)

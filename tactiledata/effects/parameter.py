@@ -28,6 +28,8 @@ DIMENSIONS: dict[str, tuple[int, int, int]] = {
 }
 """Units that parameters have, as exponents of length, force and time; another unit is added here."""
 
+FARTHER = 2.0
+"""Times the end of a plausible range: ranges are estimates, and what is a tenth beyond is no proof of another cause."""
 Interval = tuple[float, float]
 
 
@@ -52,7 +54,7 @@ class Parameter:
     source : str
         Where the plausible range comes from; an estimate of ours says so.
     grid : tuple of float
-        Values of a shape that a screen tries.
+        Values of a shape that a screen tries; of a strength that acts from a threshold on, sizes at which it looks.
     """
 
     name: str
@@ -90,6 +92,11 @@ class Parameter:
         """Whether a fitted value can be believed."""
         return self.plausible[0] <= value <= self.plausible[1]
 
+    def beyond(self, value: float) -> float:
+        """By how much a value lies farther from nothing than ``FARTHER`` times what is plausible, or 0."""
+        low, high = self.plausible
+        return max(min(low, FARTHER * low) - value, value - max(high, FARTHER * high), 0.0)
+
     def log_prior(self, value: float) -> float:
         """Logarithm of the prior density, up to a constant."""
         if not self.bounds[0] <= value <= self.bounds[1]:
@@ -100,10 +107,11 @@ class Parameter:
 
 
 def strength(
-    name: str, unit: str, meaning: str, *, bounds: Interval, plausible: Interval, deviation: float, source: str
-) -> Parameter:
+    name: str, unit: str, meaning: str, *, bounds: Interval, plausible: Interval, deviation: float, source: str,
+    grid: tuple[float, ...] = (),
+) -> Parameter:  # fmt: skip
     """How strong an effect is; at its null value, 0, the effect is absent."""
-    return Parameter(name, unit, meaning, 0.0, 0.0, bounds, plausible, deviation, source)
+    return Parameter(name, unit, meaning, 0.0, 0.0, bounds, plausible, deviation, source, grid)
 
 
 def shape(

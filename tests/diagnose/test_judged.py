@@ -16,6 +16,7 @@ from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import NamingOptions, Refits
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.screen import Screened
+from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
@@ -135,3 +136,14 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
         found = decide([best, other], [], gains, metric, left, ESTIMATED)
         assert found.best is best
         assert [tie.name for tie in found.ties] == (["wear"] if name == "wear" else [])
+
+
+def test_a_number_is_held_against_an_effect_from_twice_its_range_on():
+    """A clock that loses 150 ppm where 100 are plausible may be one; at 250 it is something else."""
+    rate = next(one for one in EFFECTS["clock_skew"]().parameters if one.name == "rate")
+    end = rate.plausible[1]
+    assert [rate.beyond(share * end) for share in (0.5, 1.5, 2.0)] == [0.0, 0.0, 0.0]
+    assert rate.beyond(2.5 * end) == pytest.approx(0.5 * end)
+    assert rate.beyond(-2.5 * end) == pytest.approx(0.5 * end)
+    strength = next(one for one in EFFECTS["area_friction"]().parameters if one.name == "shear_strength")
+    assert strength.beyond(-1e4) == 1e4
