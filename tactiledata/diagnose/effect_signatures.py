@@ -63,6 +63,8 @@ class Signature:
         Standard deviations of their priors.
     one_sided : (p,) bool
         Whether a strength cannot be negative.
+    looked_at : (p,)
+        Standard deviations at which the change was taken.
     field : (N, 6, p)
         Whitened change over one standard deviation.
     """
@@ -72,6 +74,7 @@ class Signature:
     strengths: tuple[Strength, ...]
     scales: Array
     one_sided: NDArray[np.bool_]
+    looked_at: Array
     field: Array
 
     @property
@@ -156,7 +159,7 @@ def effect_signatures(
             fields, kept = [], []
             for place in places_of(cases, member):
                 for parameter in strengths_of(member):
-                    share = parameter.grid[look] / deviation_of(parameter) if parameter.grid else SHARE
+                    share = _looked_at(parameter, look)
                     values = {**shapes, parameter.name: share * deviation_of(parameter)}
                     setting = EffectSetting(name, values, {member.each: place} if place else {})
                     field = cases.white(_change(cases, material, [*settings, setting], offsets, before)) / share
@@ -171,10 +174,16 @@ def effect_signatures(
                         tuple(kept),
                         np.array([deviation_of(one.parameter) for one in kept]),
                         np.array([one.parameter.bounds[0] >= 0.0 for one in kept]),
+                        np.array([_looked_at(one.parameter, look) for one in kept]),
                         np.stack(fields, axis=2),
                     )
                 )
     return found
+
+
+def _looked_at(parameter: Parameter, look: int) -> float:
+    """In standard deviations."""
+    return parameter.grid[look] / deviation_of(parameter) if parameter.grid else SHARE
 
 
 def places_of(cases: WhitenedCases, effect: Effect) -> tuple[str, ...]:

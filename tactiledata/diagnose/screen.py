@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.effect_signatures import Signature, Strength
+from tactiledata.diagnose.effect_signatures import Signature, Strength, looks
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import EffectSetting
 
 Array = NDArray[np.float64]
@@ -64,6 +65,9 @@ def screen(metric: RandomEffects, residual: Array, signatures: Sequence[Signatur
         tried.sort(key=lambda each: -each[0])
         best = tried[0]
         starts = [one.at(strengths) for _, _, one, strengths in tried[:MOST_STARTS]]
+        if looks(EFFECTS[name]()) > 1:
+            # what acts from a threshold on may do nothing at the size that a straight line promises
+            starts += [one.at(np.where(sizes > 0, one.looked_at, 0.0)) for _, _, one, sizes in tried[:MOST_STARTS]]
         kept = frozenset(strength for _, _, one, _ in tried for strength in one.strengths)
         # the best of several shapes is chosen: that choice is paid for
         paid = best[1] - float(np.log(len(tried)))

@@ -51,7 +51,7 @@ class Clipping(Effect):
         strength(
             "inverse_limit", "1/N", "one over the largest component that is read",
             bounds=(0.0, 1.0), plausible=(0.0, 0.25), deviation=0.25, source="limits of 4 N and more; estimate",
-            grid=(0.1, 0.14, 0.19),
+            grid=(0.1, 0.12, 0.14, 0.16, 0.19, 0.23),
         ),
         strength(
             "noise", "N", "standard deviation of the norm by which frames were chosen",

@@ -38,12 +38,12 @@ class Quantisation(Effect):
         strength(
             "dead_band", "N", "smallest force that is not read as 0",
             bounds=(0.0, 3.0), plausible=(0.0, 0.5), deviation=0.2, source="0.1 to 0.5 N; estimate",
-            grid=(0.1, 0.2, 0.35),
+            grid=(0.1, 0.15, 0.2, 0.25, 0.35, 0.5),
         ),
         strength(
             "torque_dead_band", "N m", "smallest torque that is not read as 0",
             bounds=(0.0, 0.2), plausible=(0.0, 0.02), deviation=0.005, source="0.02 m times a force's; estimate",
-            grid=(0.002, 0.004, 0.007),
+            grid=(0.002, 0.003, 0.004, 0.005, 0.007, 0.01),
         ),
     )  # fmt: skip
     look_alikes = ("clipping", "mount_offset")
