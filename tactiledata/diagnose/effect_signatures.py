@@ -27,6 +27,8 @@ OWN_STEP = 2e-5
 """m, of the differences over a trajectory's offset."""
 SHARE = 0.5
 """Of a strength's standard deviation, of the differences over it."""
+PARTS = (1.0, 0.25, 0.05)
+"""Of that, where springs as soft as the whole find no balance with the gel."""
 FAINT = 1e-6
 """Norm of a signature per standard deviation, in noise: less is nothing."""
 MATERIAL = ("E", "nu", "mu")
@@ -162,7 +164,8 @@ def effect_signatures(
                     share = _looked_at(parameter, look)
                     values = {**shapes, parameter.name: share * deviation_of(parameter)}
                     setting = EffectSetting(name, values, {member.each: place} if place else {})
-                    field = cases.white(_change(cases, material, [*settings, setting], offsets, before)) / share
+                    changed = _playable_change(cases, material, [*settings, setting], parameter.name, offsets, before)
+                    field = cases.white(changed) / share
                     if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                         fields.append(field)
                         kept.append(Strength(name, parameter.name, place))
@@ -192,6 +195,28 @@ def places_of(cases: WhitenedCases, effect: Effect) -> tuple[str, ...]:
         return ("",)
     names = {getattr(case.touch, effect.each) for case in cases.cases.cases}
     return tuple(sorted(names)) if all(names) else ("",)
+
+
+def _playable_change(
+    cases: WhitenedCases,
+    material: GelMaterial,
+    settings: list[EffectSetting],
+    strength: str,
+    offsets: Array | None,
+    before: Array,
+) -> Array:
+    """What the last setting changes (N, 6), in proportion from a smaller strength where gel and springs find no balance
+    at the whole; nothing where they find none at all, as what cannot be played is no candidate.
+    """
+    last = settings[-1]
+    for part in PARTS:
+        values = {**last.values, strength: part * last.values[strength]}
+        smaller = EffectSetting(last.effect, values, last.where)
+        try:
+            return _change(cases, material, [*settings[:-1], smaller], offsets, before) / part
+        except UsageError:
+            continue
+    return np.zeros_like(before)
 
 
 def _change(

@@ -12,6 +12,7 @@ from tactiledata.diagnose.name_effects import NamingOptions, name_effects
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.effects.setting import EffectSetting
+from tactiledata.errors import UsageError
 
 FEW = ("mount_offset", "frame_rotation", "lag")
 
@@ -76,3 +77,23 @@ def test_touches_that_do_not_tell_their_indenter_share_one_offset(quiet):
     white = WhitenedCases.of(CaseSet(unnamed, quiet.base))
     (found,) = effect_signatures(white, START, ["mount_offset"])
     assert {one.place for one in found.strengths} == {""}
+
+
+def test_a_strength_at_which_nothing_balances_is_looked_at_smaller(quiet, monkeypatch):
+    """Springs that find no balance at half a standard deviation are taken at less, in proportion; else left out."""
+    white = WhitenedCases.of(quiet)
+    (whole,) = effect_signatures(white, START, ["stem_bending"])
+    played, limit = CaseSet.play_where, 0.0
+
+    def unbalanced(self, changed, *rest):
+        if changed.values["compliance"] > limit:
+            raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
+        return played(self, changed, *rest)
+
+    monkeypatch.setattr(CaseSet, "play_where", unbalanced)
+    assert effect_signatures(white, START, ["stem_bending"]) == []
+    limit = 0.3 * 0.5 * float(whole.scales[0])
+    (part,) = effect_signatures(white, START, ["stem_bending"])
+    sizes = np.linalg.norm(part.field), np.linalg.norm(whole.field)
+    assert (part.field * whole.field).sum() > 0.9 * sizes[0] * sizes[1]
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.5)
