@@ -34,6 +34,7 @@ SAID = 0.03
 """Share of nulls that may be answered: as a twentieth at most is to be, and other nulls differ."""
 FITTED = ("slope", "temperature", "doubt", "other")
 EDGES = (0.0, 0.5, 0.8, 0.95, 1.01)
+"""Of probabilities, between which answers are counted."""
 LEAST = 5.0
 """Gain that a claim needs whatever the nulls say: a factor of 150 in likelihood."""
 
@@ -75,12 +76,9 @@ class Considered:
         )
 
     def shares(self, scale: EvidenceScale) -> Array:
-        """Probabilities (c + 2,), as `tactiledata.diagnose.decide` has them."""
-        of_effects = scale.log_odds(self.gains, self.errors, self.counts) - 2.0 * self.implausible
-        other = scale.other if self.at_large > scale.dispersion else -scale.other
-        values = np.concatenate([of_effects, [0.0, other]]) / scale.temperature
-        shares: Array = np.exp(values - values.max())
-        return shares / shares.sum()
+        """Probabilities (c + 2,)."""
+        is_left = self.at_large > scale.dispersion
+        return scale.shares(self.gains, self.errors, self.counts, self.implausible, is_left)
 
 
 def cost(cases: Sequence[Considered], scale: EvidenceScale) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.effect_signatures import Signature, Strength, effect_signatures, playable
+from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, playable
 from tactiledata.diagnose.folds import FOLDS
 from tactiledata.diagnose.grouped_prediction import folds_of
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
@@ -23,6 +23,7 @@ from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.likeness_of_effects import best_imitation
 from tactiledata.diagnose.name_effects import NamingOptions, name_effects
 from tactiledata.diagnose.screen import Screened, screen
+from tactiledata.diagnose.strength import Strength
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
 from tactiledata.effects.setting import EffectSetting

@@ -153,10 +153,9 @@ def _values(found: Sequence[Interval]) -> list[str]:
         f"){'' if one.unit == '1' else ' ' + one.unit}"
         for one in shown
     ]
-    if len(shown) == len(fitted):
-        return [f"Fitted: {joined_names(numbers)}, 95 % intervals."] if numbers else []
-    others = f"the other {len(fitted) - len(shown)} numbers may be nothing."
-    return [f"Fitted: {joined_names(numbers)}, 95 % intervals; {others}"]
+    left = len(fitted) - len(shown)
+    others = f"; the other {left} numbers may be nothing." if left else "."
+    return [f"Fitted: {joined_names(numbers)}, 95 % intervals{others}"] if numbers else []
 
 
 def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:

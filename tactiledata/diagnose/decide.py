@@ -177,13 +177,12 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
 
 
 def _probabilities(judged: Sequence[Judged], scale: EvidenceScale, is_left: bool) -> dict[str, float]:
-    """A softmax of calibrated evidence; its numbers are estimates, see `EvidenceScale`."""
-    odds = {
-        one.label: scale.log_odds(one.gain, one.gain_error, len(one.names)) - 2.0 * len(one.implausible)
-        for one in judged
-    }
-    odds[NONE] = 0.0
-    odds[OTHER] = scale.other if is_left else -scale.other
-    values = np.array(list(odds.values())) / scale.temperature
-    shares = np.exp(values - values.max())
-    return dict(zip(odds, (shares / shares.sum()).tolist(), strict=True))
+    """A softmax of evidence; its numbers are estimates, see `EvidenceScale`."""
+    shares = scale.shares(
+        np.array([one.gain for one in judged]),
+        np.array([one.gain_error for one in judged]),
+        np.array([float(len(one.names)) for one in judged]),
+        np.array([float(len(one.implausible)) for one in judged]),
+        is_left,
+    )
+    return dict(zip([*(one.label for one in judged), NONE, OTHER], shares.tolist(), strict=True))

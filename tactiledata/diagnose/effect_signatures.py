@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.strength import Strength, set_at
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
@@ -32,24 +32,6 @@ PARTS = (1.0, 0.25, 0.05)
 FAINT = 1e-6
 """Norm of a signature per standard deviation, in noise: less is nothing."""
 MATERIAL = ("E", "nu", "mu")
-
-
-class Strength(NamedTuple):
-    """One strength of an effect, of the touches at one place where the effect is another one for each."""
-
-    effect: str
-    name: str
-    place: str = ""
-
-    @property
-    def label(self) -> str:
-        """For tables: ``"x of ball3"``."""
-        return f"{self.name} of {self.place}" if self.place else self.name
-
-    @property
-    def parameter(self) -> Parameter:
-        """As the effect has it."""
-        return next(one for one in EFFECTS[self.effect]().parameters if one.name == self.name)
 
 
 @dataclass(frozen=True)
@@ -90,11 +72,7 @@ class Signature:
         for one, strength, scale in zip(self.strengths, strengths, self.scales, strict=True):
             value = float(np.clip(strength * scale, *one.parameter.bounds))
             values.setdefault(one.place, {})[one.name] = value
-        each = EFFECTS[self.effect]().each
-        return tuple(
-            EffectSetting(self.effect, {**self.shapes, **found}, {each: place} if place else {})
-            for place, found in values.items()
-        )
+        return tuple(set_at(self.effect, {**self.shapes, **found}, place) for place, found in values.items())
 
 
 def shape_grids(effect: Effect) -> Iterator[dict[str, float]]:
@@ -163,8 +141,8 @@ def effect_signatures(
                 for parameter in strengths_of(member):
                     share = _looked_at(parameter, look)
                     values = {**shapes, parameter.name: share * deviation_of(parameter)}
-                    setting = EffectSetting(name, values, {member.each: place} if place else {})
-                    changed = _playable_change(cases, material, [*settings, setting], parameter.name, offsets, before)
+                    settings_there = [*settings, set_at(name, values, place)]
+                    changed = _playable_change(cases, material, settings_there, parameter.name, offsets, before)
                     field = cases.white(changed) / share
                     if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                         fields.append(field)

@@ -9,8 +9,13 @@ anew on more development worlds before a claim is held against sealed ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Number = TypeVar("Number", float, Array)
 
 
 @dataclass(frozen=True)
@@ -70,9 +75,24 @@ class EvidenceScale:
         """Signal over noise whose gain, half its square, reaches the claim."""
         return float(np.sqrt(2.0 * self.claim))
 
-    def log_odds(self, gain: float, error: float, effects: int) -> float:
-        """Of so many effects against none, by a held-out gain and its standard error; before the temperature."""
-        return self.slope * (gain - self.doubt * error - self.claim * effects)
+    def sure(self, gain: Number, error: Number) -> Number:
+        """A gain less so many of its standard errors: what hangs on few touches comes after what all bring."""
+        return gain - self.doubt * error
+
+    def shares(self, gains: Array, errors: Array, effects: Array, implausible: Array, is_left: bool) -> Array:
+        """Probabilities (c + 2,) of candidates, then of none and of an effect that is not in the catalogue.
+
+        Parameters
+        ----------
+        gains, errors, effects, implausible : (c,)
+            Held-out gain and its standard error, how many effects, how many numbers that cannot be.
+        is_left : bool
+            Whether structure is left.
+        """
+        odds = self.slope * (self.sure(gains, errors) - self.claim * effects) - 2.0 * implausible
+        values = np.concatenate([odds, [0.0, self.other if is_left else -self.other]]) / self.temperature
+        shares: Array = np.exp(values - values.max())
+        return shares / shares.sum()
 
 
 ESTIMATED = EvidenceScale()

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.effect_signatures import Signature, Strength, effect_signatures, nuisance, playable
+from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, nuisance, playable
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.strength import Strength
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
 from tactiledata.gel.material import GelMaterial
@@ -62,7 +63,7 @@ class Identifiability:
     @property
     def ends(self) -> Array:
         """Ends (k,) of the plausible ranges, the farther ones, without sign."""
-        return np.array([_end(one) for one in self.numbers])
+        return np.array([abs(one.end) for one in self.numbers])
 
     @property
     def shows_from(self) -> Array:
@@ -139,7 +140,7 @@ def identifiability_of(
         left = np.einsum("nkp,nkp->p", one.field, metric.weigh(one.field))
         whole = np.einsum("nkp,nkp->p", one.field, one.field)
         for place, strength in enumerate(one.strengths):
-            reach = float(np.sqrt(max(left[place], 0.0))) * _end(strength) / float(one.scales[place])
+            reach = float(np.sqrt(max(left[place], 0.0))) * abs(strength.end) / float(one.scales[place])
             hidden = 1.0 - float(np.clip(left[place] / whole[place], 0.0, 1.0))
             if strength not in best or reach > best[strength][0]:
                 best[strength] = reach, hidden, one.field[:, :, place]
@@ -153,7 +154,3 @@ def identifiability_of(
         not_told,
         tuple(name for name in asked if name not in left_any),
     )
-
-
-def _end(strength: Strength) -> float:
-    return max(map(abs, strength.parameter.plausible))

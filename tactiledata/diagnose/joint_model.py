@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
-from tactiledata.diagnose.effect_signatures import Strength, deviation_of
+from tactiledata.diagnose.effect_signatures import deviation_of
+from tactiledata.diagnose.strength import Strength, strength_of
 from tactiledata.effects.parameter import Parameter
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.gel.material import GelMaterial
@@ -92,15 +93,13 @@ class JointModel:
     def strengths(self) -> frozenset[Strength]:
         """Those that are free."""
         return frozenset(
-            Strength(self.settings[one.place].effect, one.parameter.name, self.settings[one.place].place)
-            for one in self.coordinates
-            if one.is_strength
+            strength_of(self.settings[one.place], one.parameter) for one in self.coordinates if one.is_strength
         )
 
     def name_of(self, coordinate: Coordinate) -> str:
         """Of one of the numbers, for tables: ``"mount_offset x of ball3"``."""
         setting = self.settings[coordinate.place]
-        return f"{setting.effect} {Strength(setting.effect, coordinate.parameter.name, setting.place).label}"
+        return f"{setting.effect} {strength_of(setting, coordinate.parameter).label}"
 
     @property
     def vector(self) -> Array:
@@ -151,7 +150,7 @@ def joint_model(
             if parameter.null is None:
                 is_free = len(parameter.grid) > 1
             else:
-                is_free = kept is None or Strength(setting.effect, parameter.name, setting.place) in kept
+                is_free = kept is None or strength_of(setting, parameter) in kept
             if is_free:
                 coordinates.append(Coordinate(place, parameter))
     return JointModel(material, tuple(settings), tuple(coordinates), np.zeros(trajectories), np.zeros(errors), box)

@@ -77,8 +77,8 @@ class Judged:
         return _error(self.gains)
 
     def sure_gain(self, scale: EvidenceScale) -> float:
-        """The gain less so many of its standard errors: what hangs on few touches comes after what all bring."""
-        return self.gain - scale.doubt * self.gain_error
+        """By which candidates are ranked."""
+        return scale.sure(self.gain, self.gain_error)
 
     @property
     def gain_of_others(self) -> float:
@@ -144,9 +144,9 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
         Mean square of what the best of all fits leaves: errors that no model explains make all evidence weaker.
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
-    of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion
     # what is another one for each indenter cannot be told of one that is held out
-    is_told = len(of_indenters) > 0 and not any(setting.member.each for setting in fit.model.settings)
+    is_told = len(out.by_indenter) > 0 and not any(setting.member.each for setting in fit.model.settings)
+    of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion if is_told else np.zeros(0)
     groups = base_out.by_indenter if is_told else base_out.by_trajectory
     fitted = out.by_indenter if is_told else out.by_trajectory
     excess = float(groups.sum()) - expected

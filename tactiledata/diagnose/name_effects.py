@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.decide import Decision, decide, ties_of_two
-from tactiledata.diagnose.effect_signatures import Strength, effect_signatures, playable
+from tactiledata.diagnose.effect_signatures import effect_signatures, playable
 from tactiledata.diagnose.evidence_scale import ESTIMATED, EvidenceScale
 from tactiledata.diagnose.grouped_prediction import HeldOut, held_out
 from tactiledata.diagnose.identifiability import Identifiability, identifiability_of
@@ -20,6 +20,7 @@ from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.profiled_interval import Interval, intervals
 from tactiledata.diagnose.screen import Screened, screen
+from tactiledata.diagnose.strength import Strength
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
 from tactiledata.effects.setting import EffectSetting

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from tactiledata.diagnose.effect_signatures import Strength, strengths_of
+from tactiledata.diagnose.effect_signatures import strengths_of
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.name_effects import Naming
+from tactiledata.diagnose.strength import Strength, set_at
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import EffectSetting
 
@@ -141,9 +142,7 @@ def _unseen(naming: Naming) -> Rivals:
 
 def _at_its_strongest(naming: Naming, strength: Strength) -> Rival:
     base, cases = naming.base, naming.cases
-    values = {strength.name: max(strength.parameter.plausible, key=abs)}
-    each = EFFECTS[strength.effect]().each
-    setting = EffectSetting(strength.effect, values, {each: strength.place} if strength.place else {})
+    setting = set_at(strength.effect, {strength.name: strength.end}, strength.place)
     model = replace(base.model, settings=(setting,), coordinates=())
     plays = [cases.cases.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
     change = cases.white(plays[0] - plays[1])

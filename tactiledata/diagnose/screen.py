@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.effect_signatures import Signature, Strength, looks
+from tactiledata.diagnose.effect_signatures import Signature, looks
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.strength import Strength
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import EffectSetting
 

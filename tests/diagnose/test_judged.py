@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tactiledata.diagnose.decide import decide, ties_of_two
-from tactiledata.diagnose.effect_signatures import Strength
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import Identifiability
 from tactiledata.diagnose.joint_model import joint_model
@@ -16,6 +15,7 @@ from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import NamingOptions, Refits
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.screen import Screened
+from tactiledata.diagnose.strength import Strength
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import UsageError
