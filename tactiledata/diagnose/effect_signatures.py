@@ -135,15 +135,20 @@ def effect_signatures(
     found = []
     for name in names:
         member: Effect = EFFECTS[name]()
+        known: dict[tuple[object, ...], Array] = {}
         for shapes, look in itertools.product(shape_grids(member), range(looks(member))):
             fields, kept = [], []
             for place in places_of(cases, member):
                 for parameter in strengths_of(member):
                     share = _looked_at(parameter, look)
-                    values = {**shapes, parameter.name: share * deviation_of(parameter)}
-                    settings_there = [*settings, set_at(name, values, place)]
-                    changed = _playable_change(cases, material, settings_there, parameter.name, offsets, before)
-                    field = cases.white(changed) / share
+                    key = (*shapes.values(), place, parameter.name, share)
+                    if key not in known:
+                        # only what acts from a threshold on is looked at in several sizes
+                        values = {**shapes, parameter.name: share * deviation_of(parameter)}
+                        settings_there = [*settings, set_at(name, values, place)]
+                        changed = _playable_change(cases, material, settings_there, parameter.name, offsets, before)
+                        known[key] = cases.white(changed) / share
+                    field = known[key]
                     if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                         fields.append(field)
                         kept.append(Strength(name, parameter.name, place))

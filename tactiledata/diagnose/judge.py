@@ -20,6 +20,8 @@ AT_BOUND = 0.01
 """Share of its bounds, that near to which a number stands at one."""
 BEST = 2
 """Trajectories that a gain may not hang on: two of 25 gained 43 together in a world where nothing was missing."""
+OF_INDENTERS = ("indenter_name", "mount")
+"""Places of which a trajectory with another indenter tells nothing."""
 STANDS_OUT = 2.0
 """Standard errors by which a number must be implausible to count against an effect."""
 
@@ -145,7 +147,9 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # what is another one for each indenter cannot be told of one that is held out
-    is_told = len(out.by_indenter) > 0 and not any(setting.member.each for setting in fit.model.settings)
+    is_told = len(out.by_indenter) > 0 and not any(
+        setting.member.each in OF_INDENTERS for setting in fit.model.settings
+    )
     of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion if is_told else np.zeros(0)
     groups = base_out.by_indenter if is_told else base_out.by_trajectory
     fitted = out.by_indenter if is_told else out.by_trajectory

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
+Bend = tuple[Array, Array, Array]
+"""What depends on the offset z as a parabola: level, slope and curvature."""
 
 AREA = 6
 """Column of the contact's area; the wrench stands before it."""
@@ -88,25 +90,49 @@ class TouchPlays:
             self._recent[key] = self._between(ratio, frictions, offset, shift)
         return self._recent[key]
 
+    def _between(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
+        if np.ptp(frictions):
+            return self.over_friction(ratio, offset, shift).at(frictions)
+        return _bent(self._of_pair(float(ratio), float(frictions[0])), offset[:, None]) + self._shifted(shift)
+
+    def over_friction(self, ratio: float, offset: Array, shift: Array) -> CubicsOverFriction:
+        """Columns (n, 7) as functions of the friction, at one nu, and at an offset and a shift of each frame."""
+        over = _bent(self._of_ratio(float(ratio)), offset[:, None])
+        over[3] += self._shifted(shift)
+        return CubicsOverFriction(np.asarray(self.plan.frictions), over)
+
+    def _shifted(self, shift: Array) -> Array:
+        """What a shift (n, 2) changes of the columns (n, 7)."""
+        return shift[:, :1] * self.by_shift[0] + shift[:, 1:] * self.by_shift[1]
+
+    def _of_one_ratio(self, ratio: float) -> Bend:
+        """Cubics over the friction at one nu: coefficients (4, n_mu - 1, n, 7) of the level and of its two bends."""
+        weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
+        level = np.tensordot(self._cubics[..., :-2, :], weights, axes=([3], [0]))
+        bends = [self._cubics[..., place, :].copy() for place in (-2, -1)]
+        more = np.tensordot(weights, self.by_ratio, axes=1) - self.by_friction[self.plan.middle[1]]
+        for bend, at_ratio in zip(bends, more, strict=True):
+            bend[3] += at_ratio
+        return level, bends[0], bends[1]
+
+    def _of_one_pair(self, ratio: float, friction: float) -> Bend:
+        """Level and its two bends (n, 7) at one nu and mu."""
+        nodes, frictions = np.asarray(self.plan.frictions), np.full(len(self.height), friction)
+        level, slope, curvature = (CubicsOverFriction(nodes, one).at(frictions) for one in self._of_ratio(ratio))
+        return level, slope, curvature
+
     @cached_property
     def _recent(self) -> dict[bytes, Array]:
         """Answers already given: effects of the sensor ask for the same one again and again."""
         return {}
 
-    def _between(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
-        columns: Array = self.over_friction(ratio, offset, shift).at(frictions)
-        return columns
+    @cached_property
+    def _of_ratio(self) -> Callable[[float], Bend]:
+        return lru_cache(RECENT)(self._of_one_ratio)
 
-    def over_friction(self, ratio: float, offset: Array, shift: Array) -> CubicsOverFriction:
-        """Columns (n, 7) as functions of the friction, at one nu, and at an offset and a shift of each frame."""
-        weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
-        z = offset[:, None]
-        cubics = self._cubics
-        over = np.tensordot(cubics[..., :-2, :], weights, axes=([3], [0]))
-        over += z * (cubics[..., -2, :] + z * cubics[..., -1, :])
-        slope, curvature = np.tensordot(weights, self.by_ratio, axes=1) - self.by_friction[self.plan.middle[1]]
-        over[3] += z * (slope + z * curvature) + np.einsum("na,ank->nk", shift, self.by_shift)
-        return CubicsOverFriction(np.asarray(self.plan.frictions), over)
+    @cached_property
+    def _of_pair(self) -> Callable[[float, float], Bend]:
+        return lru_cache(RECENT)(self._of_one_pair)
 
     @cached_property
     def _cubics(self) -> Array:
@@ -114,6 +140,13 @@ class TouchPlays:
         values = np.concatenate([self.level.transpose(1, 2, 0, 3), self.by_friction.transpose(0, 2, 1, 3)], axis=2)
         coefficients: Array = PchipInterpolator(self.plan.frictions, values).c
         return coefficients
+
+
+def _bent(bend: Bend, z: Array) -> Array:
+    """Of a level and its slope and curvature over z."""
+    level, slope, curvature = bend
+    bent: Array = level + z * (slope + z * curvature)
+    return bent
 
 
 @dataclass(frozen=True)
@@ -177,9 +210,8 @@ class PlayedResponse:
 
     def _force_at(self, shear: Array, centre: Array) -> Array:
         """Wrenches (n, 6) of forces (n, 2) along the gel, at the height of the tip."""
-        force = np.column_stack([shear, np.zeros(len(shear))])
-        at = np.column_stack([centre, self.touch.tips[:, 2]])
-        return np.nan_to_num(np.concatenate([force, np.cross(at, force)], axis=1))
+        (fx, fy), (x, y), z = shear.T, centre.T, self.touch.tips[:, 2]
+        return np.nan_to_num(np.column_stack([fx, fy, np.zeros(len(shear)), -z * fy, z * fx, x * fy - y * fx]))
 
     def difference(self, variant: GelVariant) -> Array:
         """As `BaseResponse.difference`.

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from tactiledata.effects.base import Effect
-from tactiledata.effects.parameter import strength
+from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
 
 Array = NDArray[np.float64]
@@ -17,7 +18,9 @@ Array = NDArray[np.float64]
 class Quantisation(Effect):
     """Components smaller than their dead-band read 0; all are rounded to multiples of their step.
 
-    Components are those of the sensor, where the touch tells its frame; of the gel frame otherwise.
+    Components are those of the sensor, where the touch tells its frame; of the gel frame otherwise. A sensor reads them
+    with its noise, so that near the band's end it tells one time a force and one time nothing: what is simulated, which
+    has no noise, becomes the mean of such readings (`mean_told`); with a noise of 0, one reading.
 
     Source: the FT 300-S sends counts of 0.01 N and 0.001 N m; drivers add dead-bands of their own.
     """
@@ -45,6 +48,15 @@ class Quantisation(Effect):
             bounds=(0.0, 0.2), plausible=(0.0, 0.02), deviation=0.005, source="0.02 m times a force's; estimate",
             grid=(0.002, 0.003, 0.004, 0.005, 0.007, 0.01),
         ),
+        shape(
+            "noise", "N", "standard deviation of a reading of the force, before its dead-band",
+            default=0.1, bounds=(0.0, 2.0), grid=(0.1,), source="FT 300-S instruction manual",
+        ),
+        shape(
+            "torque_noise", "N m", "standard deviation of a reading of the torque, before its dead-band",
+            default=0.005, bounds=(0.0, 0.2), grid=(0.002, 0.005),
+            source="FT 300-S instruction manual; less where it is filtered, estimate",
+        ),
     )  # fmt: skip
     look_alikes = ("clipping", "mount_offset")
     told_apart_by = "A slow press from free air: a staircase, or zeros below one value; a histogram shows the comb."
@@ -53,13 +65,29 @@ class Quantisation(Effect):
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         told = state.touch.to_sensor(state.wrench)
-        force = _rounded(_told(told[:, :3], values["dead_band"]), values["step"])
-        torque = _rounded(_told(told[:, 3:], values["torque_dead_band"]), values["torque_step"])
+        mean = mean_told(told[:, :3], values["dead_band"], values["noise"])
+        force = _rounded(mean, values["step"])
+        mean = mean_told(told[:, 3:], values["torque_dead_band"], values["torque_noise"])
+        torque = _rounded(mean, values["torque_step"])
         return state.read(state.touch.from_sensor(np.concatenate([force, torque], axis=1)))
 
 
-def _told(rows: Array, least: float) -> Array:
-    return np.where(np.abs(rows) < least, 0.0, rows)
+def mean_told(rows: Array, least: float, noise: float) -> Array:
+    """The mean of x + e, e normal, where it is read as 0 within (-least, least): x where nothing is.
+
+    x (1 - Phi(b) + Phi(a)) + s (phi(b) - phi(a)), a = (-least - x) / s, b = (least - x) / s.
+    """
+    if not least > 0:
+        return rows
+    if not noise > 0:
+        return np.where(np.abs(rows) < least, 0.0, rows)
+    low, high = (-least - rows) / noise, (least - rows) / noise
+    lost = rows * (ndtr(high) - ndtr(low)) - noise * (_density(high) - _density(low))
+    return np.asarray(rows - lost)
+
+
+def _density(z: Array) -> Array:
+    return np.asarray(np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi))
 
 
 def _rounded(rows: Array, step: float) -> Array:

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.effects.cable_drag import with_play
 from tactiledata.effects.clipping import selection_bias
+from tactiledata.effects.quantisation import mean_told
 
 
 def in_free_air(touch, moved, n=90, **fields):
@@ -120,10 +121,21 @@ def test_readings_are_multiples_of_a_step(play):
     np.testing.assert_allclose(wrench[:, :3] / 0.1, np.round(wrench[:, :3] / 0.1), atol=1e-9)
     assert np.abs(wrench[:, :3] - plain[:, :3]).max() <= 0.05 + 1e-12
     assert np.abs(wrench[:, 3:] - plain[:, 3:]).max() <= 0.005 + 1e-12
-    dead = play("quantisation", dead_band=0.5).wrench[:, :3]
+    dead = play("quantisation", dead_band=0.5, noise=0.0).wrench[:, :3]
     small = np.abs(plain[:, :3]) < 0.5
     assert (dead[small] == 0).all()
     np.testing.assert_array_equal(dead[~small], plain[:, :3][~small])
+
+
+def test_what_is_simulated_is_the_mean_of_noisy_readings():
+    """As many readings of one force, each with noise and then its dead-band, have it; far outside nothing changes."""
+    chance = np.random.default_rng(3)
+    force = np.linspace(-0.9, 0.9, 13)
+    read = force + chance.normal(0.0, 0.1, (40_000, 13))
+    mean = np.where(np.abs(read) < 0.25, 0.0, read).mean(axis=0)
+    np.testing.assert_allclose(mean_told(force, 0.25, 0.1), mean, atol=4 * 0.2 / 200)
+    np.testing.assert_array_equal(mean_told(force[[0, -1]], 0.25, 0.01), force[[0, -1]])
+    np.testing.assert_allclose(mean_told(force, 0.25, 1e-9), mean_told(force, 0.25, 0.0), atol=1e-15)
 
 
 def in_a_sensor(touch, weight):
@@ -152,7 +164,8 @@ def test_a_dead_band_is_of_the_sensors_own_reading(touch, play):
     """What the sensor reads of contact and weight together is 0 or untouched, axis by axis."""
     there = in_a_sensor(touch, np.array([0.2, -0.1, 0.3, 0.0, 0.0, 0.0]))
     before = there.to_sensor(play(on=there).wrench)
-    after = there.to_sensor(play("quantisation", on=there, dead_band=0.5, torque_dead_band=0.02).wrench)
+    values = {"dead_band": 0.5, "torque_dead_band": 0.02, "noise": 0.0, "torque_noise": 0.0}
+    after = there.to_sensor(play("quantisation", on=there, **values).wrench)
     least = np.repeat([0.5, 0.02], 3)
     small = np.abs(before) < least
     assert small.any(axis=0).all()
