@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.diagnose.agreement import agreement
 from tactiledata.diagnose.effect_signatures import MATERIAL
 from tactiledata.diagnose.evidence_scale import EvidenceScale
 from tactiledata.diagnose.grouped_prediction import HeldOut
@@ -154,7 +155,10 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
     groups = base_out.by_indenter if is_told else base_out.by_trajectory
     fitted = out.by_indenter if is_told else out.by_trajectory
     excess = float(groups.sum()) - expected
-    before, after = _signature(base, fit, base.undone), _signature(base, fit, _without(base, fit))
+    before, after = (
+        agreement(base.metric, fit.effect_change, residual).standard_errors
+        for residual in (base.undone, _without(base, fit))
+    )
     implausible, at_bounds = _range_checks(fit)
     return Judged(
         fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
@@ -174,17 +178,6 @@ def _error(gains: Array) -> float:
 def _without(base: JointFit, fit: JointFit) -> Array:
     """The plain fit's residual less what the effect changes."""
     return base.undone - fit.effect_change
-
-
-def _signature(base: JointFit, fit: JointFit, residual: Array) -> float:
-    """Agreement (standard errors over trajectories) of a residual with what the effect changes."""
-    weighed = base.metric.weigh(fit.effect_change[:, :, None])[:, :, 0]
-    scores = np.add.reduceat((weighed * residual).sum(axis=1), base.starts)
-    told = np.add.reduceat((weighed * fit.effect_change).sum(axis=1), base.starts)
-    if not (total := float(told.sum())) > 0:
-        return 0.0
-    spread = scores - told * float(scores.sum()) / total
-    return float(scores.sum() / np.sqrt(max(float((spread**2).sum()), 1e-300)))
 
 
 def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -19,6 +19,8 @@ from tactiledata.errors import UsageError
 Array = NDArray[np.float64]
 
 MOST_ROUNDS = 30
+PATIENCE = 8
+"""Rounds without a nearer answer after which one that is close enough is taken."""
 CLOSE, CLOSE_ENOUGH = 1e-9, 5e-3
 """Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more. Between
 them lies what jumps: a contact that sticks heals at once, and there may be no balance on either side of it."""
@@ -93,13 +95,14 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
     if not any(setting.member.feeds_back for setting in settings):
         return after(start.felt)
     balance = Balance(start.contact.wrench)
-    nearest, least = start, np.inf
-    for _ in range(MOST_ROUNDS):
+    nearest, least, found = start, np.inf, 0
+    for number in range(MOST_ROUNDS):
         state = after(balance.felt)
         balance.measure(state.contact.wrench)
         if balance.missed < least:
-            nearest, least = state, balance.missed
-        if least <= CLOSE * balance.largest:
+            nearest, least, found = state, balance.missed, number
+        is_stuck = number - found >= PATIENCE and least <= CLOSE_ENOUGH * balance.largest
+        if least <= CLOSE * balance.largest or is_stuck:
             break
         balance.move()
     if least > CLOSE_ENOUGH * balance.largest:

@@ -1,0 +1,64 @@
+"""Whether trajectories agree that a change is there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.joint_fit import JointFit
+from tactiledata.diagnose.random_effects import RandomEffects
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How much of a change there is, as trajectories say.
+
+    A gain is a square, so that its spread over trajectories is mostly that of how much each can tell; here each weighs
+    as much as it can tell, and the error is what they disagree by.
+
+    Parameters
+    ----------
+    share : float
+        Of the change, that is in the residual: 1 where all of it is, 0 where none.
+    error : float
+        Its standard error over trajectories.
+    size : float
+        Of the change beyond what a refit imitates, in units of the noise.
+    """
+
+    share: float
+    error: float
+    size: float
+
+    @property
+    def standard_errors(self) -> float:
+        """By how many of them the share is not 0."""
+        return self.share / self.error if self.error > 0 else 0.0
+
+
+def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreement:
+    """A change (N, 6) against a residual (N, 6), both whitened, beyond what the metric's refit imitates."""
+    weighed = metric.weigh(change[:, :, None])[:, :, 0]
+    scores = np.add.reduceat((weighed * residual).sum(axis=1), metric.starts)
+    told = np.add.reduceat((weighed * change).sum(axis=1), metric.starts)
+    total = float(told.sum())
+    if not total > 0:
+        return Agreement(0.0, 0.0, 0.0)
+    share = float(scores.sum()) / total
+    spread = float(((scores - told * share) ** 2).sum())
+    return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total, float(np.sqrt(total)))
+
+
+def contrast(one: JointFit, other: JointFit) -> Agreement:
+    """What one fit says and another does not, in what the other leaves.
+
+    The other leaves nothing of it where it is right; the one is right where all of it is there: the test of two models
+    of which neither contains the other.
+
+    Source: Davidson and MacKinnon, Econometrica 49 (1981), J test; here as a score, errors over trajectories.
+    """
+    return agreement(other.metric, other.residual - one.residual, other.undone)
