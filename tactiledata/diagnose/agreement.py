@@ -12,6 +12,9 @@ from tactiledata.diagnose.random_effects import RandomEffects
 
 Array = NDArray[np.float64]
 
+MOST_ALONE = 0.98
+"""Of what all tell, that one trajectory is taken to tell at most: one alone agrees with nobody."""
+
 
 @dataclass(frozen=True)
 class Agreement:
@@ -41,7 +44,10 @@ class Agreement:
 
 
 def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreement:
-    """A change (N, 6) against a residual (N, 6), both whitened, beyond what the metric's refit imitates."""
+    """A change (N, 6) against a residual (N, 6), both whitened, beyond what the metric's refit imitates.
+
+    Source: MacKinnon and White, Journal of Econometrics 29 (1985), HC3, here of trajectories.
+    """
     weighed = metric.weigh(change[:, :, None])[:, :, 0]
     scores = np.add.reduceat((weighed * residual).sum(axis=1), metric.starts)
     told = np.add.reduceat((weighed * change).sum(axis=1), metric.starts)
@@ -49,7 +55,9 @@ def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreemen
     if not total > 0:
         return Agreement(0.0, 0.0, 0.0)
     share = float(scores.sum()) / total
-    spread = float(((scores - told * share) ** 2).sum())
+    # what one trajectory tells is partly its own noise: the share without it, as in a jackknife
+    alone = np.clip(told / total, 0.0, MOST_ALONE)
+    spread = float((((scores - told * share) / (1.0 - alone)) ** 2).sum())
     return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total, float(np.sqrt(total)))
 
 
