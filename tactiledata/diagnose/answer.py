@@ -211,6 +211,7 @@ def _judged(one: Judged) -> dict[str, Any]:
         "gain": one.gain,
         "gain_error": one.gain_error,
         "gain_of_others": one.gain_of_others,
+        "evidence": one.evidence,
         "indenter_gain": None if alone else one.indenter_gain,
         "indenter_error": None if alone else one.indenter_error,
         "excess_share": one.excess_share,

@@ -97,16 +97,14 @@ def decide(
     is_left = left.is_structure(scale)
     chances = _probabilities([*singles, *pairs], scale, is_left)
     ranked = sorted(singles, key=lambda one: -one.sure_gain(scale))
-    best = next((one for one in ranked if not one.objections(scale)), None)
+    best = next((one for one in sorted(singles, key=lambda one: -one.evidence) if not one.objections(scale)), None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
         # another explains far more, and yet cannot be believed: what is there is not what could be
         best = None
-    for pair in sorted(pairs, key=lambda one: -one.sure_gain(scale)):
-        if pair.objections(scale):
-            continue
-        if best is None or _exceeds(gains[pair.label] - gains[best.label], scale):
-            best = pair
-        break
+    claimable = [one for one in pairs if not one.objections(scale)]
+    pair = max(claimable, key=lambda one: one.evidence, default=None)
+    if pair is not None and (best is None or _exceeds(gains[pair.label] - gains[best.label], scale)):
+        best = needed_of(pair, singles, scale)
     if best is not None and is_left and best.excess_share < scale.explains:
         # it takes off the smaller part of what is there: something else is, and takes this one's place
         return Decision(
@@ -127,6 +125,22 @@ def decide(
     return Decision("nothing is missing", hint, (), chances, objections, left, is_left)
 
 
+def needed_of(pair: Judged, singles: Sequence[Judged], scale: EvidenceScale) -> Judged:
+    """The pair, or one of its two where the other adds nothing of its own beside it.
+
+    Nothing of its own is what errors of the simulation bring, too; or what the other would have explained in its place,
+    had it been alone: an effect whose form is a little off leaves what looks like its look-alikes.
+    """
+    alone = {one.names[0]: one for one in singles}
+    found = []
+    for name, other in (pair.names, pair.names[::-1]):
+        adds = pair.evidence - alone[name].evidence
+        is_remainder = adds < scale.remainder * alone[other].evidence and adds < scale.remainder * alone[name].evidence
+        if (adds < scale.claim or is_remainder) and not alone[name].implausible:
+            found.append(alone[name])
+    return max(found, key=lambda one: one.evidence, default=pair)
+
+
 def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
     error = float(np.sqrt(len(difference)) * difference.std(ddof=1))
     return float(difference.sum()) > max(scale.claim, scale.standard_errors * error)
@@ -135,7 +149,11 @@ def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
 def _ties(
     best: Judged, ranked: Sequence[Judged], gains: dict[str, Array], metric: RandomEffects, scale: EvidenceScale
 ) -> tuple[Tie, ...]:
-    others = [one for one in ranked if one.label != best.label and not one.implausible and one.gain > 0]
+    others = [
+        one
+        for one in ranked
+        if one.label != best.label and not one.implausible and (one.gain > 0 or _rivals(one, best, scale))
+    ]
     if not others:
         return ()
     alike = cosines(metric, [best.fit.effect_change, *(one.fit.effect_change for one in others)])[0, 1:]
@@ -147,12 +165,21 @@ def _ties(
         apart = gains[best.label] - gains[one.label]
         error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
         explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
-        # what simulators that differ bring is no proof of one against the other
-        is_as_good = not _exceeds(apart, scale)
         is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error
-        if is_as_good and (cosine > scale.tie or explains_as_much or is_rival):
+        # what simulators that differ bring is no proof of one against the other
+        is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
+        # of what holds the other as a special case, the special case is said, unless more is there
+        is_wider = could > scale.tie and len(one.fit.model.coordinates) > len(best.fit.model.coordinates)
+        is_needless = is_wider and best.evidence - one.evidence > scale.needless
+        is_tied = is_as_good and not is_needless and (cosine > scale.tie or explains_as_much or is_rival)
+        if is_tied or _rivals(one, best, scale):
             found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error))
     return tuple(found)
+
+
+def _rivals(one: Judged, best: Judged, scale: EvidenceScale) -> bool:
+    """Whether all frames together speak for another, though its gain where it was not fitted is uncertain."""
+    return one.evidence >= max(best.evidence, scale.claim) and one.gain + one.gain_error >= scale.claim
 
 
 def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: EvidenceScale) -> tuple[Tie, ...]:
@@ -167,7 +194,8 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
     for stays, twin in twins:
         apart = best.gains - twin.gains
         adds_as_much = twin.gain - stays.gain >= scale.as_good * (best.gain - stays.gain)
-        if twin.objections(scale) or not adds_as_much or _exceeds(apart, scale):
+        is_beaten = _exceeds(apart, scale) or best.evidence - twin.evidence > scale.claim
+        if twin.objections(scale) or not adds_as_much or is_beaten:
             continue
         (named,), (other,) = ([name for name in one.names if name not in stays.names] for one in (best, twin))
         cosine = float(cosines(stays.fit.metric, [best.fit.effect_change, twin.fit.effect_change])[0, 1])

@@ -44,6 +44,12 @@ class EvidenceScale:
     rival : float
         Standard errors over trajectories by which the best one must gain more than another, whose gain reaches the
         claim, for the other not to be listed: nine in ten of a normal distribution.
+    needless : float
+        Evidence by which a special case of another, with fewer numbers, is preferred to it: errors of the simulation
+        only ever speak for the wider one.
+    remainder : float
+        Share of its own evidence, and of that of the first of two effects, below which what the second adds is what an
+        imperfect form of the first leaves.
     dispersion : float
         Mean square of what is left, over that of noise, that is no structure yet.
     slope, temperature : float
@@ -64,6 +70,8 @@ class EvidenceScale:
     tie: float = 0.95
     as_good: float = 0.8
     rival: float = 1.3
+    needless: float = 5.0
+    remainder: float = 0.6
     dispersion: float = 1.25
     slope: float = 0.5
     temperature: float = 3.0

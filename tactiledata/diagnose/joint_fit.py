@@ -91,6 +91,22 @@ class JointFit:
         return self.residual + self.own * self.by_row + self.shared @ back
 
     @property
+    def occam(self) -> float:
+        """What is paid for the effects' numbers: the logarithm of how much narrower data make their strengths than the
+        priors, beside all else, and that of how many shapes are tried.
+
+        Source: Laplace's approximation of a Bayes factor, as in MacKay, Neural Computation 4 (1992).
+        """
+        told = self.model.coordinates
+        is_of_effects = np.zeros(self.shared.shape[2], dtype=bool)
+        is_of_effects[3 : 3 + len(told)] = True
+        beside = RandomEffects(self.own, self.shared[:, :, ~is_of_effects], self.precision[~is_of_effects], self.starts)
+        strengths = self.of_effects[:, :, [one.is_strength for one in told]]
+        narrowed = np.eye(strengths.shape[2]) + beside.products(strengths, strengths)
+        shapes = sum(np.log(len(one.parameter.grid)) for one in told if not one.is_strength)
+        return float(0.5 * np.linalg.slogdet(narrowed)[1] + shapes)
+
+    @property
     def covariance(self) -> Array:
         """Of the vector (q, q), as noise and priors have it."""
         about = RandomEffects(self.own, self.shared[:, :, :0], self.precision[:0], self.starts)

@@ -47,6 +47,9 @@ class Judged:
         Numbers outside what can be believed.
     at_bounds : tuple of str
         Numbers at the end of what was tried.
+    evidence : float
+        Logarithm of the Bayes factor against the plain simulation where both are fitted to everything, over the
+        dispersion: every frame speaks, and what is paid is what numbers can imitate.
     """
 
     fit: JointFit
@@ -58,6 +61,7 @@ class Judged:
     signature_after: float
     implausible: tuple[str, ...]
     at_bounds: tuple[str, ...]
+    evidence: float
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -163,6 +167,7 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
     return Judged(
         fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
         _error(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after, implausible, at_bounds,
+        0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
     )  # fmt: skip
 
 

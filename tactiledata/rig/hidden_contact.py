@@ -150,6 +150,7 @@ class _Touch:
         out: Array = pull + (changed - plain)
         for effect in self._effects:
             out = effect.pull(out, felt)
+        limit = limit * _beyond(pull, coefficient * before[0])
         size = np.linalg.norm(out, axis=1)
         over = size > limit
         out[over] *= (limit[over] / size[over])[:, None]
@@ -163,6 +164,15 @@ class _Touch:
         point = self._law.columns_at(felt.positions[:, 2])[2]
         point[:, :2] += felt.positions[:, :2]
         return np.concatenate([force, scaled[:, 3:] + np.cross(point, force - scaled[:, :3])], axis=1)
+
+
+def _beyond(pull: Array, limit: Array) -> Array:
+    """By what a contact's own pull (n, 2) exceeds Coulomb's limit (n,); 1 where it does not.
+
+    What slides on flanks is pushed along the gel by the pressure on them, too: a few per cent more than friction alone.
+    """
+    size = np.linalg.norm(pull, axis=1)
+    return np.maximum(1.0, np.divide(size, limit, out=np.ones_like(size), where=limit > 0))
 
 
 def _as_miss(move: Array) -> Array:

@@ -25,7 +25,9 @@ from tactiledata.gel.material import GelMaterial
 def judged(gains, signature=1.0, share=0.9, name="lag"):
     """A refit that gained so much in each trajectory."""
     fit = SimpleNamespace(names=(name,))
-    return Judged(fit, np.asarray(gains, dtype=float), 10.0, 1.0, share, signature, 0.0, (), ())
+    return Judged(
+        fit, np.asarray(gains, dtype=float), 10.0, 1.0, share, signature, 0.0, (), (), evidence=float(np.sum(gains))
+    )
 
 
 def spread(*gains, count=25):
@@ -121,9 +123,10 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
     def one(name, gains, column):
         change = np.zeros((2, 6))
         change[:, column] = 1.0
-        fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None])
-        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), ())
+        fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
+        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), (), evidence=float(gains.sum()))
 
+    model = SimpleNamespace(coordinates=(None,))
     best = one("lag", rng.normal(2.4, 0.2, 25), 0)
     scattered = rng.normal(0.0, 1.0, 25)
     scattered = 3.0 * (scattered - scattered.mean()) / scattered.std(ddof=1)

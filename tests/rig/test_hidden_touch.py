@@ -362,3 +362,13 @@ def test_a_slide_of_the_layer_solver_takes_hidden_effects_too():
     assert np.ptp(inner[still, 2]) < 1e-6
     assert 0.8 < wrench[still[-1], 2] / inner[still[-1], 2] < wrench[still[0], 2] / inner[still[0], 2] < 1.0
     assert play.contact.unbalanced < 1e-6
+
+
+def test_an_effect_of_next_to_no_strength_leaves_a_slide_as_it_is():
+    """What slides on flanks pulls a little more than friction of its normal force: no effect takes that away."""
+    changes = {"trajectories": [touch(steps=[PRESS, SLIDE])], "contact": "layer", "contact_pitch": 0.001}
+    _, _, plain, _, _ = contact_of(**changes)
+    beyond = np.linalg.norm(plain[:, :2], axis=1) - 0.8 * plain[:, 2]
+    assert beyond.max() > 0.02
+    _, _, wrench, _, _ = contact_of([stated("relaxation", alpha=1e-7)], **changes)
+    np.testing.assert_allclose(wrench, plain, atol=1e-4)
