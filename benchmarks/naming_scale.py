@@ -107,7 +107,8 @@ def judged_of(told: dict[str, Any]) -> Judged:
     nothing = float("nan")
     return Judged(
         cast(Any, None), np.array(told["gains"]), told["indenter_gain"] or nothing, told["indenter_error"] or nothing,
-        told["excess_share"], *told["signature"], tuple(told["implausible"]), tuple(told["at_bounds"]), told["evidence"],
+        told["excess_share"], *told["signature"], tuple(told["implausible"]), tuple(told["at_bounds"]),
+        told["evidence"], np.array(told["falls"]),
     )  # fmt: skip
 
 

@@ -142,7 +142,7 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
         "nearest": list(best.names) if best else [],
         "ties": [tie.name for tie in naming.decision.ties],
         "candidates": [
-            {**told, "gains": one.gains.round(2).tolist()}
+            {**told, "gains": one.gains.round(2).tolist(), "falls": one.falls.round(2).tolist()}
             for told, one in zip(document["candidates"], ranked, strict=True)
         ],
         "screen": document["screen"][:10],

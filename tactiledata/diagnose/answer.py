@@ -212,6 +212,7 @@ def _judged(one: Judged) -> dict[str, Any]:
         "gain_error": one.gain_error,
         "gain_of_others": one.gain_of_others,
         "evidence": one.evidence,
+        "evidence_of_others": one.evidence_of_others,
         "indenter_gain": None if alone else one.indenter_gain,
         "indenter_error": None if alone else one.indenter_error,
         "excess_share": one.excess_share,

@@ -97,12 +97,11 @@ def decide(
     is_left = left.is_structure(scale)
     chances = _probabilities([*singles, *pairs], scale, is_left)
     ranked = sorted(singles, key=lambda one: -one.sure_gain(scale))
-    best = next((one for one in sorted(singles, key=lambda one: -one.evidence) if not one.objections(scale)), None)
+    best = max((one for one in singles if not one.objections(scale)), key=_evidence, default=None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
         # another explains far more, and yet cannot be believed: what is there is not what could be
         best = None
-    claimable = [one for one in pairs if not one.objections(scale)]
-    pair = max(claimable, key=lambda one: one.evidence, default=None)
+    pair = max((one for one in pairs if not one.objections(scale)), key=_evidence, default=None)
     if pair is not None and (best is None or _exceeds(gains[pair.label] - gains[best.label], scale)):
         best = needed_of(pair, singles, scale)
     if best is not None and is_left and best.excess_share < scale.explains:
@@ -138,7 +137,11 @@ def needed_of(pair: Judged, singles: Sequence[Judged], scale: EvidenceScale) -> 
         is_remainder = adds < scale.remainder * alone[other].evidence and adds < scale.remainder * alone[name].evidence
         if (adds < scale.claim or is_remainder) and not alone[name].implausible:
             found.append(alone[name])
-    return max(found, key=lambda one: one.evidence, default=pair)
+    return max(found, key=_evidence, default=pair)
+
+
+def _evidence(one: Judged) -> float:
+    return one.evidence
 
 
 def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
@@ -166,12 +169,15 @@ def _ties(
         error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
         explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
         is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error
+        # of few touches it can be only where the best is, too
+        is_borne = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
         # what simulators that differ bring is no proof of one against the other
         is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
         # of what holds the other as a special case, the special case is said, unless more is there
         is_wider = could > scale.tie and len(one.fit.model.coordinates) > len(best.fit.model.coordinates)
         is_needless = is_wider and best.evidence - one.evidence > scale.needless
-        is_tied = is_as_good and not is_needless and (cosine > scale.tie or explains_as_much or is_rival)
+        explains = cosine > scale.tie or explains_as_much or is_rival
+        is_tied = explains and is_borne and is_as_good and not is_needless
         if is_tied or _rivals(one, best, scale):
             found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error))
     return tuple(found)

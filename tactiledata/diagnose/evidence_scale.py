@@ -44,6 +44,8 @@ class EvidenceScale:
     rival : float
         Standard errors over trajectories by which the best one must gain more than another, whose gain reaches the
         claim, for the other not to be listed: nine in ten of a normal distribution.
+    of_others : float
+        Evidence that must be left without the two trajectories that bring most; of nulls hardly any is.
     needless : float
         Evidence by which a special case of another, with fewer numbers, is preferred to it: errors of the simulation
         only ever speak for the wider one.
@@ -70,6 +72,7 @@ class EvidenceScale:
     tie: float = 0.95
     as_good: float = 0.8
     rival: float = 1.3
+    of_others: float = 12.0
     needless: float = 5.0
     remainder: float = 0.6
     dispersion: float = 1.25

@@ -74,6 +74,12 @@ class JointFit:
         return np.repeat(self.model.offsets / PRIOR, counts)[:, None]
 
     @property
+    def by_trajectory(self) -> Array:
+        """Squares (t,) of each trajectory's residual and offset: of the cost, what is not of shared numbers."""
+        squares: Array = np.add.reduceat((self.residual**2).sum(axis=1), self.starts)
+        return squares + (self.model.offsets / PRIOR) ** 2
+
+    @property
     def metric(self) -> RandomEffects:
         """What another refit of the same model could imitate, linearised here: what stands at a bound stays there."""
         vector, (low, high) = self.model.vector, self.model.bounds

@@ -50,6 +50,8 @@ class Judged:
     evidence : float
         Logarithm of the Bayes factor against the plain simulation where both are fitted to everything, over the
         dispersion: every frame speaks, and what is paid is what numbers can imitate.
+    falls : (t,)
+        What of it, before anything is paid, each trajectory brings.
     """
 
     fit: JointFit
@@ -62,6 +64,7 @@ class Judged:
     implausible: tuple[str, ...]
     at_bounds: tuple[str, ...]
     evidence: float
+    falls: Array
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -92,6 +95,22 @@ class Judged:
         """What is left of the gain without the trajectories that bring most."""
         return float(np.sort(self.gains)[:-BEST].sum())
 
+    @property
+    def evidence_of_others(self) -> float:
+        """What is left of the evidence without the trajectories that bring most."""
+        return self.evidence - float(np.sort(self.falls)[-BEST:].sum())
+
+    def is_borne(self, scale: EvidenceScale) -> bool:
+        """Whether all trajectories together speak for it, without the best two still, and those held out not against.
+
+        Nulls with a mismatched simulator have most of their evidence from two trajectories.
+        """
+        return (
+            self.evidence >= scale.claim
+            and self.evidence_of_others >= scale.of_others
+            and self.gain >= 0.5 * scale.claim
+        )
+
     def is_certain(self, scale: EvidenceScale) -> bool:
         """Whether trajectories at large, and not one of them, speak for it.
 
@@ -103,11 +122,12 @@ class Judged:
             self.gain >= scale.standard_errors * self.gain_error
             or self.signature_before >= scale.agreement
             or self.gain_of_others >= scale.claim
+            or self.is_borne(scale)
         )
 
     def is_agreed(self, scale: EvidenceScale) -> bool:
         """Whether trajectories agree on its direction, or enough of them gain by it on their own."""
-        return self.signature_before >= scale.cure or self.gain_of_others >= scale.claim
+        return self.signature_before >= scale.cure or self.gain_of_others >= scale.claim or self.is_borne(scale)
 
     def is_structure(self, scale: EvidenceScale) -> bool:
         """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
@@ -125,7 +145,7 @@ class Judged:
     def objections(self, scale: EvidenceScale) -> tuple[str, ...]:
         """Why it cannot be claimed; empty where it can."""
         found = []
-        if self.gain < scale.claim:
+        if self.gain < scale.claim and not self.is_borne(scale):
             found.append(
                 f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim:g}"
             )
@@ -168,6 +188,7 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
         fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
         _error(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after, implausible, at_bounds,
         0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
+        0.5 * (base.by_trajectory - fit.by_trajectory) / dispersion,
     )  # fmt: skip
 
 

@@ -26,7 +26,17 @@ def judged(gains, signature=1.0, share=0.9, name="lag"):
     """A refit that gained so much in each trajectory."""
     fit = SimpleNamespace(names=(name,))
     return Judged(
-        fit, np.asarray(gains, dtype=float), 10.0, 1.0, share, signature, 0.0, (), (), evidence=float(np.sum(gains))
+        fit,
+        np.asarray(gains, dtype=float),
+        10.0,
+        1.0,
+        share,
+        signature,
+        0.0,
+        (),
+        (),
+        evidence=float(np.sum(gains)),
+        falls=np.asarray(gains, dtype=float),
     )
 
 
@@ -53,6 +63,72 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
     assert decide(*asked, none, ESTIMATED).verdict == "named"
     most = dataclasses.replace(third, excess_share=0.8)
     assert decide([most], [], {"lag": most.gains}, None, much, ESTIMATED).verdict == "named"
+
+
+def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
+    """A refit with gains held out and falls of the cost where all was fitted; less what its numbers cost."""
+    change = np.ones((2, 6)) if change is None else change
+    model = SimpleNamespace(coordinates=(None,) * numbers)
+    names = name if isinstance(name, tuple) else (name,)
+    fit = SimpleNamespace(names=names, effect_change=change, of_effects=change[:, :, None], model=model)
+    falls = np.asarray(falls, dtype=float)
+    return Judged(
+        fit, np.asarray(gains, dtype=float), 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls
+    )
+
+
+def decided(singles, pairs=()):
+    """The answer where nothing is left."""
+    metric = RandomEffects(np.zeros((2, 6)), np.zeros((2, 6, 0)), np.zeros(0), np.zeros(1, int))
+    gains = {one.label: one.gains for one in (*singles, *pairs)}
+    return decide(singles, list(pairs), gains, metric, LeftOver(0.7, 0.6), ESTIMATED)
+
+
+def test_what_all_touches_bring_is_claimed_though_gains_scatter():
+    """Evidence of 30 from all of 60 touches is enough beside half the gain of a claim; from two of them it is not."""
+    scattered = np.tile([4.0, -3.5], 30)
+    borne, hung = (believed("lag", scattered, falls) for falls in (np.full(60, 0.6), spread(15.0, 15.0, count=60)))
+    assert 0.5 * ESTIMATED.claim <= borne.gain < ESTIMATED.claim
+    assert borne.gain < ESTIMATED.standard_errors * borne.gain_error
+    assert borne.objections(ESTIMATED) == ()
+    assert len(hung.objections(ESTIMATED)) == 3
+    against = believed("lag", scattered - 1.0, np.full(60, 0.6))
+    assert against.objections(ESTIMATED) != ()
+
+
+def test_of_two_only_what_adds_its_own_is_named():
+    """Beside a strong effect, what adds a claim's worth is named; what errors bring, or is its remainder, is not."""
+    all_alike = np.full(60, 1.0)
+    lag = believed("lag", 5.0 * all_alike, 5.0 * all_alike)
+    for name, alone, added, names in (
+        ("wear", 0.8, 0.8, {"lag", "wear"}),  # brings beside the lag what it brings alone: 48
+        ("dome", 0.4, 0.3, {"lag"}),  # 18: simulators that differ bring as much
+        ("relaxation", 3.0, 1.2, {"lag"}),  # 72, but 180 alone: it is the lag, told a little otherwise
+    ):
+        other = believed(name, alone * all_alike, alone * all_alike)
+        pair = believed(("lag", name), (5.0 + added) * all_alike, (5.0 + added) * all_alike)
+        assert set(decided([lag, other], [pair]).best.names) == names
+
+
+def test_a_special_case_is_said_in_place_of_the_wider_one():
+    """A turned frame explains as much as all gains together, with three numbers for ten: one name, no tie."""
+    each = np.full(60, 2.0)
+    turned = believed("frame_rotation", each, each, occam=8.0, numbers=3)
+    wider = believed("gain_crosstalk", each, each, occam=15.0, numbers=10)
+    assert decided([turned, wider]).verdict == "named"
+    as_wide = believed("gain_crosstalk", each, each, occam=15.0, numbers=3)
+    assert [tie.name for tie in decided([turned, as_wide]).ties] == ["gain_crosstalk"]
+
+
+def test_evidence_tells_apart_what_gains_cannot():
+    """Gains that differ by less than their errors leave a tie, unless all frames together say which."""
+    scattered = 2.0 + np.tile([6.0, -6.0], 30)
+    best = believed("lag", np.full(60, 2.0), np.full(60, 2.0))
+    for falls, tied in ((1.7, ["wear"]), (1.4, [])):
+        other = believed("wear", scattered - 0.3, np.full(60, falls))
+        assert [tie.name for tie in decided([best, other]).ties] == tied
+    likelier = decided([best, believed("wear", scattered - 1.0, np.full(60, 2.3))])
+    assert (likelier.best.label, [tie.name for tie in likelier.ties]) == ("wear", ["lag"])
 
 
 def test_structure_that_two_touches_bring_takes_no_name_away():
@@ -124,7 +200,7 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
         change = np.zeros((2, 6))
         change[:, column] = 1.0
         fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
-        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), (), evidence=float(gains.sum()))
+        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
 
     model = SimpleNamespace(coordinates=(None,))
     best = one("lag", rng.normal(2.4, 0.2, 25), 0)
