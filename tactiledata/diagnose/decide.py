@@ -104,11 +104,11 @@ def decide(
     pair = max((one for one in pairs if not one.objections(scale)), key=_evidence, default=None)
     if pair is not None and (best is None or _exceeds(gains[pair.label] - gains[best.label], scale)):
         best = needed_of(pair, singles, scale)
-    if best is not None and is_left and best.excess_share < scale.explains:
+    if best is not None and left.at_large > scale.noise and best.excess_share < scale.explains:
         # it takes off the smaller part of what is there: something else is, and takes this one's place
         return Decision(
             "none of the known effects", best, (), chances,
-            (f"{100 * best.excess_share:.0f} % of the excess gone, and structure is left",), left, True,
+            (f"{100 * best.excess_share:.0f} % of the excess gone, and more than the noise is left",), left, True,
         )  # fmt: skip
     if best is not None:
         ties = _ties(best, ranked, gains, metric, scale) if len(best.names) == 1 else ()

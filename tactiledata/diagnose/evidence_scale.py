@@ -32,7 +32,9 @@ class EvidenceScale:
     excess : float
         Share of what is left beyond the noise that must vanish on indenters held out.
     explains : float
-        Share of the excess that what is claimed must explain where structure is left beside it.
+        Share of the excess that what is claimed must explain where more than the stated noise is left beside it.
+    noise : float
+        Mean square of what is left, over that of noise, from which it is more than the stated noise.
     cure : float
         Signature statistic above which an effect is seen, and below which it is cured.
     agreement : float
@@ -67,6 +69,7 @@ class EvidenceScale:
     standard_errors: float = 2.0
     excess: float = 0.05
     explains: float = 0.5
+    noise: float = 1.05
     cure: float = 3.0
     agreement: float = 6.0
     tie: float = 0.95

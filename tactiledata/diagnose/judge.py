@@ -116,9 +116,11 @@ class Judged:
 
         A gain is a square: an effect that only fast touches show has most of it from few of them, and a large error.
         The signature weighs each trajectory by what it can tell, so that it may be certain where the gain is not. And
-        an effect of one place is under few touches: what is left without the best of them may be enough.
+        an effect of one place is under few touches: what is left without the best of them may be enough. Of all frames
+        together something must be left without the best two in any case.
         """
-        return (
+        hangs_on_two = self.evidence_of_others < scale.of_others and self.gain_of_others < scale.claim
+        return not hangs_on_two and (
             self.gain >= scale.standard_errors * self.gain_error
             or self.signature_before >= scale.agreement
             or self.gain_of_others >= scale.claim
@@ -150,7 +152,10 @@ class Judged:
                 f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim:g}"
             )
         if not self.is_certain(scale):
-            found.append(f"held-out gain {self.gain:.1f} within {scale.standard_errors:g} standard errors")
+            found.append(
+                f"held-out gain {self.gain:.1f} with a standard error of {self.gain_error:.1f}, and evidence of"
+                f" {self.evidence_of_others:.1f} without the two trajectories that bring most"
+            )
         if self.excess_share < scale.excess:
             found.append(f"{100 * self.excess_share:.0f} % of the excess gone where it was not fitted")
         if not self.is_agreed(scale):
