@@ -60,8 +60,19 @@ class Simulator:
         UsageError
             An effect depends on what the touch does not tell, or gel and springs find no balance.
         """
-        active = [setting for setting in self.effects if setting.acts_on(touch) and not setting.is_null]
-        return as_read(_in_balance(TouchState.start(touch, self.base(touch)), in_contact(active)), active)
+        return self.read(self.contact(touch))
+
+    def contact(self, touch: Touch) -> TouchState:
+        """The touch after its effects in contact alone; as `play`, which goes on from here with `read`."""
+        return _in_balance(TouchState.start(touch, self.base(touch)), in_contact(self.active(touch)))
+
+    def read(self, contact: TouchState) -> TouchState:
+        """What time and sensor make of it."""
+        return as_read(contact, self.active(contact.touch))
+
+    def active(self, touch: Touch) -> list[EffectSetting]:
+        """Effects that do something to a touch, in their order."""
+        return [setting for setting in self.effects if setting.acts_on(touch) and not setting.is_null]
 
 
 def with_effects(base: Callable[[Touch], BaseResponse], settings: Iterable[EffectSetting]) -> Simulator:
