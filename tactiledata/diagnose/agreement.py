@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.joint_fit import JointFit
 from tactiledata.diagnose.random_effects import RandomEffects
 
 Array = NDArray[np.float64]
@@ -59,14 +58,3 @@ def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreemen
     alone = np.clip(told / total, 0.0, MOST_ALONE)
     spread = float((((scores - told * share) / (1.0 - alone)) ** 2).sum())
     return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total, float(np.sqrt(total)))
-
-
-def contrast(one: JointFit, other: JointFit) -> Agreement:
-    """What one fit says and another does not, in what the other leaves.
-
-    The other leaves nothing of it where it is right; the one is right where all of it is there: the test of two models
-    of which neither contains the other.
-
-    Source: Davidson and MacKinnon, Econometrica 49 (1981), J test; here as a score, errors over trajectories.
-    """
-    return agreement(other.metric, other.residual - one.residual, other.undone)
