@@ -48,6 +48,11 @@ def summary(cases: Sequence[Case]) -> str:
         gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]
         ends = np.quantile(gains, [0.5, 0.95, 1.0]).round(1)
         lines.append(f"    largest held-out gain of a null: median {ends[0]}, 95 % {ends[1]}, most {ends[2]}")
+        most = [
+            max((one[which] for case in nulls for one in case["candidates"]), default=0.0)
+            for which in ("evidence", "evidence_of_others")
+        ]
+        lines.append(f"    largest evidence of a null: {most[0]:.1f}, without its two best trajectories {most[1]:.1f}")
         left = np.quantile([case["dispersion"] for case in nulls], [0.5, 0.95]).round(2)
         lines.append(f"    mean square left of held-out trajectories: median {left[0]}, 95 % {left[1]}")
     for kind in ("effects", "pairs", "outside", "metadata"):
