@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from tactiledata.effects.base import Effect
+from tactiledata.effects.normal_density import normal_density
 from tactiledata.effects.parameter import strength
 from tactiledata.effects.state import TouchState
 
@@ -26,11 +27,7 @@ def selection_bias(force: Array, deviation: float, low: float, high: float) -> A
     is_near = (force > low - margin) & (force < high + margin)
     near = np.where(is_near, force, low)
     a, b = (low - near) / deviation, (high - near) / deviation
-    return np.where(is_near, deviation * (_density(a) - _density(b)) / (ndtr(b) - ndtr(a)), 0.0)
-
-
-def _density(z: Array) -> Array:
-    return np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+    return np.where(is_near, deviation * (normal_density(a) - normal_density(b)) / (ndtr(b) - ndtr(a)), 0.0)
 
 
 class Clipping(Effect):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from tactiledata.effects.base import Effect
+from tactiledata.effects.normal_density import normal_density
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.state import TouchState
 
@@ -65,10 +66,9 @@ class Quantisation(Effect):
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         told = state.touch.to_sensor(state.wrench)
-        mean = mean_told(told[:, :3], values["dead_band"], values["noise"])
-        force = _rounded(mean, values["step"])
-        mean = mean_told(told[:, 3:], values["torque_dead_band"], values["torque_noise"])
-        torque = _rounded(mean, values["torque_step"])
+        force = mean_told(told[:, :3], values["dead_band"], values["noise"])
+        torque = mean_told(told[:, 3:], values["torque_dead_band"], values["torque_noise"])
+        force, torque = _rounded(force, values["step"]), _rounded(torque, values["torque_step"])
         return state.read(state.touch.from_sensor(np.concatenate([force, torque], axis=1)))
 
 
@@ -82,12 +82,8 @@ def mean_told(rows: Array, least: float, noise: float) -> Array:
     if not noise > 0:
         return np.where(np.abs(rows) < least, 0.0, rows)
     low, high = (-least - rows) / noise, (least - rows) / noise
-    lost = rows * (ndtr(high) - ndtr(low)) - noise * (_density(high) - _density(low))
+    lost = rows * (ndtr(high) - ndtr(low)) - noise * (normal_density(high) - normal_density(low))
     return np.asarray(rows - lost)
-
-
-def _density(z: Array) -> Array:
-    return np.asarray(np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi))
 
 
 def _rounded(rows: Array, step: float) -> Array:
