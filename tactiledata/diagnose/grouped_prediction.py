@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.joint_fit import JointFit, bounded_change
+from tactiledata.diagnose.joint_fit import JointFit
+from tactiledata.diagnose.linearised import bounded_change
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from tactiledata.diagnose.effect_signatures import own_field
 from tactiledata.diagnose.grouped_prediction import LinearRefits
-from tactiledata.diagnose.joint_fit import JointFit, offset_steps
+from tactiledata.diagnose.joint_fit import JointFit
 from tactiledata.diagnose.joint_model import JointModel
+from tactiledata.diagnose.linearised import offset_steps
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 

@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.joint_fit import JointFit, bounded_change, joint_fit
+from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import JointModel
+from tactiledata.diagnose.linearised import bounded_change
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases

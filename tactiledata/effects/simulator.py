@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 MOST_ROUNDS = 30
 PATIENCE = 8
 """Rounds without a nearer answer after which one that is close enough is taken."""
-CLOSE, CLOSE_ENOUGH = 1e-7, 5e-3
+CLOSE, CLOSE_ENOUGH = 1e-5, 5e-3
 """Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more. Between
 them lies what jumps: a contact that sticks heals at once, and there may be no balance on either side of it."""
 

@@ -58,9 +58,20 @@ class TouchState:
         return TouchState(touch, base, nothing, np.zeros(n), np.zeros((n, 2)), np.ones(n), np.ones(n), nothing, nothing)
 
     @cached_property
+    def _answer(self) -> ContactResponse:
+        """What the simulation below answers: dear, and the same for all that does not move the indenter or rub."""
+        return self.base.respond(self.offset, self.shift, self.friction)
+
+    def _as_asked(self, changed: TouchState) -> TouchState:
+        """A state that asks the simulation below for the same, with its answer, if it is known."""
+        if "_answer" in self.__dict__:
+            changed.__dict__["_answer"] = self._answer
+        return changed
+
+    @cached_property
     def contact(self) -> ContactResponse:
         """The gel's answer to all that is asked so far."""
-        answer = self.base.respond(self.offset, self.shift, self.friction)
+        answer = self._answer
         return replace(answer, wrench=(answer.wrench + self.elastic) * self.stiffness[:, None] + self.interface)
 
     @property
@@ -86,19 +97,19 @@ class TouchState:
 
     def stiffened(self, factor: Array) -> TouchState:
         """The elastic wrench multiplied by factors (n,)."""
-        return replace(self, stiffness=self.stiffness * factor)
+        return self._as_asked(replace(self, stiffness=self.stiffness * factor))
 
     def with_elastic(self, wrench: Array) -> TouchState:
         """A wrench (n, 6) added that is the gel's own, so that its stiffness multiplies it."""
-        return replace(self, elastic=self.elastic + wrench)
+        return self._as_asked(replace(self, elastic=self.elastic + wrench))
 
     def with_interface(self, wrench: Array) -> TouchState:
         """A wrench (n, 6) added that arises where indenter and gel meet."""
-        return replace(self, interface=self.interface + wrench)
+        return self._as_asked(replace(self, interface=self.interface + wrench))
 
     def read(self, wrench: Array) -> TouchState:
         """The sensor says this wrench (n, 6)."""
-        return replace(self, reading=wrench)
+        return self._as_asked(replace(self, reading=wrench))
 
     def covariate(self, name: str, effect: str) -> Any:
         """A field of the touch that an effect depends on.

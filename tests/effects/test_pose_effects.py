@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.ball_on_layer import BallOnLayer
 from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.simulator import CLOSE, with_effects
 from tactiledata.effects.state import TouchState
 from tactiledata.effects.stem_bending import stem_stiffness
 from tactiledata.errors import UsageError
@@ -104,12 +104,13 @@ SOFTEST = [
 
 
 def test_the_softest_springs_find_their_balance(touch):
-    """With all compliances at their bounds, playing the state again with what it felt changes nothing."""
+    """With all compliances at their bounds, playing the state again with what it felt hardly changes it."""
     state = with_effects(BallOnLayer, SOFTEST).play(touch)
     again = dataclasses.replace(TouchState.start(touch, BallOnLayer(touch)), felt=state.wrench)
     for setting in SOFTEST:
         again = setting.apply(again)
-    np.testing.assert_allclose(again.contact.wrench, state.wrench, atol=1e-7)
+    near = CLOSE * np.abs(state.wrench).max()
+    np.testing.assert_allclose(again.contact.wrench, state.wrench, rtol=0, atol=2 * near)
 
 
 def test_no_balance_is_said(touch, monkeypatch):
