@@ -3,10 +3,10 @@
     python benchmarks/naming_scale.py FILE.jsonl
 
 A claim needs the least gain with which, all other conditions kept, of 100 nulls at most ``SAID`` are answered with
-anything but "nothing is missing"; structure a mean square that one null of 100 reaches. Slope, temperature and doubt
-make the probabilities of all cases likeliest; a hidden effect whose signal is below three times the noise counts as
-none, and what is outside the catalogue is left out. The probabilities that stand in the package are held
-against how often they are right.
+anything but "nothing is missing"; structure a mean square that one null of 100 reaches. The scale of probabilities
+makes those of all cases likeliest; a hidden effect whose signal is below what a claim needs counts as none, as does one
+that only the zeros tell, and what is outside the catalogue is left out. A drift of the sensor, which every world has,
+is right beside what is hidden. The probabilities that stand in the package are held against how often they are right.
 """
 
 from __future__ import annotations
@@ -20,11 +20,10 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from naming_summary import VISIBLE
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from tactiledata.diagnose.decide import NONE, OTHER
+from tactiledata.diagnose.decide import needed_of
 from tactiledata.diagnose.evidence_scale import ESTIMATED, EvidenceScale
 from tactiledata.diagnose.judge import Judged
 
@@ -32,7 +31,9 @@ Array = NDArray[np.float64]
 Case = dict[str, Any]
 SAID = 0.03
 """Share of nulls that may be answered: as a twentieth at most is to be, and other nulls differ."""
-FITTED = ("slope", "temperature", "doubt", "other")
+FITTED = ("slope", "objected", "none", "other")
+EVERYWHERE = frozenset({"sensor_drift"})
+"""What every world of the rig has a little of."""
 EDGES = (0.0, 0.5, 0.8, 0.95, 1.01)
 """Of probabilities, between which answers are counted."""
 LEAST = 5.0
@@ -45,46 +46,54 @@ class Considered:
 
     Parameters
     ----------
-    gains, errors, counts, implausible : (c,)
-        Held-out gain, its standard error, number of effects and of values that cannot be.
-    right : place of what should be said
+    evidence : (c,)
+    is_objected : (c,) bool
+    right : places of what should be said
     at_large : float
         Mean square of what is left.
     """
 
-    gains: Array
-    errors: Array
-    counts: Array
-    implausible: Array
-    right: int
+    evidence: Array
+    is_objected: NDArray[np.bool_]
+    right: tuple[int, ...]
     at_large: float
 
     @staticmethod
     def of(case: Case) -> Considered:
         """Of a case as the file tells it."""
         told = case["candidates"]
-        names = [*(frozenset(one["effects"]) for one in told), NONE, OTHER]
-        is_shown = case["signal"] >= VISIBLE and (case["effects"] or case["kind"] == "metadata")
-        wanted = frozenset(case["truth"]) if is_shown else NONE
+        names = [frozenset(one["effects"]) for one in told]
+        judged = [judged_of(one) for one in told]
+        singles = [one for one in judged if len(one.names) == 1]
+        objected = [
+            bool(one.objections(ESTIMATED)) or (len(one.names) == 2 and needed_of(one, singles, ESTIMATED) is not one)
+            for one in judged
+        ]
         return Considered(
-            np.array([one["gain"] for one in told]),
-            np.array([one["gain_error"] for one in told]),
-            np.array([len(one["effects"]) for one in told]),
-            np.array([len(one["implausible"]) for one in told]),
-            names.index(wanted) if wanted in names else names.index(OTHER),
+            np.array([one["evidence"] for one in told]), np.array(objected, dtype=bool), _right(case, names),
             case["at_large"],
-        )
+        )  # fmt: skip
 
     def shares(self, scale: EvidenceScale) -> Array:
         """Probabilities (c + 2,)."""
-        is_left = self.at_large > scale.dispersion
-        return scale.shares(self.gains, self.errors, self.counts, self.implausible, is_left)
+        return scale.shares(self.evidence, self.is_objected, self.at_large > scale.dispersion)
+
+
+def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
+    """Places of what should be said."""
+    hidden = frozenset(case["truth"]) - (frozenset(case["zeros"]) if len(case["truth"]) > 1 else frozenset())
+    nothing, other = len(names), len(names) + 1
+    is_shown = case["signal"] >= ESTIMATED.visible and bool(case["truth"])
+    if not is_shown or hidden <= frozenset(case["zeros"]):
+        return (nothing,)
+    found = tuple(place for place, one in enumerate(names) if hidden <= one and one - hidden <= EVERYWHERE)
+    return found or (other,)
 
 
 def cost(cases: Sequence[Considered], scale: EvidenceScale) -> float:
     """Mean negative logarithm of the probability of what is right; with a little doubt, as no scale is certain."""
     told = [one.shares(scale) for one in cases]
-    right = np.array([shares[one.right] for shares, one in zip(told, cases, strict=True)])
+    right = np.array([shares[list(one.right)].sum() for shares, one in zip(told, cases, strict=True)])
     return float(-np.mean(np.log(0.99 * right + 0.01 / np.array([len(shares) for shares in told]))))
 
 
@@ -102,27 +111,29 @@ def claim_of(nulls: Sequence[Case]) -> float:
     return 100.0
 
 
+@dataclass(frozen=True)
+class Told:
+    """What the file keeps of a fit."""
+
+    names: tuple[str, ...]
+
+
 def judged_of(told: dict[str, Any]) -> Judged:
     """A refit as the file tells it; what was fitted is not kept."""
     nothing = float("nan")
     return Judged(
-        cast(Any, None), np.array(told["gains"]), told["indenter_gain"] or nothing, told["indenter_error"] or nothing,
+        cast(Any, Told(tuple(told["effects"]))), np.array(told["gains"]), told["indenter_gain"] or nothing,
+        told["indenter_error"] or nothing,
         told["excess_share"], *told["signature"], tuple(told["implausible"]), tuple(told["at_bounds"]),
         told["evidence"], np.array(told["falls"]),
     )  # fmt: skip
 
 
 def fitted(cases: Sequence[Case]) -> EvidenceScale:
-    """The scale that fits the cases."""
-    nulls = [case for case in cases if case["kind"] == "nulls"]
-    scale = replace(
-        ESTIMATED,
-        claim=claim_of(nulls),
-        dispersion=float(np.quantile([case["at_large"] for case in nulls], 0.99)),
-    )
+    """The scale of probabilities that fits the cases."""
 
     def at(logs: np.ndarray) -> EvidenceScale:
-        return replace(scale, **dict(zip(FITTED, np.exp(logs).tolist(), strict=True)))
+        return replace(ESTIMATED, **dict(zip(FITTED, np.exp(logs).tolist(), strict=True)))
 
     start = np.log([getattr(ESTIMATED, name) for name in FITTED])
     # a weak pull to the estimates: few cases leave what they do not tell where it is
@@ -148,7 +159,8 @@ def held_out_cost(cases: Sequence[Case], folds: int = 4) -> float:
 
 def reliability(cases: Sequence[Considered], scale: EvidenceScale) -> list[tuple[str, int, float, float]]:
     """Of the likeliest answers: between which probabilities, how many, their mean probability, share that is right."""
-    told = [(float(shares.max()), shares.argmax() == one.right) for one in cases for shares in [one.shares(scale)]]
+    shares = [one.shares(scale) for one in cases]
+    told = [(float(each.max()), int(each.argmax()) in one.right) for one, each in zip(cases, shares, strict=True)]
     rows = []
     for low, high in itertools.pairwise(EDGES):
         inside = [(chance, is_right) for chance, is_right in told if low <= chance < high]
@@ -169,7 +181,11 @@ def main() -> None:
     told = [Considered.of(case) for case in cases]
     scale = fitted(cases)
     print(f"{len(cases)} cases, {sum(case['kind'] == 'nulls' for case in cases)} of them nulls")
-    for name in ("claim", "dispersion", *FITTED):
+    nulls = [case for case in cases if case["kind"] == "nulls"]
+    print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {ESTIMATED.claim:g})")
+    most = float(np.quantile([case["at_large"] for case in nulls], 0.99))
+    print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {ESTIMATED.dispersion:g})")
+    for name in FITTED:
         print(f"{name}: {getattr(ESTIMATED, name):.3g} -> {getattr(scale, name):.3g}")
     print(f"mean -log p of what is right: {cost(told, ESTIMATED):.3f} -> {cost(told, scale):.3f}")
     print(f"the same of cases by a scale that was fitted to others: {held_out_cost(cases):.3f}")

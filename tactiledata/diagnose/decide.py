@@ -95,7 +95,7 @@ def decide(
         What the best fit leaves.
     """
     is_left = left.is_structure(scale)
-    chances = _probabilities([*singles, *pairs], scale, is_left)
+    chances = _probabilities(singles, pairs, scale, is_left)
     ranked = sorted(singles, key=lambda one: -one.sure_gain(scale))
     best = max((one for one in singles if not one.objections(scale)), key=_evidence, default=None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
@@ -173,11 +173,8 @@ def _ties(
         is_borne = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
         # what simulators that differ bring is no proof of one against the other
         is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
-        # of what holds the other as a special case, the special case is said, unless more is there
-        is_wider = could > scale.tie and len(one.fit.model.coordinates) > len(best.fit.model.coordinates)
-        is_needless = is_wider and best.evidence - one.evidence > scale.needless
         explains = cosine > scale.tie or explains_as_much or is_rival
-        is_tied = explains and is_borne and is_as_good and not is_needless
+        is_tied = explains and is_borne and is_as_good and not _is_needless(one, best, could, scale)
         if is_tied or _rivals(one, best, scale):
             found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error))
     return tuple(found)
@@ -186,6 +183,18 @@ def _ties(
 def _rivals(one: Judged, best: Judged, scale: EvidenceScale) -> bool:
     """Whether all frames together speak for another, though its gain where it was not fitted is uncertain."""
     return one.evidence >= max(best.evidence, scale.claim) and one.gain + one.gain_error >= scale.claim
+
+
+def _is_needless(one: Judged, best: Judged, could: float, scale: EvidenceScale) -> bool:
+    """Whether one holds the best as a special case, with numbers more than needed: the special case is said then.
+
+    Parameters
+    ----------
+    could : float
+        Cosine of what the best changes with the nearest that the other can.
+    """
+    is_wider = could > scale.tie and len(one.fit.model.coordinates) > len(best.fit.model.coordinates)
+    return is_wider and best.evidence - one.evidence > scale.needless
 
 
 def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: EvidenceScale) -> tuple[Tie, ...]:
@@ -201,7 +210,9 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
         apart = best.gains - twin.gains
         adds_as_much = twin.gain - stays.gain >= scale.as_good * (best.gain - stays.gain)
         is_beaten = _exceeds(apart, scale) or best.evidence - twin.evidence > scale.claim
-        if twin.objections(scale) or not adds_as_much or is_beaten:
+        could = best_imitation(stays.fit.metric, best.fit.effect_change, twin.fit.of_effects)
+        is_needless = _is_needless(twin, best, could, scale)
+        if twin.objections(scale) or not adds_as_much or is_beaten or is_needless:
             continue
         (named,), (other,) = ([name for name in one.names if name not in stays.names] for one in (best, twin))
         cosine = float(cosines(stays.fit.metric, [best.fit.effect_change, twin.fit.effect_change])[0, 1])
@@ -210,13 +221,12 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
     return tuple(found)
 
 
-def _probabilities(judged: Sequence[Judged], scale: EvidenceScale, is_left: bool) -> dict[str, float]:
-    """A softmax of evidence; its numbers are estimates, see `EvidenceScale`."""
-    shares = scale.shares(
-        np.array([one.gain for one in judged]),
-        np.array([one.gain_error for one in judged]),
-        np.array([float(len(one.names)) for one in judged]),
-        np.array([float(len(one.implausible)) for one in judged]),
-        is_left,
-    )
+def _probabilities(
+    singles: Sequence[Judged], pairs: Sequence[Judged], scale: EvidenceScale, is_left: bool
+) -> dict[str, float]:
+    """Of what was refitted, of nothing, and of what the catalogue does not hold."""
+    objected = [bool(one.objections(scale)) for one in singles]
+    objected += [bool(one.objections(scale)) or needed_of(one, singles, scale) is not one for one in pairs]
+    judged = [*singles, *pairs]
+    shares = scale.shares(np.array([one.evidence for one in judged]), np.array(objected, dtype=bool), is_left)
     return dict(zip([*(one.label for one in judged), NONE, OTHER], shares.tolist(), strict=True))

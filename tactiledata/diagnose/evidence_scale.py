@@ -56,13 +56,18 @@ class EvidenceScale:
         imperfect form of the first leaves.
     dispersion : float
         Mean square of what is left, over that of noise, that is no structure yet.
-    slope, temperature : float
-        Of the softmax: log-odds per log-likelihood of held-out gain, and what divides all of them.
+    slope : float
+        Log-odds of a candidate's probability per unit of its evidence.
+    objected : float
+        Log-odds that an objection costs, or in a pair an effect that adds nothing of its own.
+    none : float
+        Log-odds of nothing, over a candidate without evidence.
     doubt : float
-        Standard errors over trajectories that are taken off a gain before it counts for a probability: what hangs on
-        few touches is weak evidence.
+        Standard errors over trajectories that are taken off a gain before candidates are ranked by it: what hangs on
+        few touches comes after what all bring.
     other : float
-        Log-odds of an effect that is not in the catalogue, where structure is left.
+        Log-odds, over nothing, of an effect that is not in the catalogue where structure is left; as much against it
+        where none is.
     """
 
     claim: float = 26.0
@@ -79,10 +84,11 @@ class EvidenceScale:
     needless: float = 5.0
     remainder: float = 0.6
     dispersion: float = 1.25
-    slope: float = 0.5
-    temperature: float = 3.0
+    slope: float = 0.03
+    objected: float = 5.0
+    none: float = 0.5
     doubt: float = 1.2
-    other: float = 4.0
+    other: float = 4.8
 
     @property
     def visible(self) -> float:
@@ -93,18 +99,21 @@ class EvidenceScale:
         """A gain less so many of its standard errors: what hangs on few touches comes after what all bring."""
         return gain - self.doubt * error
 
-    def shares(self, gains: Array, errors: Array, effects: Array, implausible: Array, is_left: bool) -> Array:
+    def shares(self, evidence: Array, is_objected: NDArray[np.bool_], is_left: bool) -> Array:
         """Probabilities (c + 2,) of candidates, then of none and of an effect that is not in the catalogue.
 
         Parameters
         ----------
-        gains, errors, effects, implausible : (c,)
-            Held-out gain and its standard error, how many effects, how many numbers that cannot be.
+        evidence : (c,)
+            Logarithms of Bayes factors.
+        is_objected : (c,) bool
+            Whether something speaks against claiming a candidate.
         is_left : bool
             Whether structure is left.
         """
-        odds = self.slope * (self.sure(gains, errors) - self.claim * effects) - 2.0 * implausible
-        values = np.concatenate([odds, [0.0, self.other if is_left else -self.other]]) / self.temperature
+        odds = self.slope * evidence - self.objected * is_objected
+        other = self.none + (self.other if is_left else -self.other)
+        values = np.concatenate([odds, [self.none, other]])
         shares: Array = np.exp(values - values.max())
         return shares / shares.sum()
 

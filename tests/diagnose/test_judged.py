@@ -154,9 +154,12 @@ def test_another_may_stand_for_one_of_two_that_are_named():
         RandomEffects(np.zeros((1, 6)), np.zeros((1, 6, 0)), np.zeros(0), np.zeros(1, int)),
     )
 
-    def beside(name, each):
+    def beside(name, each, numbers=1):
         pair = judged([20.0 + each] * 25)
-        fit = SimpleNamespace(names=("lag", name), effect_change=np.ones((1, 6)), metric=metric)
+        change, model = np.ones((1, 6)), SimpleNamespace(coordinates=range(1 + numbers))
+        fit = SimpleNamespace(
+            names=("lag", name), effect_change=change, metric=metric, of_effects=change[:, :, None], model=model
+        )
         return dataclasses.replace(pair, fit=fit)
 
     stays = dataclasses.replace(alone, fit=SimpleNamespace(names=("lag",), metric=metric))
@@ -165,6 +168,8 @@ def test_another_may_stand_for_one_of_two_that_are_named():
     assert (tie.name, tie.instead_of, tie.label) == ("heating", "wear", "lag + heating")
     assert tie.cosine == pytest.approx(1.0)
     assert tie.gain_apart == pytest.approx(5.0)
+    # what holds wear as a special case, and explains less with numbers more, is not
+    assert ties_of_two(beside("wear", 4.0), [(stays, beside("soft_region", 3.6, numbers=4))], ESTIMATED) == ()
 
 
 def test_what_would_not_be_claimed_is_said_with_the_size_that_would():

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tactiledata.effects.cable_drag import with_play
-from tactiledata.effects.clipping import selection_bias
+from tactiledata.effects.clipping import limited, selection_bias
 from tactiledata.effects.quantisation import mean_told
 
 
@@ -197,3 +197,23 @@ def test_selection_concerns_only_what_can_have_been_chosen(play):
     near = (size > 0.9) & (size < 1.2)
     assert (np.linalg.norm(wrench[near, :3], axis=1) > size[near]).all()
     np.testing.assert_allclose(np.cross(wrench[near, :3], plain[near, :3]), 0.0, atol=1e-12)
+
+
+def test_a_knee_bends_between_what_stays_and_the_limit():
+    force, limit = np.linspace(-9.0, 9.0, 1801), 5.0
+    for knee in (0.1, 0.6):
+        told = limited(force, limit, knee)
+        below, beyond = np.abs(force) <= (1 - knee) * limit, np.abs(force) >= (1 + knee) * limit
+        assert told[below].tobytes() == force[below].tobytes()
+        np.testing.assert_allclose(told[beyond], np.copysign(limit, force[beyond]))
+        slopes = np.diff(told) / np.diff(force)
+        assert slopes.min() > -1e-9
+        assert slopes.max() < 1 + 1e-9
+        assert np.abs(np.diff(slopes)).max() < 0.02  # no edge anywhere
+        np.testing.assert_allclose(told, -limited(-force, limit, knee))
+
+
+def test_a_knee_of_nothing_is_a_hard_limit():
+    force = np.linspace(-9.0, 9.0, 181)
+    np.testing.assert_array_equal(limited(force, 5.0, 0.0), np.clip(force, -5.0, 5.0))
+    np.testing.assert_allclose(limited(force, 5.0, 1e-4), np.clip(force, -5.0, 5.0), atol=5.0 * 1e-4)
