@@ -28,13 +28,10 @@ class Agreement:
         Of the change, that is in the residual: 1 where all of it is, 0 where none.
     error : float
         Its standard error over trajectories.
-    size : float
-        Of the change beyond what a refit imitates, in units of the noise.
     """
 
     share: float
     error: float
-    size: float
 
     @property
     def standard_errors(self) -> float:
@@ -52,9 +49,9 @@ def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreemen
     told = np.add.reduceat((weighed * change).sum(axis=1), metric.starts)
     total = float(told.sum())
     if not total > 0:
-        return Agreement(0.0, 0.0, 0.0)
+        return Agreement(0.0, 0.0)
     share = float(scores.sum()) / total
     # what one trajectory tells is partly its own noise: the share without it, as in a jackknife
     alone = np.clip(told / total, 0.0, MOST_ALONE)
     spread = float((((scores - told * share) / (1.0 - alone)) ** 2).sum())
-    return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total, float(np.sqrt(total)))
+    return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total)

@@ -80,6 +80,10 @@ class Answer:
         unseen = self.naming.identifiable.undetectable
         if unseen:
             said.append(f"These could be there and not show in these trajectories: {_titles(unseen)}.")
+        numbers = self.naming.identifiable.undetectable_numbers
+        if numbers:
+            listed = joined_names([f"{one.name} ({EFFECTS[one.effect]().title})" for one in numbers])
+            said.append(f"Of effects that would show, these numbers could still be off, and not show: {listed}.")
         return said
 
     @property
@@ -125,7 +129,7 @@ def _titles(names: Sequence[str]) -> str:
 def _claim(best: Judged, probabilities: dict[str, float]) -> str:
     chance = rounded(min(probabilities[best.label], 0.99))
     said = f"The simulation lacks {_titles(best.names)} (probability {chance}"
-    said += ", not yet calibrated on development worlds)"
+    said += ")"
     if best.indenter_gain == best.indenter_gain:
         return f"{said}; {percent(max(best.excess_share, 0.0))} of the excess on indenters that were held out is gone."
     return f"{said}; {percent(max(best.excess_share, 0.0))} of the excess on trajectories that were held out is gone."

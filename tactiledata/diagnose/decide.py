@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.evidence_scale import EvidenceScale
-from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.judge import Judged, error_of_sum
 from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.likeness_of_effects import best_imitation, cosines
 from tactiledata.diagnose.random_effects import RandomEffects
@@ -145,8 +145,7 @@ def _evidence(one: Judged) -> float:
 
 
 def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
-    error = float(np.sqrt(len(difference)) * difference.std(ddof=1))
-    return float(difference.sum()) > max(scale.claim, scale.standard_errors * error)
+    return float(difference.sum()) > max(scale.claim, scale.standard_errors * error_of_sum(difference))
 
 
 def _ties(
@@ -164,20 +163,30 @@ def _ties(
     for one, fitted in zip(others, alike, strict=True):
         # two fits to one noise differ by it: what the other could do counts, not only what it did
         could = best_imitation(metric, best.fit.effect_change, one.fit.of_effects)
-        cosine = max(float(fitted), could)
-        apart = gains[best.label] - gains[one.label]
-        error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
-        explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
-        is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error
-        # of few touches it can be only where the best is, too
-        is_borne = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
-        # what simulators that differ bring is no proof of one against the other
-        is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
-        explains = cosine > scale.tie or explains_as_much or is_rival
-        is_tied = explains and is_borne and is_as_good and not _is_needless(one, best, could, scale)
+        cosine, apart = max(float(fitted), could), gains[best.label] - gains[one.label]
+        is_tied = _explains(one, best, cosine, apart, scale) and not _is_needless(one, best, could, scale)
         if is_tied or _rivals(one, best, scale):
-            found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error))
+            found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error_of_sum(apart)))
     return tuple(found)
+
+
+def _explains(one: Judged, best: Judged, cosine: float, apart: Array, scale: EvidenceScale) -> bool:
+    """Whether another does for the data what the best does.
+
+    Parameters
+    ----------
+    cosine : float
+        Of what both change.
+    apart : (t,)
+        By how much more the best gains in each trajectory.
+    """
+    explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
+    is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error_of_sum(apart)
+    # of few touches it can be only where the best is, too
+    is_borne = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
+    # what simulators that differ bring is no proof of one against the other
+    is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
+    return (cosine > scale.tie or explains_as_much or is_rival) and is_borne and is_as_good
 
 
 def _rivals(one: Judged, best: Judged, scale: EvidenceScale) -> bool:
@@ -216,8 +225,7 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
             continue
         (named,), (other,) = ([name for name in one.names if name not in stays.names] for one in (best, twin))
         cosine = float(cosines(stays.fit.metric, [best.fit.effect_change, twin.fit.effect_change])[0, 1])
-        error = float(np.sqrt(len(apart)) * apart.std(ddof=1))
-        found.append(Tie(other, named, twin.label, cosine, float(apart.sum()), error))
+        found.append(Tie(other, named, twin.label, cosine, float(apart.sum()), error_of_sum(apart)))
     return tuple(found)
 
 

@@ -76,6 +76,21 @@ class Identifiability:
         seen = {name for name, reach in zip(self.effects, self.reach, strict=True) if reach >= VISIBLE}
         return (*(name for name in dict.fromkeys(self.effects) if name not in seen), *self.without_trace)
 
+    @property
+    def undetectable_numbers(self) -> tuple[Strength, ...]:
+        """Strengths, of effects that would be seen, that could be as large as ever and not be claimed anywhere.
+
+        Where an effect is another one for each place, that of the first.
+        """
+        unseen = set(self.undetectable)
+        most: dict[tuple[str, str], float] = {}
+        first: dict[tuple[str, str], Strength] = {}
+        for one, reach in zip(self.numbers, self.reach, strict=True):
+            key = one.effect, one.name
+            first.setdefault(key, one)
+            most[key] = max(most.get(key, 0.0), float(reach))
+        return tuple(first[key] for key, reach in most.items() if reach < VISIBLE and key[0] not in unseen)
+
     def look_alikes(self, least: float = 0.95) -> list[tuple[str, str, float]]:
         """Pairs of different effects that can be seen and whose cosine is at least so large, the nearest first."""
         found: dict[tuple[str, str], float] = {}

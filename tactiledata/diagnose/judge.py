@@ -84,7 +84,7 @@ class Judged:
     @property
     def gain_error(self) -> float:
         """Its standard error over trajectories."""
-        return _error(self.gains)
+        return error_of_sum(self.gains)
 
     def sure_gain(self, scale: EvidenceScale) -> float:
         """By which candidates are ranked."""
@@ -191,7 +191,8 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
     implausible, at_bounds = _range_checks(fit)
     return Judged(
         fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
-        _error(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after, implausible, at_bounds,
+        error_of_sum(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after,
+        implausible, at_bounds,
         0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
         0.5 * (base.by_trajectory - fit.by_trajectory) / dispersion,
     )  # fmt: skip
@@ -202,7 +203,8 @@ def _share(gone: float, excess: float) -> float:
     return gone / max(excess, abs(gone), 1e-300)
 
 
-def _error(gains: Array) -> float:
+def error_of_sum(gains: Array) -> float:
+    """Standard error of the sum of what trajectories gain; NaN of one alone."""
     return float(np.sqrt(len(gains)) * gains.std(ddof=1)) if len(gains) > 1 else float("nan")
 
 

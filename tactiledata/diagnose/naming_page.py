@@ -86,15 +86,16 @@ def title_of(names: Sequence[str]) -> str:
 
 
 def _what(naming: Naming) -> Section:
-    ranked = sorted(naming.judged, key=lambda one: -one.gain)[:MOST_CANDIDATES]
+    ranked = sorted(naming.judged, key=lambda one: -one.evidence)[:MOST_CANDIDATES]
     if not ranked:
         return Section("What is missing", [("", "No effect of the catalogue promises anything: none was refitted.")])
     text = (
-        "Gains of the log-likelihood where a candidate was not fitted, with their standard errors; how much "
-        "trajectories agree on it before and after, in standard errors; and what speaks against it."
+        "Evidence is the logarithm of the Bayes factor against the plain simulation, and what is left of it without the "
+        "two trajectories that bring most. Gains are those of the log-likelihood where a candidate was not fitted, with "
+        "their standard errors; agreement is that of trajectories before and after, in standard errors."
     )
     said = [("info", text), ("info", _probabilities(naming))]
-    columns = ("candidate", "gain", "gain on indenters", "agreement", "objections")
+    columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")
     drawn = draw_ladder(
         [title_of(one.names) for one in ranked], [one.gain for one in ranked], [one.gain_error for one in ranked],
         ESTIMATED.claim,
@@ -107,6 +108,7 @@ def _candidate(one: Judged) -> tuple[str, ...]:
     alone = one.indenter_gain != one.indenter_gain
     return (
         title_of(one.names),
+        _unbroken(f"{one.evidence:.0f} ({one.evidence_of_others:.0f})"),
         _unbroken(with_interval(one.gain, one.gain_error, "1")),
         "-" if alone else _unbroken(with_interval(one.indenter_gain, one.indenter_error, "1")),
         _unbroken(f"{one.signature_before:.1f} → {one.signature_after:.1f}"),
@@ -185,7 +187,7 @@ def _seen_at_all(naming: Naming) -> list[Section]:
     text = (
         "The number of each effect that can be seen best. What it changes, and E, nu, mu, offsets and errors of the "
         "simulation imitate, is hidden. Reach is the signal over noise of what is left, at the end of the plausible "
-        "range; from 3 on it can be seen."
+        f"range; from {rounded(ESTIMATED.visible)} on it can be claimed."
     )
     said = [("info", text)]
     if known.undetectable:

@@ -182,6 +182,15 @@ def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
     assert ESTIMATED.visible**2 / 2 == pytest.approx(ESTIMATED.claim)
 
 
+def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():
+    """An indenter's place shows, its radius does not; of one effect that shows nowhere, the effect is said."""
+    mount = [Strength("mount_offset", name, place) for name in ("x", "radius_error") for place in ("ball3", "bar")]
+    reach = ESTIMATED.visible * np.array([0.5, 2.0, 0.2, 0.4, 0.5])
+    known = Identifiability((*mount, Strength("wear", "stiffness_change")), np.zeros(5), np.eye(5), reach, ())
+    assert known.undetectable_numbers == (Strength("mount_offset", "radius_error", "ball3"),)
+    assert known.undetectable == ("wear",)
+
+
 def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     """Springs so soft that the gel finds no balance end the refit of one effect, not the diagnosis."""
 
