@@ -90,8 +90,8 @@ def _what(naming: Naming) -> Section:
     if not ranked:
         return Section("What is missing", [("", "No effect of the catalogue promises anything: none was refitted.")])
     text = (
-        "Evidence is the logarithm of the Bayes factor against the plain simulation, and what is left of it without the "
-        "two trajectories that bring most. Gains are those of the log-likelihood where a candidate was not fitted, with "
+        "Evidence is the logarithm of the Bayes factor against the plain simulation (what is left without the two "
+        "trajectories that bring most). Gains are those of the log-likelihood where a candidate was not fitted, with "
         "their standard errors; agreement is that of trajectories before and after, in standard errors."
     )
     said = [("info", text), ("info", _probabilities(naming))]
