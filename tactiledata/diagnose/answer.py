@@ -68,8 +68,8 @@ class Answer:
             said = ["What is left has structure, and none of the known effects explains it."]
         elif decision.verdict == "below detection" and best is not None:
             said = [
-                f"There is a trace that looks like {_titles(best.names)}, no larger than what errors of the simulation"
-                " alone leave: below what this rig can detect.",
+                f"There is a trace that looks like {_titles(best.names)}, too faint, or of too few touches, to be more"
+                " than errors of the simulation: below what such data can tell.",
                 *(_tie(best, tie) for tie in decision.ties),
             ]
         else:

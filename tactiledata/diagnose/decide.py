@@ -118,9 +118,10 @@ def decide(
     objections = hint.objections(scale) if hint is not None else ()
     if is_left or (hint is not None and hint.is_structure(scale)):
         return Decision("none of the known effects", hint, (), chances, objections, left, is_left)
-    if hint is not None and hint.is_trace(scale):
-        ties = _ties(hint, ranked, gains, metric, scale)
-        return Decision("below detection", hint, ties, chances, objections, left, is_left)
+    trace = max((one for one in singles if one.is_trace(scale)), key=_evidence, default=None)
+    if trace is not None:
+        ties = _ties(trace, ranked, gains, metric, scale)
+        return Decision("below detection", trace, ties, chances, trace.objections(scale), left, is_left)
     return Decision("nothing is missing", hint, (), chances, objections, left, is_left)
 
 

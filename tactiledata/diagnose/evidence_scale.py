@@ -8,7 +8,7 @@ anew on more development worlds before a claim is held against sealed ones.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -48,6 +48,8 @@ class EvidenceScale:
         claim, for the other not to be listed: nine in ten of a normal distribution.
     of_others : float
         Evidence that must be left without the two trajectories that bring most; of nulls hardly any is.
+    trace : float
+        Share of the gain and the evidence that a claim needs, with which a candidate is a trace.
     needless : float
         Evidence by which a special case of another, with fewer numbers, is preferred to it: errors of the simulation
         only ever speak for the wider one.
@@ -81,6 +83,7 @@ class EvidenceScale:
     as_good: float = 0.8
     rival: float = 1.3
     of_others: float = 12.0
+    trace: float = 0.5
     needless: float = 5.0
     remainder: float = 0.6
     dispersion: float = 1.25
@@ -94,6 +97,11 @@ class EvidenceScale:
     def visible(self) -> float:
         """Signal over noise whose gain, half its square, reaches the claim."""
         return float(np.sqrt(2.0 * self.claim))
+
+    @property
+    def of_traces(self) -> EvidenceScale:
+        """What a trace needs."""
+        return replace(self, claim=self.trace * self.claim, of_others=self.trace * self.of_others)
 
     def sure(self, gain: Number, error: Number) -> Number:
         """A gain less so many of its standard errors: what hangs on few touches comes after what all bring."""

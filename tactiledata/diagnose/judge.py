@@ -136,13 +136,8 @@ class Judged:
         return self.gain >= 2.0 * scale.claim and self.is_certain(scale)
 
     def is_trace(self, scale: EvidenceScale) -> bool:
-        """Whether all but the size of its gain speaks for it."""
-        return (
-            0.5 * scale.claim <= self.gain < scale.claim
-            and self.is_certain(scale)
-            and self.is_agreed(scale)
-            and not self.implausible
-        )
+        """Whether it could be claimed if a share of what a claim needs were enough."""
+        return not self.objections(scale.of_traces)
 
     def objections(self, scale: EvidenceScale) -> tuple[str, ...]:
         """Why it cannot be claimed; empty where it can."""

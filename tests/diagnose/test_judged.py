@@ -96,6 +96,14 @@ def test_what_all_touches_bring_is_claimed_though_gains_scatter():
     assert against.objections(ESTIMATED) != ()
 
 
+def test_half_of_what_a_claim_needs_is_a_trace():
+    """From all touches, half the evidence is a trace, a third is nothing; from two touches any is nothing."""
+    scattered = np.tile([4.0, -3.5], 30)
+    for fall, verdict in ((0.6, "named"), (0.3, "below detection"), (0.15, "nothing is missing")):
+        assert decided([believed("lag", scattered, np.full(60, fall))]).verdict == verdict
+    assert decided([believed("lag", scattered, spread(9.0, 9.0, count=60))]).verdict == "nothing is missing"
+
+
 def test_of_two_only_what_adds_its_own_is_named():
     """Beside a strong effect, what adds a claim's worth is named; what errors bring, or is its remainder, is not."""
     all_alike = np.full(60, 1.0)
