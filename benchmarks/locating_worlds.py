@@ -1,0 +1,207 @@
+"""Where development worlds differ from their simulation: what locators say without a catalogue, against the truth.
+
+    python benchmarks/locating_worlds.py [--quick] [--mounts M] [--count K] [--only EFFECT ...] [--nulls L]
+                                         [--bank FOLDER] [--out FILE.jsonl]
+
+The worlds are those of benchmarks/naming_worlds.py. The *axis* is right where the group of components (normal force,
+shear, torques) that holds most of the hidden change, beyond what a refit of the plain simulation imitates, is among
+those that certain findings name; a drift of E or nu counts as normal force, one of mu as shear. *Where* is right if one
+of them names a covariate, a phase or an event that `SHOWS_IN` has, as physics says and before anything was run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from naming_asked import Asked, asked_cases
+from naming_plan import Plan
+from naming_worlds import START, Bench
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.case_residuals import COMPONENTS, locate_touches
+from tactiledata.diagnose.evidence_scale import ESTIMATED
+from tactiledata.diagnose.locate import LEVEL, Located
+from tactiledata.diagnose.name_effects import NamingOptions
+from tactiledata.diagnose.plain_fit import plain_fit
+from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.zero_causes import zero_causes
+from tactiledata.gel.material import GelMaterial
+
+Array = NDArray[np.float64]
+
+PLACE = {"x", "y", "map", "sensor"}
+SIZE = {"contact radius", "depth", "normal force", "indenter"}
+SLIDES = {"contact", "slip onset", "end of slip", "shear start", "shear travel", "shear reversal", "lateral speed"}
+AIR = {"free air", "zeros"}
+SHOWS_IN: Mapping[str, set[str]] = {
+    "relaxation": {"seconds", "dwell start", "reversal", "loading rate", "time step", "phase"},
+    "mullins": {"earlier depth", "earlier contacts", "reversal", "phase"},
+    "stiffening": SIZE,
+    "thickness": SIZE,
+    "dome": PLACE,
+    "adhesion": {"separation", "contact radius", "indenter", "phase"},
+    "shear_strength": SIZE | SLIDES,
+    "rate_friction": {"lateral speed", *SLIDES, "phase"},
+    "ageing_friction": {"seconds", *SLIDES, "phase"},
+    "partial_slip": {*SLIDES, "phase"},
+    "arm_compliance": {"normal force", "last joint", "depth"},
+    "stem_bending": {"indenter", *SLIDES, "phase"},
+    "ft_drift": {*AIR, "time since power-on", "seconds", "index"},
+    "cross_talk": {"normal force", "depth", "contact radius", *SLIDES},
+    "tool_weight": {*AIR, "tilt", "last joint", *(f"gravity along {axis} since the zero" for axis in "xyz")},
+    "cable_drag": {*AIR, "last joint"},
+    "frame_rotation": {"normal force", "depth", "contact radius", *SLIDES},
+    "lag": {"loading rate", "time step", "reversal", "dwell start", "lateral speed", "phase"},
+    "clock_skew": {"loading rate", "time step", "reversal", "dwell start", "seconds", "index", "phase"},
+    "indenter_mount": {"indenter", "mount", "contact onset", "depth"},
+    "warm_up": {"time since power-on", "index"},
+    "wear": {"earlier contacts", "index"},
+    "delamination": PLACE | SLIDES,
+    "pad_edge": PLACE,
+    "skin": SIZE,
+    "dead_band": {"normal force", "contact onset", "separation", "depth", "contact radius", "phase", *SLIDES},
+    "saturation": {"normal force", "depth", "contact radius", "indenter"},
+    "inertia": {"time step", "contact onset", "dwell start", "shear start", "reversal", "phase"},
+}
+AXES = {"fx": "shear", "fy": "shear", "fz": "normal", "tx": "torques", "ty": "torques", "tz": "torques"}
+OF_PARAMETER = {"E": "normal", "nu": "normal", "mu": "shear"}
+
+
+def axes_of(change: Array, weighed: Array) -> dict[str, float]:
+    """Shares of a hidden change (N, 6) in the groups of components, in the metric of ``weighed``."""
+    energy = np.maximum((change * weighed).sum(axis=0), 0.0)
+    shares = dict.fromkeys(dict.fromkeys(AXES.values()), 0.0)
+    for component, one in zip(COMPONENTS, energy, strict=True):
+        shares[AXES[component]] += float(one / max(energy.sum(), 1e-300))
+    return shares
+
+
+def told(located: Located) -> tuple[set[str], set[str]]:
+    """Groups of components, and covariates, phases and events, that certain findings name."""
+    axes, where = set(), set()
+    if located.is_certain("drifting parameters"):
+        axes |= {OF_PARAMETER[one.parameter] for one in located.leading if one.parameter in OF_PARAMETER}
+        where |= {name for one in located.leading for name in (one.covariate, *one.alike)}
+    if located.is_certain("departures from events on"):
+        certain = [one for one in located.departures if one.p <= LEVEL]
+        axes |= {AXES[one.component] for one in certain}
+        where |= {one.event for one in certain}
+    if located.is_certain("events"):
+        clusters = [(one.event, each) for one in located.events for each in one.clusters if each.p <= LEVEL]
+        axes |= {AXES[each.component] for _, each in clusters}
+        where |= {event for event, _ in clusters}
+    if located.is_certain("the tree"):
+        leaves = [one for one in located.leaves if one.p <= LEVEL]
+        axes |= {AXES[one.component] for one in leaves}
+        words = " and ".join(one.conditions for one in leaves)
+        where |= {name for name in _known(located) if name in words}
+    sharpest = located.energy.sharpest
+    if located.is_structured and sharpest is not None:
+        axes |= {AXES[word] for word in sharpest.words.replace(",", "").split() if word in AXES}
+        where |= set(sharpest.factors)
+    if located.is_certain("the map"):
+        where.add("map")
+    if located.is_certain("free air"):
+        where.add("free air")
+    return axes, where
+
+
+def _known(located: Located) -> list[str]:
+    residuals = located.projection.residuals
+    return [name for name in (*residuals.covariates, *residuals.labels) if len(name) > 1]
+
+
+def run(bench: Bench, asked: Asked) -> dict[str, Any]:
+    """One world from the rig to what locators say of it."""
+    modulus = float(np.random.default_rng([asked.seed, 53]).uniform(0.84e6, 0.95e6))
+    gel = GelMaterial(modulus, bench.plan.truth.poisson_ratio, bench.plan.truth.friction)
+    recorded = bench.maker.recorded(asked.seed, gel, asked.hidden)
+    white = WhitenedCases.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
+    base = plain_fit(white, START)
+    located = locate_touches(white, base)
+    hidden, plain = (
+        np.concatenate(bench.maker.recorded(asked.seed, gel, one, is_exact=True).wrenches) for one in (asked.hidden, [])
+    )
+    change = white.white(hidden - plain)
+    shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
+    axes, where = told(located)
+    if zero_causes(recorded.zeros):
+        where.add("zeros")
+    name = asked.effects[0] if asked.effects else ""
+    return {
+        "case": asked.label,
+        "effect": name,
+        "signal": float(np.sqrt(max(base.metric.cost(change), 0.0))),
+        "is_structured": located.is_structured,
+        "axes": shares,
+        "found_axes": sorted(axes),
+        "found": sorted(where),
+        "is_axis": max(shares, key=lambda one: shares[one]) in axes,
+        "is_where": bool(where & SHOWS_IN.get(name, set())),
+        "sentences": located.sentences(),
+    }
+
+
+def line(one: Mapping[str, Any]) -> str:
+    """A world's."""
+    axis = max(one["axes"], key=lambda each: one["axes"][each])
+    named = ", ".join(sorted(set(one["found"]) & SHOWS_IN[one["effect"]])) or "-"
+    right = " and ".join(what for what, is_so in (("axis", one["is_axis"]), ("where", one["is_where"])) if is_so)
+    share = f"{100 * one['axes'][axis]:.0f} % in {axis}"
+    return f"    {one['effect']}: signal {one['signal']:.0f}, {share}: {right or 'nothing'} right ({named})"
+
+
+def summary(found: Sequence[Mapping[str, Any]]) -> str:
+    """A line a world, those that show most first, and how many are right."""
+    nulls, hidden = ([one for one in found if bool(one["effect"]) is is_hidden] for is_hidden in (False, True))
+    lines = [line(one) for one in sorted(hidden, key=lambda each: -each["signal"])]
+    for what, part in (
+        (f"whose signal is {ESTIMATED.visible:.1f} and more", [o for o in hidden if o["signal"] >= ESTIMATED.visible]),
+        ("whose signal is less", [o for o in hidden if o["signal"] < ESTIMATED.visible]),
+    ):
+        counts = [sum(one[key] for one in part) for key in ("is_structured", "is_axis", "is_where")]
+        both = sum(one["is_axis"] and one["is_where"] for one in part)
+        lines.append(
+            f"{len(part)} worlds {what}: structure in {counts[0]}, axis right in {counts[1]}, where in {counts[2]},"
+            f" both in {both}"
+        )
+    lines.append(f"{len(nulls)} worlds that hide nothing: structure in {sum(one['is_structured'] for one in nulls)}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run what is not in the file yet, then the summary."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="ten touches on a coarse linear pad; shows that it works")
+    parser.add_argument("--mounts", type=int, default=5, help="of each of the five indenters, a touch each")
+    parser.add_argument("--count", type=int, default=1)
+    parser.add_argument("--only", nargs="*", default=list(SHOWS_IN), help="of the rig's effects")
+    parser.add_argument("--nulls", type=int, default=10)
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
+    options = parser.parse_args()
+    only = ["frame_rotation"] if options.quick else options.only
+    cases = [one for one in asked_cases(("effects",), options.count, "medium") if one.effects[0] in only]
+    cases += asked_cases(("nulls",), 1 if options.quick else options.nulls, "none")
+    lines = options.out.read_text().splitlines() if options.out and options.out.is_file() else []
+    found = [json.loads(line) for line in lines]
+    todo = [one for one in cases if one.label not in {each["case"] for each in found}]
+    if todo:
+        bench = Bench.of(Plan(0, options.quick, options.mounts), options.bank, with_variants=False)
+        for asked in todo:
+            found.append(run(bench, asked))
+            print(f"{asked.label}: {' '.join(found[-1]['sentences'])}", flush=True)
+            if options.out:
+                with options.out.open("a") as file:
+                    file.write(json.dumps(found[-1]) + "\n")
+    print(summary(found))
+
+
+if __name__ == "__main__":
+    main()
