@@ -77,15 +77,18 @@ def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]
     return fields
 
 
-def case_noise(white: WhitenedCases) -> NoiseModel:
-    """The noise of such residuals, for the gate."""
+def case_noise(white: WhitenedCases, fit: JointFit) -> NoiseModel:
+    """The noise of such residuals, for the gate: that of neighbours alike, and scatter of the simulation."""
     inflation = float(np.mean([case.noise.inflation for case in white.cases.cases]))
-    return NoiseModel((inflation - 1.0) / (inflation + 1.0))
+    answers = contacts(white.cases, fit.model.material, fit.model.offsets)
+    rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
+    scatter = np.sqrt(np.maximum(1.0 - white.weights[rows] ** 2, 0.0))
+    return NoiseModel((inflation - 1.0) / (inflation + 1.0), scatter=scatter)
 
 
-def locating(white: WhitenedCases, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
+def locating(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
     """How to locate in such residuals: their noise is known, and they are those of a fit."""
-    return LocateOptions(noise=case_noise(white), seed=seed, draws=draws, is_fitted=True)
+    return LocateOptions(noise=case_noise(white, fit), seed=seed, draws=draws, is_fitted=True)
 
 
 def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> Located:
@@ -96,7 +99,7 @@ def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: in
     TactileDataError
         Too few trajectories.
     """
-    return locate(case_residuals(white, fit), locating(white, seed, draws))
+    return locate(case_residuals(white, fit), locating(white, fit, seed, draws))
 
 
 def _single(white: WhitenedCases) -> Array:

@@ -111,7 +111,7 @@ def diagnose_store(
         thinking("looking for a formula")
         residuals = case_residuals(naming.cases, naming.base)
         known = signature_fields(naming.cases, naming.base, [name for name in wanted if name not in naming.not_tried])
-        how = locating(naming.cases, options.seed)
+        how = locating(naming.cases, naming.base, options.seed)
         formula = explain(residuals, how, "seconds", signatures=known, located=shown.located)
     thinking("what to record next")
     proposals = propose_trials(naming)

@@ -37,11 +37,15 @@ class NoiseModel:
         Relative standard deviation of the noise's size: how well it is known.
     discrepancy : (n, k, m), optional
         Whitened differences between a refined simulation and the one used: each comes with a normal factor of its own.
+    scatter : (n,), optional
+        Share of each frame's standard deviation, 0 to 1, that is no noise but scatter of the simulation: it goes slowly
+        along a trajectory, and as slowly as can be counts as usual.
     """
 
     correlation: float | None = 0.0
     doubt: float = 0.05
     discrepancy: Array | None = None
+    scatter: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,9 @@ def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, dr
             rows = residuals.starts[residuals.counts > later] + later
             values[rows] = noise.correlation * values[rows - 1] + fresh * values[rows]
     values *= np.maximum(rng.normal(1.0, noise.doubt, draws), 0.1)
+    if noise.scatter is not None:
+        share = noise.scatter[:, None, None]
+        values = np.sqrt(1.0 - share**2) * values + share * _slow_draws(residuals, rng, draws)
     if noise.discrepancy is not None:
         values += noise.discrepancy @ rng.normal(size=(noise.discrepancy.shape[2], draws))
     for place, parameter in enumerate(residuals.parameters):
@@ -119,6 +126,17 @@ def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, dr
             own = rng.normal(0.0, parameter.own_deviation, (len(residuals.starts), draws))
             values += residuals.slopes[:, :, place, None] * own[residuals.trajectory][:, None, :]
     return values
+
+
+def _slow_draws(residuals: Residuals, rng: np.random.Generator, draws: int) -> Array:
+    """Values (n, k, d) of unit variance in the mean that are slow in each trajectory, and nothing else."""
+    shape = (len(residuals.starts), SLOW, residuals.values.shape[1], draws)
+    waves = (
+        _slow_basis(residuals)
+        * np.sqrt(residuals.counts / np.minimum(residuals.counts, SLOW))[residuals.trajectory, None]
+    )
+    drawn: Array = np.einsum("ns,nskd->nkd", waves, rng.normal(size=shape)[residuals.trajectory], optimize=True)
+    return drawn
 
 
 def _numbers(projection: Projection, slow: Array, values: Array) -> Array:

@@ -80,7 +80,7 @@ def test_the_unit_is_the_noise(quiet):
     white, fit = quiet
     projection = project(case_residuals(white, fit))
     assert 0.6 < (projection.left * projection.score).mean() < 1.1
-    assert case_noise(white).correlation == pytest.approx(0.4)
+    assert case_noise(white, fit).correlation == pytest.approx(0.4)
 
 
 def test_a_modulus_of_all_indenters_is_no_question(quiet):

@@ -50,6 +50,20 @@ def test_errors_of_the_simulation_are_no_structure():
     assert gate(projection, NoiseModel(discrepancy=difference)).is_passed
 
 
+def test_scatter_that_is_slow_is_no_structure():
+    """Half of each value goes slowly along its trajectory, as a simulation scatters: none where it is known to."""
+    world = plain(5, correlation=0.0)
+    rng = np.random.default_rng(5)
+    slow = rng.normal(size=(20, 6))[:, :, None] * np.cos(np.pi * np.linspace(0.05, 0.95, 10))[None, None, :]
+    share = np.full(len(world.values), 0.7)
+    slow = slow.transpose(0, 2, 1).reshape(-1, 6)[:, : world.values.shape[1]] * np.sqrt(2.0)
+    moved = project(world.with_values(np.sqrt(1 - 0.7**2) * world.values + 0.7 * slow))
+    assert not gate(moved, NoiseModel()).is_passed
+    assert gate(moved, NoiseModel(scatter=share)).is_passed
+    strong = project(world.with_values(world.values + 3.0 * slow))
+    assert not gate(strong, NoiseModel(scatter=share)).is_passed
+
+
 def test_same_seed_same_answer():
     """Bit for bit."""
     projection = project(plain(4))
