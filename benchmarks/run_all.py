@@ -19,6 +19,7 @@ BENCHMARKS = (
     "replay_memory.py",
     "calibration_worlds.py",
     "naming_worlds.py",
+    "locating_worlds.py",
     "naming_rivals.py",
     "diagnose_speed.py",
     "inference.py",
