@@ -3,9 +3,10 @@
     python benchmarks/locating_worlds.py [--quick] [--mounts M] [--count K] [--only EFFECT ...] [--nulls L]
                                          [--bank FOLDER] [--out FILE.jsonl]
 
-The worlds are those of benchmarks/naming_worlds.py. The *axis* is right where the group of components (normal force,
-shear, torques) that holds most of the hidden change, beyond what a refit of the plain simulation imitates, is among
-those that certain findings name; a drift of E or nu counts as normal force, one of mu as shear. *Where* is right if one
+The worlds are those of benchmarks/naming_worlds.py. The *axis*, normal to the surface (fz)
+or along it (shear, and torques, in which shear shows best), is right where the one that holds most of the hidden
+change, beyond what a refit of the plain simulation imitates, is among those that certain findings name; a drift of E
+or nu counts as normal, one of mu as along. *Where* is right if one
 of them names a covariate, a phase or an event that `SHOWS_IN` has, as physics says and before anything was run.
 """
 
@@ -69,8 +70,9 @@ SHOWS_IN: Mapping[str, set[str]] = {
     "saturation": {"normal force", "depth", "contact radius", "indenter"},
     "inertia": {"time step", "contact onset", "dwell start", "shear start", "reversal", "phase"},
 }
-AXES = {"fx": "shear", "fy": "shear", "fz": "normal", "tx": "torques", "ty": "torques", "tz": "torques"}
-OF_PARAMETER = {"E": "normal", "nu": "normal", "mu": "shear"}
+ALONG = ("fx", "fy", "tx", "ty", "tz", "shear along the slide", "torque of shear along the slide")
+AXES = {"fz": "normal"} | dict.fromkeys(ALONG, "along")
+OF_PARAMETER = {"E": "normal", "nu": "normal", "mu": "along"}
 
 
 def axes_of(change: Array, weighed: Array) -> dict[str, float]:

@@ -61,7 +61,22 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
         np.concatenate([slopes, zeros], axis=2) * single[:, :, None],
         units=UNITS,
         deviations=deviations,
+        ways=slide_ways(white),
     ).part(rows)
+
+
+def slide_ways(white: WhitenedCases) -> dict[str, Array]:
+    """Directions (N, 6) of shear along each trajectory's first slide, and of its torque; 0 where nothing slides."""
+    ways = np.zeros((len(white.trajectory), 2))
+    for number, case in enumerate(white.cases.cases):
+        steps = np.diff(np.nan_to_num(case.touch.tips[:, :2]), axis=0, prepend=np.nan_to_num(case.touch.tips[:1, :2]))
+        first = steps[np.flatnonzero(phases(case) == "shear")[:1]].sum(axis=0)
+        ways[white.trajectory == number] = first / max(float(np.hypot(*first)), 1e-300)
+    force, torque = np.zeros((2, len(ways), 6))
+    force[:, :2] = ways
+    # a force along x at some height turns about y, one along y about -x
+    torque[:, 3:5] = np.column_stack([-ways[:, 1], ways[:, 0]])
+    return {"shear along the slide": force, "torque of shear along the slide": torque}
 
 
 def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:

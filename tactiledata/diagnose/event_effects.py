@@ -6,7 +6,7 @@ event and stays, rises or fades is therefore fitted together with all parameters
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +33,7 @@ class EventEffect:
     Parameters
     ----------
     event, component : str
+        A way (`Residuals.ways`) counts as a component.
     shape : "stays", "rises" or "fades"
     size : float
         Times the noise.
@@ -70,9 +71,7 @@ def event_effects(
     thrown = signs(residuals.unit_count, draws, seed)
     pairs: list[tuple[str, str, str, float, float]] = []
     observed, drawn = [], []
-    for column, component in enumerate(residuals.components):
-        direction = np.zeros_like(residuals.values)
-        direction[:, column] = 1.0
+    for component, direction in _directions(residuals):
         found = along(projection, direction, instruments)
         statistics, sizes = found.statistic, found.size
         flipped = np.abs(found.flipped(thrown)).reshape(draws, len(events), len(SHAPES)).max(axis=2)
@@ -90,6 +89,15 @@ def event_effects(
         words = f"{departs}, and it {shape} ({p_words(float(p))})"
         effects.append(EventEffect(event_name, component, shape, size, statistic, float(p), words))
     return tuple(sorted(effects, key=lambda one: (one.p, -abs(one.statistic))))
+
+
+def _directions(residuals: Residuals) -> Iterator[tuple[str, Array]]:
+    """Names and directions (n, k): each component, and the ways of trajectories."""
+    for column, component in enumerate(residuals.components):
+        direction = np.zeros_like(residuals.values)
+        direction[:, column] = 1.0
+        yield component, direction
+    yield from residuals.ways.items()
 
 
 def _shapes(residuals: Residuals, events: Events) -> Array:

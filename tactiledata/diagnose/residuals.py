@@ -83,6 +83,9 @@ class Residuals:
         Unit of each component before it was whitened.
     deviations : (k,), optional
         Standard deviation of the noise in those units.
+    ways : dict, name -> (n, k)
+        Further directions, of unit length or 0, in which departures are sought: what goes with the slide of each
+        trajectory shows in no component, as trajectories slide to all sides.
 
     Raises
     ------
@@ -100,6 +103,7 @@ class Residuals:
     blocks: Indices | None = None
     units: tuple[str, ...] = ()
     deviations: Array | None = None
+    ways: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         rows, width = self.values.shape
@@ -110,6 +114,8 @@ class Residuals:
             _finite(f"covariate {name}", covariate.values)
         for name, texts in self.labels.items():
             _fits(texts.shape == (rows,), f"label {name} of shape {texts.shape}")
+        for name, way in self.ways.items():
+            _fits(way.shape == (rows, width), f"way {name} of shape {way.shape}")
         _fits(self.slopes.shape == (rows, width, len(self.parameters)), f"sensitivities of shape {self.slopes.shape}")
         _finite("sensitivities", self.slopes)
         _fits(self.groups.shape == (rows,), f"groups of shape {self.groups.shape}")
@@ -185,6 +191,7 @@ class Residuals:
             labels={name: texts[rows] for name, texts in self.labels.items()},
             sensitivities=None if self.sensitivities is None else self.sensitivities[rows],
             blocks=None if self.blocks is None else self.blocks[rows],
+            ways={name: way[rows] for name, way in self.ways.items()},
         )
 
     def with_values(self, values: Array) -> Residuals:

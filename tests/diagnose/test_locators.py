@@ -1,5 +1,7 @@
 """Events, steps, maps, trees, shares, free air: each finds what was planted, and is silent where nothing was."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from planted import MODULUS, modulus_over, planted
@@ -99,6 +101,24 @@ def test_departure_false_alarms(nulls):
         for seed, (world, projection) in enumerate(nulls[:100])
     ]
     assert is_level(rate_of(smallest))
+
+
+def test_what_goes_with_the_slide_shows_though_trajectories_slide_to_all_sides():
+    """A shear that is too small from the start of the slide on shows along each trajectory's way, in no component."""
+    rng = np.random.default_rng(3)
+    angle = np.repeat(rng.uniform(0, 2 * np.pi, 40), 15)
+    way = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(600)])
+
+    def plant(world):
+        return 1.5 * way * (world.labels["phase"] == "shear")[:, None]
+
+    world = planted(4, plant=plant, heavy=False)
+    told = dataclasses.replace(world, ways={"shear along the slide": way})
+    without, with_ways = (event_effects(project(one), find_events(one), 4, 299) for one in (world, told))
+    assert without[0].p > 0.01
+    first = with_ways[0]
+    assert (first.component, first.event) == ("shear along the slide", "shear start")
+    assert first.p <= 0.01
 
 
 def test_event_locked_false_alarms(nulls):
