@@ -6,8 +6,8 @@
 The worlds are those of benchmarks/naming_worlds.py. The *axis*, normal to the surface (fz) or along it (shear, and
 torques, in which shear shows best), is right where the one that holds most of the hidden change, beyond what a refit of
 the plain simulation imitates, is among those that certain findings name; a drift of E or nu counts as normal, one of mu
-as along. *Where* is right if one of them names a covariate, a phase or an event that `SHOWS_IN` has, as physics says
-and before anything was run. Worlds that hide nothing are the control: locators should find no structure there.
+as along. *Where* is right if one of them names a covariate, a phase or an event, or the zeros follow what, `SHOWS_IN`
+has, as physics says and before anything was run. Worlds that hide nothing are the control: locators should find no structure there.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 PLACE = {"x", "y", "map", "sensor"}
 SIZE = {"contact radius", "depth", "normal force", "indenter"}
 SLIDES = {"contact", "slip onset", "end of slip", "shear start", "shear travel", "shear reversal", "lateral speed"}
-AIR = {"free air", "zeros"}
+GRAVITY = {f"gravity along {axis} since the zero" for axis in "xyz"}
 SHOWS_IN: Mapping[str, set[str]] = {
     "relaxation": {"seconds", "dwell start", "reversal", "loading rate", "time step", "phase"},
     "mullins": {"earlier depth", "earlier contacts", "reversal", "phase"},
@@ -53,10 +53,15 @@ SHOWS_IN: Mapping[str, set[str]] = {
     "partial_slip": {*SLIDES, "phase"},
     "arm_compliance": {"normal force", "last joint", "depth"},
     "stem_bending": {"indenter", *SLIDES, "phase"},
-    "ft_drift": {*AIR, "time since power-on", "seconds", "index"},
+    "ft_drift": {"free air", "zeros: sensor_drift", "time since power-on", "index"},
     "cross_talk": {"normal force", "depth", "contact radius", *SLIDES},
-    "tool_weight": {*AIR, "tilt", "last joint", *(f"gravity along {axis} since the zero" for axis in "xyz")},
-    "cable_drag": {*AIR, "last joint"},
+    "tool_weight": {
+        "free air",
+        "zeros: tool_weight",
+        "tilt",
+        *(f"gravity along {axis} since the zero" for axis in "xyz"),
+    },
+    "cable_drag": {"free air", "zeros: cable_drag", "last joint"},
     "frame_rotation": {"normal force", "depth", "contact radius", *SLIDES},
     "lag": {"loading rate", "time step", "reversal", "dwell start", "lateral speed", "phase"},
     "clock_skew": {"loading rate", "time step", "reversal", "dwell start", "seconds", "index", "phase"},
@@ -133,8 +138,7 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     change = white.white(hidden - plain)
     shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
     axes, where = told(located)
-    if zero_causes(recorded.zeros):
-        where.add("zeros")
+    where |= {f"zeros: {cause.effect}" for cause in zero_causes(recorded.zeros)}
     name = asked.effects[0] if asked.effects else ""
     return {
         "case": asked.label,
