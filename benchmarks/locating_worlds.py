@@ -7,7 +7,8 @@ The worlds are those of benchmarks/naming_worlds.py. The *axis*, normal to the s
 torques, in which shear shows best), is right where the one that holds most of the hidden change, beyond what a refit of
 the plain simulation imitates, is among those that certain findings name; a drift of E or nu counts as normal, one of mu
 as along. *Where* is right if one of them names a covariate, a phase or an event, or the zeros follow what, `SHOWS_IN`
-has, as physics says and before anything was run. Worlds that hide nothing are the control: locators should find no structure there.
+has, as physics says and before anything was run. Worlds that hide nothing are the control: locators should find no
+structure there.
 """
 
 from __future__ import annotations
