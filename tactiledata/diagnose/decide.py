@@ -104,7 +104,8 @@ def decide(
     pair = max((one for one in pairs if not one.objections(scale)), key=_evidence, default=None)
     if pair is not None and (best is None or _exceeds(gains[pair.label] - gains[best.label], scale)):
         best = needed_of(pair, singles, scale)
-    if best is not None and left.at_large > scale.noise and best.excess_share < scale.explains:
+    is_much = left.at_large > scale.noise and not left.is_in_few(scale)
+    if best is not None and is_much and best.excess_share < scale.explains:
         # it takes off the smaller part of what is there: something else is, and takes this one's place
         return Decision(
             "none of the known effects", best, (), chances,

@@ -63,6 +63,9 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
     assert decide(*asked, none, ESTIMATED).verdict == "named"
     most = dataclasses.replace(third, excess_share=0.8)
     assert decide([most], [], {"lag": most.gains}, None, much, ESTIMATED).verdict == "named"
+    few = LeftOver(ESTIMATED.dispersion + 0.1, ESTIMATED.noise + 0.01)
+    # two touches that hang on a scrap are no reason to keep what the others agree on
+    assert decide(*asked, few, ESTIMATED).verdict == "named"
 
 
 def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
