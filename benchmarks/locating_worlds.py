@@ -33,7 +33,6 @@ from tactiledata.diagnose.name_effects import NamingOptions
 from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.diagnose.zero_causes import zero_causes
-from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
 
@@ -56,12 +55,7 @@ SHOWS_IN: Mapping[str, set[str]] = {
     "stem_bending": {"indenter", *SLIDES, "phase"},
     "ft_drift": {"free air", "zeros: sensor_drift", "time since power-on", "index"},
     "cross_talk": {"normal force", "depth", "contact radius", *SLIDES},
-    "tool_weight": {
-        "free air",
-        "zeros: tool_weight",
-        "tilt",
-        *(f"gravity along {axis} since the zero" for axis in "xyz"),
-    },
+    "tool_weight": {"free air", "zeros: tool_weight", "tilt", *GRAVITY},
     "cable_drag": {"free air", "zeros: cable_drag", "last joint"},
     "frame_rotation": {"normal force", "depth", "contact radius", *SLIDES},
     "lag": {"loading rate", "time step", "reversal", "dwell start", "lateral speed", "phase"},
@@ -127,16 +121,12 @@ def _known(located: Located) -> list[str]:
 
 def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     """One world from the rig to what locators say of it."""
-    modulus = float(np.random.default_rng([asked.seed, 53]).uniform(0.84e6, 0.95e6))
-    gel = GelMaterial(modulus, bench.plan.truth.poisson_ratio, bench.plan.truth.friction)
+    gel = bench.gel(asked.seed)
     recorded = bench.maker.recorded(asked.seed, gel, asked.hidden)
     white = WhitenedCases.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
     base = plain_fit(white, START)
     located = locate_touches(white, base)
-    hidden, plain = (
-        np.concatenate(bench.maker.recorded(asked.seed, gel, one, is_exact=True).wrenches) for one in (asked.hidden, [])
-    )
-    change = white.white(hidden - plain)
+    change = white.white(bench.felt(asked, gel) - bench.clean(asked.seed, gel))
     shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
     axes, where = told(located)
     where |= {f"zeros: {cause.effect}" for cause in zero_causes(recorded.zeros)}

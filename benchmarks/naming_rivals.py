@@ -26,8 +26,6 @@ from naming_worlds import START, Bench
 from rival_methods import Case, bic_ladder, gaussian_process, ours, sparse_regression
 from timing import header, table
 
-from tactiledata.gel.material import GelMaterial
-
 METHODS: dict[str, Callable[[Case], tuple[str, ...]]] = {
     "ours": ours,
     "BIC ladder": bic_ladder,
@@ -39,8 +37,7 @@ HIDDEN = ("relaxation", "arm_compliance", "frame_rotation", "cross_talk", "lag",
 
 def run(bench: Bench, asked: Asked) -> list[dict[str, Any]]:
     """One case by all methods; each begins with the cases and shares nothing with the others."""
-    modulus = float(np.random.default_rng([asked.seed, 53]).uniform(0.84e6, 0.95e6))
-    truth = GelMaterial(modulus, bench.plan.truth.poisson_ratio, bench.plan.truth.friction)
+    truth = bench.gel(asked.seed)
     cases = bench.maker.cases(bench.maker.recorded(asked.seed, truth, asked.hidden, asked.more), bench.family)
     found = []
     for name, method in METHODS.items():

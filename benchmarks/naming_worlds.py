@@ -75,7 +75,19 @@ class Bench:
         family = PlayedFamily(maker.touches, [one.part(one.known) for one in plays])
         return Bench(plan, maker, family, tried)
 
-    def _clean(self, seed: int, truth: GelMaterial) -> np.ndarray:
+    def gel(self, seed: int) -> GelMaterial:
+        """Of a world: E is its own."""
+        modulus = float(np.random.default_rng([seed, 53]).uniform(0.84e6, 0.95e6))
+        return GelMaterial(modulus, self.plan.truth.poisson_ratio, self.plan.truth.friction)
+
+    def felt(self, asked: Asked, truth: GelMaterial) -> np.ndarray:
+        """Wrenches of the world with what it hides, without noise."""
+        if not (asked.hidden or asked.more):
+            return self.clean(asked.seed, truth)
+        exact = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more, is_exact=True)
+        return np.concatenate(exact.wrenches)
+
+    def clean(self, seed: int, truth: GelMaterial) -> np.ndarray:
         """Wrenches of the world without what it hides, without noise; those of the last seed are kept."""
         if self._kept is None or self._kept[0] != (seed, truth):
             clean = self.maker.recorded(seed, truth, [], is_exact=True)
@@ -84,11 +96,7 @@ class Bench:
 
     def run(self, asked: Asked) -> dict[str, Any]:
         """One case from the rig to the answer."""
-        truth = GelMaterial(
-            float(np.random.default_rng([asked.seed, 53]).uniform(0.84e6, 0.95e6)),
-            self.plan.truth.poisson_ratio,
-            self.plan.truth.friction,
-        )
+        truth = self.gel(asked.seed)
         recorded = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more)
         cases = self.maker.cases(recorded, self.family)
         began = time.perf_counter()
@@ -96,10 +104,7 @@ class Bench:
         seconds = time.perf_counter() - began
         change, left = np.zeros((int(cases.counts.sum()), 6)), 0.0
         if asked.hidden or asked.more:
-            felt = np.concatenate(
-                self.maker.recorded(asked.seed, truth, asked.hidden, asked.more, is_exact=True).wrenches
-            )
-            clean = self._clean(asked.seed, truth)
+            felt, clean = self.felt(asked, truth), self.clean(asked.seed, truth)
             change = felt - clean
             left = _left_by_a_refit(cases, felt) - _left_by_a_refit(cases, clean)
         return {

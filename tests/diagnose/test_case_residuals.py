@@ -7,7 +7,7 @@ import pytest
 from touch_worlds import PLANTS, START, World, base, null, world_cases
 
 from tactiledata.diagnose.case_covariates import phases
-from tactiledata.diagnose.case_residuals import case_noise, case_residuals, locate_touches, signature_fields
+from tactiledata.diagnose.case_residuals import case_noise, case_residuals, locate_touches, signature_fields, slide_ways
 from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.overall import offsets
@@ -147,3 +147,12 @@ def test_what_a_known_effect_changes_is_recognised():
     nearest = likenesses(project(plain), field, known)[0]
     assert nearest.name.startswith("lag")
     assert nearest.is_near
+
+
+def test_the_torque_of_a_shear_goes_with_it(quiet):
+    """Along each slide a force of 1 at some height above the origin makes the torque that its way says."""
+    ways = slide_ways(quiet[0])
+    force, torque = ways["shear along the slide"][:, :3], ways["torque of shear along the slide"][:, 3:]
+    np.testing.assert_allclose(np.cross([0.0, 0.0, 1.0], force), torque, atol=1e-12)
+    assert set(np.linalg.norm(force, axis=1).round(9)) <= {0.0, 1.0}
+    assert force.any()
