@@ -177,7 +177,7 @@ class Refits:
         found = []
         for one in promising:
             self.progress(f"refit {one.effect}")
-            tried = [self._fit(start, one.strengths) for start in one.starts]
+            tried = [self._fit(self.base, start, one.strengths) for start in one.starts]
             found += sorted(filter(None, tried), key=lambda fit: fit.cost)[:1]
         return found
 
@@ -188,7 +188,7 @@ class Refits:
         """
         best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
         kept = {one.effect: one.strengths for one in screened}
-        promises: dict[frozenset[str], tuple[float, tuple[EffectSetting, ...]]] = {}
+        promises: dict[frozenset[str], tuple[float, JointFit, tuple[EffectSetting, ...]]] = {}
         for first in best[: self.options.most_first]:
             self.progress(f"what {first.names[0]} leaves")
             others = [fit.names[0] for fit in best if fit is not first]
@@ -201,12 +201,12 @@ class Refits:
                 cost = first.cost - second.score
                 start = (*first.model.settings, *second.starts[0])
                 if key not in promises or cost < promises[key][0]:
-                    promises[key] = cost, start
+                    promises[key] = cost, first, start
         found = []
-        for _, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
+        for _, first, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
             names = tuple(dict.fromkeys(setting.effect for setting in start))
             self.progress(f"refit {' with '.join(names)}")
-            found.append(self._fit(start, frozenset().union(*(kept[name] for name in names))))
+            found.append(self._fit(first, start, frozenset().union(*(kept[name] for name in names))))
         return list(filter(None, found))
 
     def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[Judged], Decision]:
@@ -257,16 +257,20 @@ class Refits:
             for name, other in scores.items():
                 if name == named or other.score < least:
                     continue
-                fit = self._fit((*model.settings, *other.starts[0]), model.strengths | other.strengths)
+                fit = self._fit(alone, (*model.settings, *other.starts[0]), model.strengths | other.strengths)
                 found += [(stays, fit)] if fit is not None else []
         return found
 
-    def _fit(self, start: Sequence[EffectSetting], kept: frozenset[Strength]) -> JointFit | None:
-        """None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate."""
-        plain = self.base.model
+    def _fit(self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength]) -> JointFit | None:
+        """From effects, and from all else as another fit has it.
+
+        None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate.
+        """
+        from_there = near.model
         errors = self.numerical.shape[2]
-        model = joint_model(plain.material, start, len(self.white.starts), errors, kept, plain.box)
-        model = model.at(np.concatenate([model.vector[: 3 + len(model.coordinates)], plain.errors]), plain.offsets)
+        model = joint_model(from_there.material, start, len(self.white.starts), errors, kept, from_there.box)
+        told = model.vector[: 3 + len(model.coordinates)]
+        model = model.at(np.concatenate([told, from_there.errors]), from_there.offsets)
         try:
             return joint_fit(self.white, self.numerical, model)
         except UsageError:

@@ -16,14 +16,14 @@ def shear_change(path: Array, shift: Array, stiffness: Array, limit: Array) -> A
     """
     if not np.ptp(shift, axis=0).any():
         return np.zeros_like(path)
-    change: Array = _followed(path, stiffness, limit) - _followed(path + shift, stiffness, limit)
+    half = 0.5 * (stiffness[1:] + stiffness[:-1])
+    change: Array = _followed(path, half, limit) - _followed(path + shift, half, limit)
     return change
 
 
-def _followed(path: Array, stiffness: Array, limit: Array) -> Array:
-    """Pull (n, 2) on the gel."""
-    half = 0.5 * (stiffness + np.roll(stiffness, 1))
-    steps = (np.diff(path, axis=0, prepend=path[:1]) * half[:, None]).tolist()
+def _followed(path: Array, between: Array, limit: Array) -> Array:
+    """Pull (n, 2) on the gel; stiffness (n - 1,) between frames."""
+    steps = [[0.0, 0.0], *((path[1:] - path[:-1]) * between[:, None]).tolist()]
     pull = np.zeros_like(path)
     x = y = 0.0
     for frame, most in enumerate(limit.tolist()):

@@ -172,7 +172,8 @@ class PlayedResponse:
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
         """As `BaseResponse.respond`."""
         frictions = self.material.friction * friction
-        over = self.plays.over_friction(self.material.poisson_ratio, offset, shift) if np.ptp(frictions) else None
+        differs = (frictions != frictions[:1]).any()
+        over = self.plays.over_friction(self.material.poisson_ratio, offset, shift) if differs else None
         columns = over.at(frictions) if over else self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
         tips = self.touch.tips
         depth = self.plays.height - tips[:, 2] + offset
@@ -211,7 +212,8 @@ class PlayedResponse:
     def _force_at(self, shear: Array, centre: Array) -> Array:
         """Wrenches (n, 6) of forces (n, 2) along the gel, at the height of the tip."""
         (fx, fy), (x, y), z = shear.T, centre.T, self.touch.tips[:, 2]
-        return np.nan_to_num(np.column_stack([fx, fy, np.zeros(len(shear)), -z * fy, z * fx, x * fy - y * fx]))
+        wrench = np.stack([fx, fy, np.zeros(len(shear)), -z * fy, z * fx, x * fy - y * fx], axis=1)
+        return np.where(np.isnan(wrench), 0.0, wrench)
 
     def difference(self, variant: GelVariant) -> Array:
         """As `BaseResponse.difference`.

@@ -133,7 +133,8 @@ class TouchState:
 
 def torque_of(force: Array, at: Array) -> Array:
     """Torques (n, 3) about the origin of forces (n, 3) that act at points (n, 3)."""
-    return np.cross(at, force)
+    (x, y, z), (fx, fy, fz) = at.T, force.T
+    return np.stack([y * fz - z * fy, z * fx - x * fz, x * fy - y * fx], axis=1)
 
 
 def wrench_at(force: Array, at: Array) -> Array:
