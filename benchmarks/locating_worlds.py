@@ -2,13 +2,15 @@
 
     python benchmarks/locating_worlds.py [--quick] [--mounts M] [--count K] [--only EFFECT ...] [--nulls L]
                                          [--bank FOLDER] [--out FILE.jsonl]
+    python benchmarks/locating_worlds.py --errors L [--quick] [--mounts M] [--bank FOLDER]
 
 The worlds are those of benchmarks/naming_worlds.py. The *axis*, normal to the surface (fz) or along it (shear, and
 torques, in which shear shows best), is right where the one that holds most of the hidden change, beyond what a refit of
-the plain simulation imitates, is among those that certain findings name; a drift of E or nu counts as normal, one of mu
-as along. *Where* is right if one of them names a covariate, a phase or an event, or the zeros follow what, `SHOWS_IN`
-has, as physics says and before anything was run. Worlds that hide nothing are the control: locators should find no
-structure there.
+the plain simulation imitates, is among those that certain findings name; a contrast counts as the axis that holds most
+of its own energy, a drift of E or nu as normal, one of mu as along, a drift of the zeros as what it moves. *Where* is
+right if one of them names a covariate, a phase or an event, or the zeros follow what, `SHOWS_IN` has, as physics says
+and before anything was run. Worlds that hide nothing are the control: locators should find no structure there. With
+``--errors`` such worlds, others than the control, tell how contrasts scatter by the simulation's own errors.
 """
 
 from __future__ import annotations
@@ -26,17 +28,20 @@ from naming_plan import Plan
 from naming_worlds import START, Bench
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.case_residuals import COMPONENTS, locate_touches
+from tactiledata.diagnose.case_residuals import COMPONENTS, case_noise, case_residuals, locate_touches
+from tactiledata.diagnose.contrasts import Sizes, instruments_of, sizes_of
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.locate import LEVEL, Located
 from tactiledata.diagnose.name_effects import NamingOptions
 from tactiledata.diagnose.plain_fit import plain_fit
+from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.simulation_errors import OF_THE_GEL, scatter_beyond_noise
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.diagnose.zero_causes import zero_causes
 
 Array = NDArray[np.float64]
 
-PLACE = {"x", "y", "map", "sensor"}
+PLACE = {"x", "y", "distance from the middle", "map", "sensor"}
 SIZE = {"contact radius", "depth", "normal force", "indenter"}
 SLIDES = {"contact", "slip onset", "end of slip", "shear start", "shear travel", "shear reversal", "lateral speed"}
 GRAVITY = {f"gravity along {axis} since the zero" for axis in "xyz"}
@@ -73,6 +78,10 @@ SHOWS_IN: Mapping[str, set[str]] = {
 ALONG = ("fx", "fy", "tx", "ty", "tz", "shear along the slide", "torque of shear along the slide")
 AXES = {"fz": "normal"} | dict.fromkeys(ALONG, "along")
 OF_PARAMETER = {"E": "normal", "nu": "normal", "mu": "along"}
+ALIKE = {"fy": "fx", "ty": "tx"}
+"""Components whose errors are taken to be the same: trajectories slide to all sides."""
+ERRORS_FROM = 6000
+"""First seed of the worlds that tell the simulation's own errors."""
 
 
 def axes_of(change: Array, weighed: Array) -> dict[str, float]:
@@ -90,10 +99,14 @@ def told(located: Located) -> tuple[set[str], set[str]]:
     if located.is_certain("drifting parameters"):
         axes |= {OF_PARAMETER[one.parameter] for one in located.leading if one.parameter in OF_PARAMETER}
         where |= {name for one in located.leading for name in (one.covariate, *one.alike)}
+    if located.is_certain("contrasts"):
+        certain = [one for one in located.contrasts if one.p <= LEVEL]
+        axes |= {_axis(one.shares) for one in certain}
+        where |= {name for one in certain for name in (one.along, *one.alike)}
     if located.is_certain("departures from events on"):
-        certain = [one for one in located.departures if one.p <= LEVEL]
-        axes |= {AXES[one.component] for one in certain}
-        where |= {one.event for one in certain}
+        departures = [one for one in located.departures if one.p <= LEVEL]
+        axes |= {AXES[one.component] for one in departures}
+        where |= {one.event for one in departures}
     if located.is_certain("events"):
         clusters = [(one.event, each) for one in located.events for each in one.clusters if each.p <= LEVEL]
         axes |= {AXES[each.component] for _, each in clusters}
@@ -114,9 +127,36 @@ def told(located: Located) -> tuple[set[str], set[str]]:
     return axes, where
 
 
+def _axis(shares: Mapping[str, float]) -> str:
+    """The group of components that holds most."""
+    groups = dict.fromkeys(dict.fromkeys(AXES.values()), 0.0)
+    for component, share in shares.items():
+        groups[AXES[component]] += share
+    return max(groups, key=lambda one: groups[one])
+
+
 def _known(located: Located) -> list[str]:
     residuals = located.projection.residuals
     return [name for name in (*residuals.covariates, *residuals.labels) if len(name) > 1]
+
+
+def errors_of(bench: Bench, count: int) -> str:
+    """How contrasts scatter in worlds that hide nothing beyond their noise, and their largest value with that."""
+    found: dict[str, list[Sizes]] = {}
+    for number in range(count):
+        recorded = bench.maker.recorded(ERRORS_FROM + number, bench.gel(ERRORS_FROM + number), [])
+        white = WhitenedCases.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
+        base = plain_fit(white, START)
+        residuals, inflation = case_residuals(white, base), case_noise(white, base).inflation or 1.0
+        for one in sizes_of(project(residuals), instruments_of(residuals), OF_THE_GEL, inflation):
+            found.setdefault(ALIKE.get(one.what, one.what), []).append(one)
+    lines = []
+    for what, each in found.items():
+        size, variance = (np.concatenate([getattr(one, name) for one in each]) for name in ("size", "variance"))
+        error = scatter_beyond_noise(size, variance)
+        largest = float((np.abs(size) / np.sqrt(variance + error**2)).max())
+        lines.append(f"{what}: {error:.2g}; the largest of {len(size)} is {largest:.1f} times what is usual")
+    return "\n".join(lines)
 
 
 def run(bench: Bench, asked: Asked) -> dict[str, Any]:
@@ -129,7 +169,9 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     change = white.white(bench.felt(asked, gel) - bench.clean(asked.seed, gel))
     shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
     axes, where = told(located)
-    where |= {f"zeros: {cause.effect}" for cause in zero_causes(recorded.zeros)}
+    for cause in zero_causes(recorded.zeros):
+        axes |= {AXES[name] for name in cause.values if name in AXES}
+        where.add(f"zeros: {cause.effect}")
     name = asked.effects[0] if asked.effects else ""
     return {
         "case": asked.label,
@@ -180,9 +222,14 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--only", nargs="*", default=list(SHOWS_IN), help="of the rig's effects")
     parser.add_argument("--nulls", type=int, default=10)
+    parser.add_argument("--errors", type=int, help="measure the simulation's own errors in so many worlds instead")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
+    if options.errors:
+        bench = Bench.of(Plan(0, options.quick, options.mounts), options.bank, with_variants=False)
+        print(errors_of(bench, options.errors))
+        return
     only = ["frame_rotation"] if options.quick else options.only
     cases = [one for one in asked_cases(("effects",), options.count, "medium") if one.effects[0] in only]
     cases += asked_cases(("nulls",), 1 if options.quick else options.nulls, "none")

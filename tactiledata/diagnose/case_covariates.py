@@ -98,6 +98,7 @@ def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
         "shear travel": (1e3 * np.cumsum(np.nan_to_num(touch.lateral_steps) * in_contact), "mm"),
         "x": (1e3 * touch.tips[:, 0], "mm"),
         "y": (1e3 * touch.tips[:, 1], "mm"),
+        "distance from the middle": (1e3 * np.hypot(touch.tips[:, 0], touch.tips[:, 1]), "mm"),
     }
 
 

@@ -14,6 +14,7 @@ from tactiledata.diagnose.joint_fit import JointFit
 from tactiledata.diagnose.locate import Located, LocateOptions, locate
 from tactiledata.diagnose.residuals import Names, Parameter, Residuals
 from tactiledata.diagnose.sign_flips import DRAWS
+from tactiledata.diagnose.simulation_errors import OF_THE_GEL
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.effects import EFFECTS
 from tactiledata.nuisance.offsets import PRIOR
@@ -103,7 +104,8 @@ def case_noise(white: WhitenedCases, fit: JointFit) -> NoiseModel:
 
 def locating(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
     """How to locate in such residuals: their noise is known, and they are those of a fit."""
-    return LocateOptions(noise=case_noise(white, fit), seed=seed, draws=draws, is_fitted=True)
+    noise = case_noise(white, fit)
+    return LocateOptions(noise=noise, seed=seed, draws=draws, is_fitted=True, errors=OF_THE_GEL)
 
 
 def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> Located:

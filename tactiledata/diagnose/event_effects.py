@@ -67,11 +67,11 @@ def event_effects(
     residuals.need_units("departures from events on")
     if not events:
         return ()
-    instruments = np.concatenate([_shapes(residuals, one) for one in events], axis=1)
+    instruments = np.concatenate([shapes_after(residuals, one) for one in events], axis=1)
     thrown = signs(residuals.unit_count, draws, seed)
     pairs: list[tuple[str, str, str, float, float]] = []
     observed, drawn = [], []
-    for component, direction in _directions(residuals):
+    for component, direction in directions_of(residuals):
         found = along(projection, direction, instruments)
         statistics, sizes = found.statistic, found.size
         flipped = np.abs(found.flipped(thrown)).reshape(draws, len(events), len(SHAPES)).max(axis=2)
@@ -91,7 +91,7 @@ def event_effects(
     return tuple(sorted(effects, key=lambda one: (one.p, -abs(one.statistic))))
 
 
-def _directions(residuals: Residuals) -> Iterator[tuple[str, Array]]:
+def directions_of(residuals: Residuals) -> Iterator[tuple[str, Array]]:
     """Names and directions (n, k): each component, and the ways of trajectories."""
     for column, component in enumerate(residuals.components):
         direction = np.zeros_like(residuals.values)
@@ -100,7 +100,7 @@ def _directions(residuals: Residuals) -> Iterator[tuple[str, Array]]:
     yield from residuals.ways.items()
 
 
-def _shapes(residuals: Residuals, events: Events) -> Array:
+def shapes_after(residuals: Residuals, events: Events) -> Array:
     """Instruments (n, 3) that begin at the last such event of the trajectory; 0 before it."""
     last = np.full(len(residuals.values), -1)
     last[events.rows] = events.rows

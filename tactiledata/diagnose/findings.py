@@ -86,6 +86,18 @@ def _by_locator(located: Located) -> Iterator[tuple[str, list[dict[str, Any]]]]:
         ],
     )
     yield (
+        "contrasts",
+        [
+            {
+                "p": one.p,
+                "words": one.words,
+                "parameter" if one.what not in one.shares else "component": one.what,
+                "covariate": one.along,
+            }
+            for one in located.contrasts
+        ],
+    )
+    yield (
         "steps",
         [
             {"p": one.p, "words": one.words, "parameter": one.parameter, "change": change_document(one.change)}

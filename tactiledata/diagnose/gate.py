@@ -47,6 +47,11 @@ class NoiseModel:
     discrepancy: Array | None = None
     scatter: Array | None = None
 
+    @property
+    def inflation(self) -> float | None:
+        """Of the variance of sums over neighbouring frames, by their memory; ``None`` where that is not known."""
+        return None if self.correlation is None else (1.0 + self.correlation) / (1.0 - self.correlation)
+
 
 @dataclass(frozen=True)
 class Gate:

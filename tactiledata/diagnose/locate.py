@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from tactiledata.diagnose.change_points import Step, can_step, change_points
+from tactiledata.diagnose.contrasts import Contrast, contrasts
 from tactiledata.diagnose.energy import EnergyShares, energy_shares
 from tactiledata.diagnose.event_effects import EventEffect, event_effects
 from tactiledata.diagnose.event_locked import EventLocked, event_locked
@@ -40,6 +42,8 @@ class LocateOptions:
         Of the signs that are thrown.
     is_fitted : bool
         Whether the residuals are those of a fit of the shared parameters: a common offset is no question then.
+    errors : dict, name -> standard deviation, optional
+        What the simulation's own errors leave of contrasts; ``None`` where that is not known: none are asked.
     """
 
     order_by: str = "index"
@@ -48,6 +52,7 @@ class LocateOptions:
     seed: int = 0
     draws: int = DRAWS
     is_fitted: bool = False
+    errors: Mapping[str, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,7 @@ class Located:
         After the refit of the shared parameters.
     gate : Gate, optional
     free_air : FreeAir
-    overall, drifts, events, departures, steps, maps, leaves
+    overall, drifts, events, departures, contrasts, steps, maps, leaves
         See the modules of these names.
     leading : tuple of Drift
         The certain drifts without their echoes.
@@ -77,6 +82,7 @@ class Located:
     leading: tuple[Drift, ...]
     events: tuple[EventLocked, ...]
     departures: tuple[EventEffect, ...]
+    contrasts: tuple[Contrast, ...]
     steps: tuple[Step, ...]
     maps: tuple[RegionMap, ...]
     leaves: tuple[Leaf, ...]
@@ -105,6 +111,8 @@ class Located:
             said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
         if self.is_certain("drifting parameters"):
             said += [_sentence(one.words) for one in self.leading]
+        if self.is_certain("contrasts"):
+            said += [_sentence(one.words) for one in self.contrasts if one.p <= LEVEL]
         if self.is_certain("departures from events on"):
             said.append(_sentence(self.departures[0].words))
         elif self.is_certain("events"):
@@ -141,6 +149,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     found_events = find_events(residuals)
     events = event_locked(refitted, found_events, seed=seed + 3, draws=draws)
     departures = event_effects(projection, found_events, seed + 9, draws)
+    differ = _contrasts(projection, chosen)
     steps = change_points(projection, chosen.order_by, seed + 4)
     maps = region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws)
     leaves = honest_tree(projection, seed + 6, draws)
@@ -153,6 +162,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
         "drifting parameters": min([one.p for one in drifts], default=None),
         "events": min([one.p for one in events], default=None),
         "departures from events on": min([one.p for one in departures], default=None),
+        "contrasts": None if differ is None else min([one.p for one in differ], default=1.0),
         "steps": min([one.p for one in steps], default=1.0) if can_step(residuals, chosen.order_by) else None,
         "the map": min([one.p for one in maps], default=None),
         "the tree": min([one.p for one in leaves], default=None),
@@ -161,8 +171,17 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     corrected = holm(np.array(list(asked.values())))
     together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
     return Located(
-        projection, opened, air, common, drifts, leading, events, departures, steps, maps, leaves, shares, together
-    )
+        projection, opened, air, common, drifts, leading, events, departures, differ or (), steps, maps, leaves, shares,
+        together,
+    )  # fmt: skip
+
+
+def _contrasts(projection: Projection, options: LocateOptions) -> tuple[Contrast, ...] | None:
+    """Nothing where noise, its memory, or the simulation's own errors are not known."""
+    inflation = None if options.noise is None else options.noise.inflation
+    if options.errors is None or inflation is None:
+        return None
+    return contrasts(projection, options.errors, inflation)
 
 
 def _sentence(words: str) -> str:
