@@ -7,10 +7,11 @@
 The worlds are those of benchmarks/naming_worlds.py. The *axis*, normal to the surface (fz) or along it (shear, and
 torques, in which shear shows best), is right where the one that holds most of the hidden change, beyond what a refit of
 the plain simulation imitates, is among those that certain findings name; a contrast counts as the axis that holds most
-of its own energy, a drift of E or nu as normal, one of mu as along, a drift of the zeros as what it moves. *Where* is
-right if one of them names a covariate, a phase or an event, or the zeros follow what, `SHOWS_IN` has, as physics says
-and before anything was run. Worlds that hide nothing are the control: locators should find no structure there. With
-``--errors`` such worlds, others than the control, tell how contrasts scatter by the simulation's own errors.
+of its own energy, a drift of E or nu as normal, one of mu as along, a drift of the zeros, where that is hidden, as what
+it moves. *Where* is right if one of them names a covariate, a phase or an event, or the zeros follow what, `SHOWS_IN`
+has, as physics says and before anything was run. Worlds that hide nothing are the control: locators should find no
+structure there. With ``--errors`` such worlds, others than the control, tell how contrasts scatter by the simulation's
+own errors.
 """
 
 from __future__ import annotations
@@ -169,9 +170,12 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     change = white.white(bench.felt(asked, gel) - bench.clean(asked.seed, gel))
     shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
     axes, where = told(located)
+    shows_in = SHOWS_IN.get(asked.effects[0], set()) if asked.effects else set()
     for cause in zero_causes(recorded.zeros):
-        axes |= {AXES[name] for name in cause.values if name in AXES}
         where.add(f"zeros: {cause.effect}")
+        # zeros of every world drift a little: that says nothing of other effects
+        if f"zeros: {cause.effect}" in shows_in:
+            axes |= {AXES[component] for component in cause.values if component in AXES}
     name = asked.effects[0] if asked.effects else ""
     return {
         "case": asked.label,
@@ -182,7 +186,7 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
         "found_axes": sorted(axes),
         "found": sorted(where),
         "is_axis": max(shares, key=lambda one: shares[one]) in axes,
-        "is_where": bool(where & SHOWS_IN.get(name, set())),
+        "is_where": bool(where & shows_in),
         "sentences": located.sentences(),
     }
 

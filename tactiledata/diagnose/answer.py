@@ -58,7 +58,7 @@ class Answer:
         decision = self.naming.decision
         best = decision.best
         if best is not None and self.names:
-            said = [_claim(best, decision.probabilities), *(_tie(best, tie) for tie in decision.ties)]
+            said = [_claim(best, self._probability_of(best)), *(_tie(best, tie) for tie in decision.ties)]
             said += _values(self.naming.intervals)
             said += _moved(self.naming.intervals_before, self.naming.intervals)
             if decision.is_more_left:
@@ -85,6 +85,11 @@ class Answer:
             listed = joined_names([f"{one.name} ({EFFECTS[one.effect]().title})" for one in numbers])
             said.append(f"Of effects that would show, these numbers could still be off, and not show: {listed}.")
         return said
+
+    def _probability_of(self, best: Judged) -> float:
+        """That what is named is missing, alone or with another effect."""
+        chances = self.naming.decision.probabilities
+        return sum(chances.get(one.label, 0.0) for one in self.naming.judged if set(best.names) <= set(one.names))
 
     @property
     def document(self) -> dict[str, Any]:
@@ -126,8 +131,8 @@ def _titles(names: Sequence[str]) -> str:
     return joined_names([EFFECTS[name]().title for name in names])
 
 
-def _claim(best: Judged, probabilities: dict[str, float]) -> str:
-    chance = rounded(min(probabilities[best.label], 0.99))
+def _claim(best: Judged, probability: float) -> str:
+    chance = rounded(min(probability, 0.99))
     said = f"The simulation lacks {_titles(best.names)} (probability {chance}"
     said += ")"
     if best.indenter_gain == best.indenter_gain:

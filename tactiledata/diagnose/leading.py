@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.diagnose.beyond_errors import beyond_errors
 from tactiledata.diagnose.instability import Drift, instability
 from tactiledata.diagnose.ladder import slope
 from tactiledata.diagnose.projection import Projection, project
@@ -17,12 +18,16 @@ MOST = 3
 
 
 def leading_drifts(
-    projection: Projection, drifts: Sequence[Drift], seed: int = 0, draws: int = DRAWS
+    projection: Projection,
+    drifts: Sequence[Drift],
+    seed: int = 0,
+    draws: int = DRAWS,
+    errors: Mapping[str, float] | None = None,
 ) -> tuple[Drift, ...]:
     """The strongest drift, then the strongest that is certain with the first one fitted, and so on; at most three.
 
     A scale that drifts with speed makes the offset drift with speed, too, and everything that goes with speed: those
-    echoes are gone once the scale may follow the speed.
+    echoes are gone once the scale may follow the speed. With ``errors`` each is beyond those (`beyond_errors`).
     """
     tested = len(projection.residuals.tested)
     found: list[Drift] = []
@@ -32,7 +37,8 @@ def leading_drifts(
         first = left[0]
         found.append(first)
         fields[f"{first.parameter} over {first.covariate}, {len(found)}"] = _field(projection, first)
-        left = instability(project(projection.residuals.with_fields(fields)), seed + len(found), draws, tested)
+        refitted = project(projection.residuals.with_fields(fields))
+        left = beyond_errors(instability(refitted, seed + len(found), draws, tested), errors)
     return tuple(found)
 
 

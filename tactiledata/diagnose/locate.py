@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactiledata.diagnose.beyond_errors import beyond_errors
 from tactiledata.diagnose.change_points import Step, can_step, change_points
 from tactiledata.diagnose.contrasts import Contrast, contrasts
 from tactiledata.diagnose.energy import EnergyShares, energy_shares
@@ -43,7 +44,8 @@ class LocateOptions:
     is_fitted : bool
         Whether the residuals are those of a fit of the shared parameters: a common offset is no question then.
     errors : dict, name -> standard deviation, optional
-        What the simulation's own errors leave of contrasts; ``None`` where that is not known: none are asked.
+        What the simulation's own errors leave of contrasts: other findings, too, have to be beyond that. ``None`` where
+        it is not known: no contrasts are asked.
     """
 
     order_by: str = "index"
@@ -144,15 +146,15 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
     air = free_air(residuals, seed, draws)
     common = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
-    drifts = instability(projection, seed + 2, draws)
-    leading = leading_drifts(projection, drifts, seed + 8, draws)
+    drifts = beyond_errors(instability(projection, seed + 2, draws), chosen.errors)
+    leading = leading_drifts(projection, drifts, seed + 8, draws, chosen.errors)
     found_events = find_events(residuals)
     events = event_locked(refitted, found_events, seed=seed + 3, draws=draws)
-    departures = event_effects(projection, found_events, seed + 9, draws)
+    departures = beyond_errors(event_effects(projection, found_events, seed + 9, draws), chosen.errors)
     differ = _contrasts(projection, chosen)
-    steps = change_points(projection, chosen.order_by, seed + 4)
-    maps = region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws)
-    leaves = honest_tree(projection, seed + 6, draws)
+    steps = beyond_errors(change_points(projection, chosen.order_by, seed + 4), chosen.errors)
+    maps = beyond_errors(region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws), chosen.errors)
+    leaves = beyond_errors(honest_tree(projection, seed + 6, draws), chosen.errors)
     variance = 1.0 if chosen.noise is not None else 0.0
     shares = energy_shares(projection, variance, seed + 7)
     tests = {
