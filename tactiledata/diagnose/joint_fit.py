@@ -17,8 +17,8 @@ from tactiledata.nuisance.offsets import PRIOR
 Array = NDArray[np.float64]
 
 ROUNDS = 8
-STILL = 0.25
-"""Fall of the cost that ends a fit, in twice the log-likelihood: little beside what a claim needs."""
+STILL = 0.05
+"""Fall of the cost that ends a fit, in twice the log-likelihood: fits that zigzag are far from their end at 0.25."""
 MOST_DAMPING = 1e2
 
 
