@@ -88,10 +88,16 @@ ERRORS_FROM = 6000
 def axes_of(change: Array, weighed: Array) -> dict[str, float]:
     """Shares of a hidden change (N, 6) in the groups of components, in the metric of ``weighed``."""
     energy = np.maximum((change * weighed).sum(axis=0), 0.0)
-    shares = dict.fromkeys(dict.fromkeys(AXES.values()), 0.0)
-    for component, one in zip(COMPONENTS, energy, strict=True):
-        shares[AXES[component]] += float(one / max(energy.sum(), 1e-300))
-    return shares
+    shares = energy / max(energy.sum(), 1e-300)
+    return grouped(dict(zip(COMPONENTS, shares.tolist(), strict=True)))
+
+
+def grouped(shares: Mapping[str, float]) -> dict[str, float]:
+    """Shares of components, added up in their groups."""
+    groups = dict.fromkeys(dict.fromkeys(AXES.values()), 0.0)
+    for component, share in shares.items():
+        groups[AXES[component]] += share
+    return groups
 
 
 def told(located: Located) -> tuple[set[str], set[str]]:
@@ -130,9 +136,7 @@ def told(located: Located) -> tuple[set[str], set[str]]:
 
 def _axis(shares: Mapping[str, float]) -> str:
     """The group of components that holds most."""
-    groups = dict.fromkeys(dict.fromkeys(AXES.values()), 0.0)
-    for component, share in shares.items():
-        groups[AXES[component]] += share
+    groups = grouped(shares)
     return max(groups, key=lambda one: groups[one])
 
 

@@ -85,13 +85,14 @@ def _by_locator(located: Located) -> Iterator[tuple[str, list[dict[str, Any]]]]:
             for one in located.departures
         ],
     )
+    parameters = {one.name for one in located.projection.residuals.parameters}
     yield (
         "contrasts",
         [
             {
                 "p": one.p,
                 "words": one.words,
-                "parameter" if one.what not in one.shares else "component": one.what,
+                "parameter" if one.what in parameters else "component": one.what,
                 "covariate": one.along,
             }
             for one in located.contrasts

@@ -7,6 +7,7 @@ import pytest
 from planted import MODULUS, planted
 
 from tactiledata.diagnose.contrasts import IN_CONTACT, contrasts, instruments_of, sizes_of
+from tactiledata.diagnose.findings import findings
 from tactiledata.diagnose.gate import NoiseModel
 from tactiledata.diagnose.locate import LocateOptions, locate
 from tactiledata.diagnose.projection import project
@@ -109,6 +110,17 @@ def test_scatter_beyond_noise_is_found_again(error):
     sizes = rng.normal(0.0, np.sqrt(variances + error**2))
     assert scatter_beyond_noise(sizes, variances) == pytest.approx(error, abs=0.1)
     assert scatter_beyond_noise(np.zeros(0), np.zeros(0)) == 0.0
+
+
+def test_a_way_is_no_parameter_in_the_document():
+    """What goes with the slide is told as a component, as departures tell it; E as a parameter."""
+    way = np.tile([0.6, 0.8, 0.0], (600, 1))
+    world = white(6, plant=lambda one: 2.0 * way * (one.labels["phase"] == "shear")[:, None])
+    told = dataclasses.replace(world, ways={"shear along the slide": way})
+    options = LocateOptions(noise=NoiseModel(0.0), draws=199, errors={"shear along the slide": 0.0})
+    rows = [one for one in findings(locate(told, options)) if one["locator"] == "contrasts"]
+    assert rows[0]["component"] == "shear along the slide"
+    assert "parameter" not in rows[0]
 
 
 def test_locate_asks_them_only_where_errors_and_noise_are_known():
