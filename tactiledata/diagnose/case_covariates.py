@@ -103,14 +103,24 @@ def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
 
 
 def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Array, str]]:
-    force, steps = _filled(answer.wrench[:, 2]), case.touch.time_steps
+    force, steps, depth = _filled(answer.wrench[:, 2]), case.touch.time_steps, np.maximum(answer.depth, 0.0)
     rate = np.divide(np.diff(force, prepend=force[:1]), steps, out=np.zeros_like(force), where=steps > 0)
     return {
-        "depth": (1e3 * np.maximum(answer.depth, 0.0), "mm"),
+        "depth": (1e3 * depth, "mm"),
+        "share of the largest depth": (_share_of_largest(depth, case.touch.earlier_depth), "1"),
         "contact radius": (1e3 * answer.radius, "mm"),
         "normal force": (force, "N"),
         "loading rate": (rate, "N/s"),
     }
+
+
+def _share_of_largest(depth: Array, earlier: Array | None) -> Array:
+    """Depth (n,) over the largest that the gel has felt there so far, 1 before anything has touched."""
+    depth = _filled(depth)
+    largest = np.maximum.accumulate(depth)
+    if earlier is not None:
+        largest = np.maximum(largest, _filled(earlier))
+    return np.divide(depth, largest, out=np.ones_like(depth), where=largest > 0)
 
 
 def _of_rig(case: TouchCase) -> dict[str, tuple[Array, str]]:

@@ -36,9 +36,9 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     """Whitened residuals of a fit, frames that were not measured or not simulated left out.
 
     E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset and
-    zeros are marginalised under their priors. What the simulation itself may be off, by a factor on all forces of an
-    indenter, along its law and in sticking shear, and the numbers of effects are refitted with E, nu and mu and never
-    asked: a simulator that errs so is no news.
+    zeros are marginalised under their priors; what zeros follow is asked in free air. What the simulation itself may be
+    off, by a factor on all forces of an indenter, along its law and in sticking shear, and the numbers of effects are
+    refitted with E, nu and mu and never asked: a simulator that errs so is no news.
 
     Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
     """
@@ -50,7 +50,7 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
     slopes = white.with_zeros(np.stack(fields, axis=2))
     zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
-    names = tuple(Parameter(f"zero of {name}", own_deviation=1.0) for name in COMPONENTS)
+    names = tuple(Parameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
     deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
     return Residuals(
         white.with_zeros(fit.residual + fit.own * fit.by_row) * single,

@@ -18,7 +18,7 @@ from scipy.stats import norm
 
 from tactiledata.diagnose.event_effects import SHAPES, directions_of, shapes_after
 from tactiledata.diagnose.events import find_events
-from tactiledata.diagnose.free_air import FREE_AIR, PHASE
+from tactiledata.diagnose.free_air import in_contact
 from tactiledata.diagnose.instability import look_alikes
 from tactiledata.diagnose.ladder import levels, slope
 from tactiledata.diagnose.projection import Projection, project
@@ -31,11 +31,14 @@ Array = NDArray[np.float64]
 
 LEVEL = 0.05
 MOST = 3
-NOT_IN_CONTACT = (FREE_AIR, "approach")
 SHOWS = 0.25
 """Share of a contrast's energy from which on it is said to show in a component."""
 DISTINCT = 1e-3
 """Share of a contrast that must be left beside all that is refitted."""
+MOST_CHANGE = 1.0
+"""Share of itself by which a parameter may differ: one that falls by more has changed its sign, which none may."""
+NEARLY = 2.0 * np.log(20.0)
+"""What squared values may be behind: another covariate is then less than twenty times less likely."""
 IN_CONTACT = "in contact"
 FROM = {"stays": "from {} on", "rises": "more and more from {} on", "fades": "at {}, and it fades"}
 
@@ -60,6 +63,7 @@ class Contrast:
         Where its energy is, beside all that is refitted; they sum to 1.
     words : str
     alike : names of covariates that cannot be told from this one in these data
+    near : names of others along which it is told nearly as well
     """
 
     what: str
@@ -71,6 +75,7 @@ class Contrast:
     shares: Mapping[str, float]
     words: str
     alike: tuple[str, ...]
+    near: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -160,8 +165,7 @@ def sizes_of(
 
 def instruments_of(residuals: Residuals) -> Instruments:
     """All along, the slope over each covariate, each level of a label, three shapes from each event on."""
-    phases = residuals.labels.get(PHASE)
-    touches = np.ones(len(residuals.values)) if phases is None else (~np.isin(phases, NOT_IN_CONTACT)).astype(float)
+    touches = in_contact(residuals).astype(float)
     columns, names, places = [touches[:, None]], [IN_CONTACT], [IN_CONTACT]
     for name, covariate in residuals.covariates.items():
         instrument, low, high = slope(covariate.values, touches)
@@ -197,29 +201,44 @@ def _strongest(
     alike: Mapping[str, tuple[str, ...]],
 ) -> tuple[Contrast, Array] | None:
     """It, and its field (n, k)."""
-    best: tuple[float, Sizes, int] | None = None
+    best: tuple[float, Sizes, Array] | None = None
     asked = 0
+    relative = {one.name for one in projection.residuals.parameters if np.isfinite(one.value)}
     for sizes in sizes_of(projection, instruments, errors, inflation):
         asked += len(sizes.places)
         values = np.abs(sizes.size) / np.sqrt(sizes.variance + errors[sizes.what] ** 2)
+        if sizes.what in relative:
+            values = np.where(np.abs(sizes.size) > MOST_CHANGE, 0.0, values)
         if len(values) and (best is None or values.max() > best[0]):
-            best = float(values.max()), sizes, int(values.argmax())
+            best = float(values.max()), sizes, values
     if best is None:
         return None
-    value, sizes, number = best
+    value, sizes, values = best
+    number = int(values.argmax())
     place = int(sizes.places[number])
     field = sizes.direction * instruments.columns[:, place, None]
     p = float(min(1.0, 2.0 * asked * norm.sf(value)))
     half_width = float(norm.ppf(0.975) * np.sqrt(sizes.variance[number] + errors[sizes.what] ** 2))
     name, size = instruments.names[place], float(sizes.size[number])
-    shares = _shares(projection, field)
+    shares, same = _shares(projection, field), alike.get(name, ())
+    near = _near(instruments, sizes, values, {name, *same})
     words = f"{_said(projection.residuals, sizes.what, size, half_width)} {instruments.places[place]} ({p_words(p)})"
     if sizes.what not in shares:
         words += f"; it shows in {joined_names([one for one, share in shares.items() if share > SHOWS])}"
-    same = alike.get(name, ())
     if same:
         words += f"; in these data {name} cannot be told from {joined_names(same)}"
-    return Contrast(sizes.what, name, size, half_width, float(np.copysign(value, size)), p, shares, words, same), field
+    if near:
+        words += f"; it is told nearly as well by {joined_names(near)}"
+    signed = float(np.copysign(value, size))
+    return Contrast(sizes.what, name, size, half_width, signed, p, shares, words, same, near), field
+
+
+def _near(instruments: Instruments, sizes: Sizes, values: Array, known: set[str]) -> tuple[str, ...]:
+    """Names along which the same direction is told nearly as well, the best first."""
+    order = np.argsort(-values)
+    enough = order[values[order] ** 2 >= values.max() ** 2 - NEARLY]
+    names = dict.fromkeys(instruments.names[int(place)] for place in sizes.places[enough])
+    return tuple(name for name in names if name not in known)
 
 
 def _shares(projection: Projection, field: Array) -> dict[str, float]:

@@ -57,19 +57,20 @@ def _by_locator(located: Located) -> Iterator[tuple[str, list[dict[str, Any]]]]:
             for one in located.overall
         ],
     )
-    yield (
-        "drifting parameters",
-        [
-            {
-                "p": one.p,
-                "words": one.words,
-                "parameter": one.parameter,
-                "covariate": one.covariate,
-                "change": change_document(one.change),
-            }
-            for one in located.drifts
-        ],
-    )
+    for locator, drifts in (("drifting parameters", located.drifts), ("trajectories' own parameters", located.own)):
+        yield (
+            locator,
+            [
+                {
+                    "p": one.p,
+                    "words": one.words,
+                    "parameter": one.parameter,
+                    "covariate": one.covariate,
+                    "change": change_document(one.change),
+                }
+                for one in drifts
+            ],
+        )
     yield (
         "events",
         [

@@ -17,6 +17,15 @@ from tactiledata.diagnose.zeros import with_zeros
 Array = NDArray[np.float64]
 
 PHASE, FREE_AIR = "phase", "free air"
+NOT_IN_CONTACT = (FREE_AIR, "approach")
+
+
+def in_contact(residuals: Residuals) -> NDArray[np.bool_]:
+    """Frames (n,) in which something touches; all of them where phases are not known."""
+    phases = residuals.labels.get(PHASE)
+    if phases is None:
+        return np.ones(len(residuals.values), dtype=bool)
+    return np.asarray(~np.isin(phases, NOT_IN_CONTACT))
 
 
 @dataclass(frozen=True)

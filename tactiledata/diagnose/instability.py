@@ -150,7 +150,7 @@ def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
     Covariates whose ranks go together, or against one another; and a label that alone decides a covariate, as where
     indenters were mounted one after the other.
     """
-    ranks = {name: _unit(rankdata(one.values)) for name, one in residuals.covariates.items()}
+    ranks = {name: about_mean(rankdata(one.values)) for name, one in residuals.covariates.items()}
     alike: dict[str, list[str]] = {name: [] for name in (*residuals.covariates, *residuals.labels)}
     for first, second in combinations(ranks, 2):
         if abs(float(ranks[first] @ ranks[second])) > ALIKE:
@@ -169,6 +169,7 @@ def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
     return {name: tuple(others) for name, others in alike.items()}
 
 
-def _unit(values: Array) -> Array:
+def about_mean(values: Array) -> Array:
+    """Values (n,) about their mean, of unit length."""
     centred = values - values.mean()
     return centred / max(float(np.linalg.norm(centred)), 1e-300)

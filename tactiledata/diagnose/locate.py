@@ -20,6 +20,7 @@ from tactiledata.diagnose.honest_tree import Leaf, honest_tree
 from tactiledata.diagnose.instability import Drift, instability
 from tactiledata.diagnose.leading import leading_drifts
 from tactiledata.diagnose.overall import Offset, offsets
+from tactiledata.diagnose.own_drifts import own_drifts
 from tactiledata.diagnose.projection import Projection, project
 from tactiledata.diagnose.region import RegionMap, region_maps
 from tactiledata.diagnose.residuals import Residuals
@@ -71,6 +72,8 @@ class Located:
         See the modules of these names.
     leading : tuple of Drift
         The certain drifts without their echoes.
+    own : tuple of Drift
+        What the trajectories' own parameters follow.
     energy : EnergyShares
     p : dict, locator -> p-value
         Holm's, over all locators that had something to test.
@@ -82,6 +85,7 @@ class Located:
     overall: tuple[Offset, ...]
     drifts: tuple[Drift, ...]
     leading: tuple[Drift, ...]
+    own: tuple[Drift, ...]
     events: tuple[EventLocked, ...]
     departures: tuple[EventEffect, ...]
     contrasts: tuple[Contrast, ...]
@@ -113,6 +117,8 @@ class Located:
             said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
         if self.is_certain("drifting parameters"):
             said += [_sentence(one.words) for one in self.leading]
+        if self.is_certain("trajectories' own parameters"):
+            said += [_sentence(one.words) for one in self.own[:1]]
         if self.is_certain("contrasts"):
             said += [_sentence(one.words) for one in self.contrasts if one.p <= LEVEL]
         if self.is_certain("departures from events on"):
@@ -148,6 +154,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     common = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
     drifts = beyond_errors(instability(projection, seed + 2, draws), chosen.errors)
     leading = leading_drifts(projection, drifts, seed + 8, draws, chosen.errors)
+    own = beyond_errors(own_drifts(projection, seed + 10, draws), chosen.errors)
     found_events = find_events(residuals)
     events = event_locked(refitted, found_events, seed=seed + 3, draws=draws)
     departures = beyond_errors(event_effects(projection, found_events, seed + 9, draws), chosen.errors)
@@ -162,6 +169,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
         "free air": air.p if air.is_tested else None,
         "a common offset": min([one.p for one in common], default=None),
         "drifting parameters": min([one.p for one in drifts], default=None),
+        "trajectories' own parameters": min([one.p for one in own], default=None),
         "events": min([one.p for one in events], default=None),
         "departures from events on": min([one.p for one in departures], default=None),
         "contrasts": None if differ is None else min([one.p for one in differ], default=1.0),
@@ -173,8 +181,8 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     corrected = holm(np.array(list(asked.values())))
     together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
     return Located(
-        projection, opened, air, common, drifts, leading, events, departures, differ or (), steps, maps, leaves, shares,
-        together,
+        projection, opened, air, common, drifts, leading, own, events, departures, differ or (), steps, maps, leaves,
+        shares, together,
     )  # fmt: skip
 
 

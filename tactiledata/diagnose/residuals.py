@@ -48,8 +48,8 @@ class Parameter:
         Each trajectory has a value of its own, normal with this standard deviation (``inf``: any); ``None``: all
         share one.
     is_tested : bool
-        Whether locators ask if it drifts. Numbers that a fit has and nobody doubts, as errors of the simulation
-        itself, are refitted and never asked.
+        Whether locators ask if it drifts, or what it follows where each trajectory has its own. Numbers that a fit
+        has and nobody doubts, as errors of the simulation itself, are refitted and never asked.
     """
 
     name: str

@@ -136,6 +136,27 @@ def test_phases_follow_the_path(quiet):
     ]  # fmt: skip
 
 
+def test_the_share_of_the_largest_depth_is_one_on_fresh_ground(quiet):
+    """On the way down at a fresh spot 1; less where a deeper touch went before, and on the way up."""
+    white, fit = quiet
+    depth, share = (
+        case_residuals(white, fit).covariates[name].values for name in ("depth", "share of the largest depth")
+    )
+    number = case_residuals(white, fit).trajectory
+    for one in range(3):
+        largest = np.maximum(np.maximum.accumulate(depth[number == one]), 1.0)
+        np.testing.assert_allclose(share[number == one], depth[number == one] / largest)
+    fresh = [
+        dataclasses.replace(case, touch=dataclasses.replace(case.touch, earlier_depth=None))
+        for case in white.cases.cases
+    ]
+    first = case_residuals(*plain_fit(CaseSet(fresh, base))).covariates["share of the largest depth"].values
+    down = first[: np.flatnonzero(first < 1.0)[0]]
+    assert len(down) > 3
+    assert (down == 1.0).all()
+    assert (first >= share - 1e-9).mean() > 0.95
+
+
 def test_what_a_known_effect_changes_is_recognised():
     """A lagging sensor against the same touches without lag: the difference is nearest to the lag's signature."""
     (white, fit), (lagging, _) = (plain_fit(world_cases(world, 5, 24)) for world in (World(), World(lag=0.04)))

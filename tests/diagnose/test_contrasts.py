@@ -11,6 +11,7 @@ from tactiledata.diagnose.findings import findings
 from tactiledata.diagnose.gate import NoiseModel
 from tactiledata.diagnose.locate import LocateOptions, locate
 from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.residuals import Covariate
 from tactiledata.diagnose.simulation_errors import scatter_beyond_noise
 
 EXACT = {"fx": 0.0, "fy": 0.0, "fz": 0.0, "E": 0.0, "mu": 0.0, "offset": 0.0}
@@ -76,6 +77,37 @@ def test_two_are_told_one_after_the_other():
 
     found = [one for one in contrasts(project(white(3, plant=both)), EXACT) if one.p <= 0.05]
     assert {(one.what, one.along) for one in found[:2]} == {("E", "indenter"), ("fx", "phase")}
+
+
+def test_a_covariate_that_tells_it_nearly_as_well_is_named_beside_it():
+    """Depth and its square root; the time, which has nothing to do with it, is not."""
+
+    def plant(world):
+        return slope_of(world, "E") * (0.3 * MODULUS * world.covariates["depth"].values)[:, None]
+
+    world = white(6, plant=plant)
+    bent = Covariate(np.sqrt(world.covariates["depth"].values), "mm")
+    turned = Covariate(-world.covariates["minutes"].values, "min")
+    world = dataclasses.replace(world, covariates={**world.covariates, "bent": bent, "turned": turned})
+    first = contrasts(project(world), EXACT)[0]
+    assert first.what == "E"
+    assert {"depth", "bent"} <= {first.along, *first.alike, *first.near}
+    assert {"minutes", "turned"}.isdisjoint(first.near)
+    assert first.along not in first.near
+    if first.near:
+        assert f"told nearly as well by {first.near[0]}" in first.words
+
+
+def test_no_parameter_changes_its_sign(monkeypatch):
+    """Shear that would ask for a friction of minus twice itself at one indenter is no change of friction."""
+
+    def plant(world):
+        return slope_of(world, "mu") * (-3.0 * 0.8 * (world.labels["indenter"] == "ball"))[:, None]
+
+    projection = project(white(7, plant=plant))
+    assert all(abs(one.size) <= 1.0 for one in contrasts(projection, EXACT) if one.what in ("E", "mu"))
+    monkeypatch.setattr("tactiledata.diagnose.contrasts.MOST_CHANGE", np.inf)
+    assert contrasts(projection, EXACT)[0].size == pytest.approx(-3.0, abs=0.2)
 
 
 def test_what_a_simulation_may_be_off_is_none_however_many_trajectories_show_it():
