@@ -78,7 +78,10 @@ def _kind(kind: str, cases: Sequence[Case]) -> list[str]:
 
 
 def _material(cases: Sequence[Case]) -> list[str]:
-    """Errors of E, nu, mu of single effects that were claimed rightly, and of nulls."""
+    """Errors of E, nu, mu of single effects that were claimed rightly, and of nulls.
+
+    Under relaxation E is what is left of it after a touch, as effects/relaxation.py has it.
+    """
     lines = []
     for what, chosen in (
         ("nulls", [case for case in cases if case["kind"] == "nulls"]),
@@ -89,6 +92,7 @@ def _material(cases: Sequence[Case]) -> list[str]:
         if not chosen:
             continue
         truth = np.array([list(case["material"].values()) for case in chosen])
+        truth[:, 0] *= [case["modulus_left"] for case in chosen]
         off = [100 * np.abs(np.array([case[when] for case in chosen]) / truth - 1) for when in ("before", "after")]
         before, after = (np.median(one, axis=0).round(1) for one in off)
         lines.append(f"\n|error| of E, nu, mu in %, median of {what}: before {before}, after {after}")

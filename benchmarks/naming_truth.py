@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
+
+import numpy as np
 
 from tactiledata.rig.contact import TouchSetup
 from tactiledata.rig.footprint import GelGrid, footprint
 from tactiledata.rig.hidden_base import HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden_time import Springpot
 
 TITLES = {
     "relaxation": "relaxation",
@@ -49,6 +52,16 @@ PAIRS = (
     ("cross_talk", "relaxation"),
     ("warm_up", "lag"),
 )
+
+
+RELAXED_AFTER = 10.0
+"""s, about what a touch lasts: no power law has a modulus of its own at rest."""
+
+
+def modulus_left(effects: Sequence[HiddenEffect]) -> float:
+    """Share of the modulus at once that hidden relaxation leaves after a touch: what a relaxed gel's E is then."""
+    springpots = [one for one in effects if isinstance(one, Springpot)]
+    return float(np.prod([(1 + RELAXED_AFTER / one.onset) ** -one.alpha for one in springpots]))
 
 
 @dataclass(frozen=True)

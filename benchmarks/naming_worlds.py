@@ -29,6 +29,7 @@ from naming_asked import KINDS, Asked, asked_cases
 from naming_case import Maker, to_play
 from naming_plan import Plan
 from naming_summary import summary
+from naming_truth import modulus_left
 
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.evidence_scale import ESTIMATED
@@ -44,6 +45,7 @@ from tactiledata.diagnose.zero_causes import zero_causes
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.fem import Fidelity
 from tactiledata.gel.material import GelMaterial
+from tactiledata.rig.scenario import load_scenario
 
 START = GelMaterial(0.9e6, 0.475, 0.65)
 QUICK_EFFECTS = ("frame_rotation", "relaxation", "lag")
@@ -102,6 +104,7 @@ class Bench:
         began = time.perf_counter()
         naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False))
         seconds = time.perf_counter() - began
+        scenario = load_scenario(self.maker.plan.scenario(asked.seed, truth, asked.hidden))
         change, left = np.zeros((int(cases.counts.sum()), 6)), 0.0
         if asked.hidden or asked.more:
             felt, clean = self.felt(asked, truth), self.clean(asked.seed, truth)
@@ -112,6 +115,7 @@ class Bench:
             **{key: value for key, value in asdict(asked).items() if key != "wrong"},
             "truth": list(asked.truth),
             "material": asdict(truth),
+            "modulus_left": modulus_left(scenario.hidden),
             "seconds": round(seconds, 2),
             "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],
             **_found(naming, asked, change),

@@ -29,6 +29,7 @@ from tactiledata.errors import UsageError
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact import DEEPEST, TouchSetup, contact_times
 from tactiledata.rig.contact_layer import touch_layer
+from tactiledata.rig.coulomb_limit import beyond_coulomb
 from tactiledata.rig.footprint import GelGrid, footprint
 from tactiledata.rig.layer_contact import contact_law, stick_slip
 from tactiledata.rig.layer_grid import LayerGrid
@@ -219,7 +220,8 @@ def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array) 
             stick_slip(positions[:, :2] + move, normal, stiffness, friction)[0] for move in (missed[:, :2], 0.0)
         )
         pull = changed - plain - wrench[:, :2]
-        size, limit = np.linalg.norm(pull, axis=1), friction * normal
+        limit = friction * normal
+        limit, size = limit * beyond_coulomb(wrench[:, :2], limit), np.linalg.norm(pull, axis=1)
         pull[size > limit] *= (limit / np.maximum(size, 1e-12))[size > limit, None]
         gained = np.concatenate([-pull - wrench[:, :2], np.zeros((len(pull), 1))], axis=1)
         centre[:, :2] += positions[:, :2]

@@ -174,9 +174,9 @@ class HiddenEffect:
         """Spread of the limits of parts of the contact, relative: 0 for one slider."""
         return 0.0
 
-    def pull(self, pull: Array, felt: Felt) -> Array:
-        """Tangential pull (n, 2), N, on the gel, from that without the effect."""
-        return pull
+    def memory(self, felt: Felt) -> Array | None:
+        """Share (n,) of a tangential pull that the gel still holds after so many samples, 1 at once."""
+        return None
 
     def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
         """A further load (n, 6) on the force sensor, in its frame, at sorted moments of the host clock."""

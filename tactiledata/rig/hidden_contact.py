@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup, contact_times
 from tactiledata.rig.contact_analytic import touch_analytic
+from tactiledata.rig.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden_base import Array, Felt, HiddenEffect, TouchFacts, Visit
 from tactiledata.rig.hidden_history import elastic_work
 from tactiledata.rig.hidden_slider import areas_of, slide
@@ -140,17 +141,17 @@ class _Touch:
         """Pull (n, 2) and slipping (n,): the contact's own, plus what sliders on springs say that effects change."""
         factors = [factor for effect in self._effects if (factor := effect.friction(felt)) is not None]
         spread = max((effect.spread() for effect in self._effects), default=0.0)
+        memories = [memory for effect in self._effects if (memory := effect.memory(felt)) is not None]
         same = all(new is old for new, old in zip(after, before, strict=True))
-        if same and not factors and not spread:
+        if same and not factors and not spread and not memories:
             return pull, slipping
         coefficient = self._setup.material.friction
         path, areas = felt.positions[:, :2], areas_of(felt.radius)
         plain = stick_slip(path, before[0], before[1], coefficient)[0]
-        changed, limit, slipping = slide(path, *after, areas, coefficient, CONTACT_RATE, factors, spread)
+        memory = np.prod(memories, axis=0) if memories else None
+        changed, limit, slipping = slide(path, *after, areas, coefficient, CONTACT_RATE, factors, spread, memory)
         out: Array = pull + (changed - plain)
-        for effect in self._effects:
-            out = effect.pull(out, felt)
-        limit = limit * _beyond(pull, coefficient * before[0])
+        limit = limit * beyond_coulomb(pull, coefficient * before[0])
         size = np.linalg.norm(out, axis=1)
         over = size > limit
         out[over] *= (limit[over] / size[over])[:, None]
@@ -164,15 +165,6 @@ class _Touch:
         point = self._law.columns_at(felt.positions[:, 2])[2]
         point[:, :2] += felt.positions[:, :2]
         return np.concatenate([force, scaled[:, 3:] + np.cross(point, force - scaled[:, :3])], axis=1)
-
-
-def _beyond(pull: Array, limit: Array) -> Array:
-    """By what a contact's own pull (n, 2) exceeds Coulomb's limit (n,); 1 where it does not.
-
-    What slides on flanks is pushed along the gel by the pressure on them, too: a few per cent more than friction alone.
-    """
-    size = np.linalg.norm(pull, axis=1)
-    return np.maximum(1.0, np.divide(size, limit, out=np.ones_like(size), where=limit > 0))
 
 
 def _as_miss(move: Array) -> Array:

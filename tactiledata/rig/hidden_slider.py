@@ -30,6 +30,7 @@ def slide(
     rate: float,
     factors: Sequence[FrictionFactor] = (),
     spread: float = 0.0,
+    memory: Array | None = None,
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Pull (n, 2), N, on the gel; its limit (n,), N; whether all slides (n,).
 
@@ -49,18 +50,26 @@ def slide(
         Each takes a `Slide` and gives what the limit is multiplied by; none may fall with the speed at constant age.
     spread : float
         Limits of the parts lie evenly within 1 - spread and 1 + spread of the mean.
+    memory : (n,), optional
+        Share of a pull that a spring still holds after so many samples, 1 at once (Boltzmann's superposition): what
+        slides is at its limit at each moment, what sticks relaxes. ``None``: springs forget nothing.
     """
     count = len(path)
     parts = np.ones(1) if spread == 0 else 1 + spread * (2 * (np.arange(SLIDERS) + 0.5) / SLIDERS - 1)
     pulls, limits, slips = np.zeros((count, 2)), np.zeros(count), np.zeros(count, dtype=bool)
     steps = np.diff(path, axis=0, prepend=path[:1]) * ((stiffness + np.roll(stiffness, 1)) / 2)[:, None]
     held, age, dt = np.zeros((len(parts), 2)), 0.0, 1 / rate
+    given, began = np.zeros((count, len(parts), 2)), 0
     for moment in range(count):
         force = max(float(normal[moment]), 0.0)
         if force == 0:
-            held, age = np.zeros_like(held), 0.0
+            held, age, began = np.zeros_like(held), 0.0, moment + 1
             continue
-        held = held + steps[moment] / len(parts)
+        if memory is None:
+            held = held + steps[moment] / len(parts)
+        else:
+            given[moment] = steps[moment] / len(parts)
+            held = np.tensordot(memory[moment - began :: -1], given[began : moment + 1], axes=1)
         x, y = held.sum(axis=0).tolist()
         trial, direction = float(np.hypot(x, y)), float(np.arctan2(y, x))
         pressure = force / max(float(areas[moment]), 1e-9)
@@ -70,7 +79,9 @@ def slide(
         shares = limit * parts / len(parts)
         sizes = np.hypot(held[:, 0], held[:, 1])
         over = sizes > shares
-        held[over] *= (shares[over] / sizes[over])[:, None]
+        kept = held * np.where(over, shares / np.maximum(sizes, 1e-300), 1.0)[:, None]
+        given[moment] += kept - held
+        held = kept
         age = (age + dt) / (1 + dt * speed / CRITICAL_SLIP)
         pulls[moment], limits[moment], slips[moment] = held.sum(axis=0), most, over.all()
     return pulls, limits, slips

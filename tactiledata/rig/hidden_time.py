@@ -54,9 +54,9 @@ class Springpot(HiddenEffect):
         """See `HiddenEffect.normal`."""
         return _pressing(relaxed(force, self._kernel(felt)), force)
 
-    def pull(self, pull: Array, felt: Felt) -> Array:
-        """See `HiddenEffect.pull`."""
-        return relaxed(pull, self._kernel(felt))
+    def memory(self, felt: Felt) -> Array:
+        """See `HiddenEffect.memory`."""
+        return self._kernel(felt)(np.arange(len(felt.positions)) / CONTACT_RATE)
 
     def _kernel(self, felt: Felt) -> Kernel:
         exponent = self._exponent(felt)

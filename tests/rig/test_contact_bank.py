@@ -102,6 +102,17 @@ def test_an_indenter_that_yields_along_the_gel_is_nearly_as_solved(bank):
     assert np.abs(before_retreat(found - expected))[:, 0].max() < lost / 6
 
 
+def test_what_yields_next_to_nothing_along_the_gel_slides_as_before(bank):
+    """Flanks push a sliding indenter beyond Coulomb's limit: no yielding takes that away."""
+    setup = setup_of(friction=0.3)
+    plain = bank.contact(GEL, setup)
+    beyond = np.linalg.norm(plain.wrench[:, :2], axis=1) - 0.3 * plain.wrench[:, 2]
+    assert beyond.max() > 0.01
+    missed = np.zeros((len(contact_times(plain.path)), 3))
+    missed[:, :2] = 1e-12 * plain.wrench[:, :2]
+    np.testing.assert_allclose(bank.contact(GEL, setup, None, missed).wrench, plain.wrench, atol=1e-6)
+
+
 def test_what_was_solved_is_read_again_and_nothing_else_is(bank, monkeypatch):
     setup = setup_of((0.0, 0.0, 4.5e-5))
     first = bank.contact(GEL, setup).wrench

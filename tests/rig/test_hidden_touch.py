@@ -148,6 +148,35 @@ def test_relaxation_decays_at_rest_as_a_power_law():
     assert np.ptp(plain) == 0
 
 
+def test_a_slide_relaxes_where_it_sticks_and_keeps_to_friction_where_it_slides():
+    """Slow springs: while it slides the pull is friction times the force; held still it decays as the kernel says."""
+    count, rate = 3000, 500.0
+    path = np.zeros((count, 2))
+    path[:, 0] = np.interp(np.arange(count), [0, 500, 1500], [0.0, 0.0, 2e-3])
+    normal, stiffness = np.full(count, 2.0), np.full(count, 3000.0)
+    memory = 0.6 + 0.4 * np.exp(-np.arange(count) / rate / 0.5)
+    plain = slide(path, normal, stiffness, np.full(count, 1e-5), 0.5, rate)[0][:, 0]
+    pull, _, slips = slide(path, normal, stiffness, np.full(count, 1e-5), 0.5, rate, memory=memory)
+    pull = pull[:, 0]
+    np.testing.assert_allclose(pull[slips], 1.0, rtol=1e-9)
+    assert slips[1200:1499].all()
+    assert not slips[1501:].any()
+    # it needs a longer way to slide, as what is pulled slowly relaxes on the way
+    assert np.flatnonzero(slips)[0] > np.flatnonzero(plain >= 1.0 - 1e-9)[0]
+    # no jump where it stops, and never below what is left of a pull that was given long ago
+    assert abs(pull[1502] - pull[1499]) < 0.01
+    assert 0.6 < pull[-1] < 0.98
+    assert (np.diff(pull[1501:]) <= 1e-12).all()
+
+
+def test_a_memory_that_forgets_nothing_is_none():
+    path = np.cumsum(np.random.default_rng(0).normal(0, 2e-5, (800, 2)), axis=0)
+    normal, stiffness, areas = np.full(800, 1.5), np.full(800, 2500.0), np.full(800, 1e-5)
+    plain = slide(path, normal, stiffness, areas, 0.4, 500.0)[0]
+    kept = slide(path, normal, stiffness, areas, 0.4, 500.0, memory=np.ones(800))[0]
+    np.testing.assert_allclose(kept, plain, atol=1e-9)
+
+
 def test_warm_relaxation_is_faster_when_warm():
     """The same touch days after power-on decays 1 + 0.1 * 12 times as fast on a logarithmic scale."""
     slopes = []
