@@ -34,6 +34,7 @@ from naming_truth import modulus_left
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
+from tactiledata.diagnose.joint_fit import JointFit
 from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
 from tactiledata.diagnose.plain_fit import plain_fit
@@ -105,17 +106,18 @@ class Bench:
         naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False))
         seconds = time.perf_counter() - began
         scenario = load_scenario(self.maker.plan.scenario(asked.seed, truth, asked.hidden))
-        change, left = np.zeros((int(cases.counts.sum()), 6)), 0.0
+        change, left, unhidden = np.zeros((int(cases.counts.sum()), 6)), 0.0, truth
         if asked.hidden or asked.more:
             felt, clean = self.felt(asked, truth), self.clean(asked.seed, truth)
-            change = felt - clean
-            left = _left_by_a_refit(cases, felt) - _left_by_a_refit(cases, clean)
+            plain, change = _refit(cases, clean), felt - clean
+            left, unhidden = _refit(cases, felt).cost - plain.cost, plain.model.material
         return {
             "case": asked.label,
             **{key: value for key, value in asdict(asked).items() if key != "wrong"},
             "truth": list(asked.truth),
             "material": asdict(truth),
             "modulus_left": modulus_left(scenario.hidden),
+            "unhidden": asdict(unhidden),
             "seconds": round(seconds, 2),
             "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],
             **_found(naming, asked, change),
@@ -123,11 +125,11 @@ class Bench:
         }
 
 
-def _left_by_a_refit(cases: CaseSet, wrenches: np.ndarray) -> float:
-    """The cost, in squares of the noise, of the plain simulation refitted to wrenches (N, 6) without noise."""
+def _refit(cases: CaseSet, wrenches: np.ndarray) -> JointFit:
+    """The plain simulation fitted to wrenches (N, 6) without noise; its cost in squares of the noise."""
     ends = np.cumsum(cases.counts)[:-1]
     exact = [replace(case, measured=one) for case, one in zip(cases.cases, np.split(wrenches, ends), strict=True)]
-    return plain_fit(WhitenedCases.of(replace(cases, cases=exact), NamingOptions().errors), START).cost
+    return plain_fit(WhitenedCases.of(replace(cases, cases=exact), NamingOptions().errors), START)
 
 
 def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:

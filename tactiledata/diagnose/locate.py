@@ -104,23 +104,27 @@ class Located:
         """Whether one of them is."""
         return self.p.get(locator, 1.0) <= LEVEL
 
+    def _drifts_said(self) -> list[Drift]:
+        """Of shared parameters those without echoes, of own ones the most certain."""
+        shared = self.leading if self.is_certain("drifting parameters") else ()
+        return [*shared, *(self.own[:1] if self.is_certain("trajectories' own parameters") else ())]
+
     def sentences(self) -> list[str]:
         """What is certain, the plainest first; where nothing is, that."""
         if not self.is_structured:
             return ["Nothing found: no locator finds structure that chance does not explain."]
-        said = []
+        said, known = [], self._drifts_said()
         if self.is_certain("free air"):
             said.append(self.free_air.words)
         if self.gate is not None and self.is_certain("size of the residual"):
             said.append(self.gate.words)
         if self.is_certain("a common offset"):
             said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
-        if self.is_certain("drifting parameters"):
-            said += [_sentence(one.words) for one in self.leading]
-        if self.is_certain("trajectories' own parameters"):
-            said += [_sentence(one.words) for one in self.own[:1]]
+        said += [_sentence(one.words) for one in known]
         if self.is_certain("contrasts"):
-            said += [_sentence(one.words) for one in self.contrasts if one.p <= LEVEL]
+            pairs = {(one.parameter, one.covariate) for one in known}
+            certain = [one for one in self.contrasts if one.p <= LEVEL]
+            said += [_sentence(one.words) for one in certain if (one.what, one.along) not in pairs]
         if self.is_certain("departures from events on"):
             said.append(_sentence(self.departures[0].words))
         elif self.is_certain("events"):

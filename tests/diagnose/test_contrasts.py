@@ -168,3 +168,16 @@ def test_locate_asks_them_only_where_errors_and_noise_are_known():
         dataclasses.replace(known, noise=NoiseModel(None)),
     ):
         assert "contrasts" not in locate(world, unknown).p
+
+
+def test_a_drift_is_said_once():
+    """E over depth is a drift and a contrast: one sentence."""
+
+    def plant(world):
+        return slope_of(world, "E") * (0.4 * MODULUS * world.covariates["depth"].values)[:, None]
+
+    options = LocateOptions(noise=NoiseModel(0.0), is_fitted=True, errors=EXACT)
+    located = locate(white(8, trajectories=60, plant=plant), options)
+    assert located.is_certain("drifting parameters")
+    assert ("E", "depth") in {(one.what, one.along) for one in located.contrasts if one.p <= 0.05}
+    assert len([one for one in located.sentences() if one.startswith("E ") and "depth" in one]) == 1
