@@ -78,7 +78,7 @@ def _kind(kind: str, cases: Sequence[Case]) -> list[str]:
 
 
 def _material(cases: Sequence[Case]) -> list[str]:
-    """Errors of E, nu, mu of nulls and of single effects that were claimed rightly; what is not claimed changes nothing.
+    """Errors of E, nu, mu of nulls and of single effects that were claimed rightly; without a claim nothing changes.
 
     The latter also against what the same calibration finds in the world without its effect: that leaves out what the
     two solvers differ in. Under relaxation E is what is left of it after a touch, as effects/relaxation.py has it.
