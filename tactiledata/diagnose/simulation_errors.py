@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 OF_THE_GEL: Mapping[str, float] = {
     "fx": 0.011, "fy": 0.011, "fz": 0.25, "tx": 0.0, "ty": 0.0, "tz": 0.038,
     "shear along the slide": 0.028, "torque of shear along the slide": 0.35,
-    "E": 0.012, "nu": 0.01, "mu": 0.028, "contact offset": 0.0024,
+    "E": 0.013, "nu": 0.01, "mu": 0.03, "contact offset": 0.0025,
 }  # fmt: skip
 """Standard deviations of contrasts, as in `Contrast`: times the noise, shares of E, nu and mu, mm. Where two solvers of
 one gel play the same touches: ``python benchmarks/locating_worlds.py --mounts 12 --errors 30``."""
