@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 from naming_case import Maker, to_play
 from naming_plan import Plan
+from naming_truth import RELAXED_AFTER, modulus_left
 from naming_worlds import START, Bench
 from story_pictures import Numbers, draw_story
 
@@ -38,6 +39,7 @@ from tactiledata.effects.setting import write_settings
 from tactiledata.gel.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.report.plots import png_bytes
+from tactiledata.rig.scenario import load_scenario
 
 STORIES = {
     "nothing": [],
@@ -57,6 +59,10 @@ def tell(story: str, bench: Bench, maker: Maker, out: Path, pictures: Path | Non
     known = (truth.youngs_modulus, truth.poisson_ratio, truth.friction)
     cases = bench.maker.cases(bench.maker.recorded(SEED, truth, STORIES[story]), bench.family)
     print(f"\n## {story}: {len(cases.cases)} touches; truth {_words(known)}")
+    left = modulus_left(load_scenario(plan.scenario(SEED, truth, STORIES[story])).hidden)
+    if left < 1.0:
+        known = (left * truth.youngs_modulus, *known[1:])
+        print(f"of which E is {known[0] / 1e3:.0f} kPa after {RELAXED_AFTER:.0f} s: the truth of a relaxed gel")
     experiment = _experiment(plan, maker, truth, story)
     numbers = [_calibrated(experiment, cases.cases[0].noise, plan)]
     began = time.process_time()
