@@ -99,7 +99,20 @@ def _material(cases: Sequence[Case]) -> list[str]:
         for share, name in ((0.5, "median"), (0.9, "90 %")):
             ends = [np.quantile(one, share, axis=0).round(1) for one in off]
             lines.append(f"|error| of E, nu, mu in %, {name} of {what}: before {ends[0]}, after {ends[1]}")
-    return ["", *lines] if lines else []
+    return ["", *lines, *_each_material(_claimed(cases))] if lines else []
+
+
+def _each_material(cases: Sequence[Case]) -> list[str]:
+    """A line a case: E, nu, mu against a calibration of the world without the effect."""
+    lines = []
+    for case in cases:
+        reference = np.array(list(case["unhidden"].values())) * [case["modulus_left"], 1.0, 1.0]
+        after = case["after" if case["verdict"] in CLAIMS else "before"]
+        off = [
+            ", ".join(f"{100 * one:+.1f}" for one in np.array(told) / reference - 1) for told in (case["before"], after)
+        ]
+        lines.append(f"    {case['case']}: {off[0]} % before, {off[1]} % after")
+    return lines
 
 
 def _claimed(cases: Sequence[Case]) -> list[Case]:
