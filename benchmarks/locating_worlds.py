@@ -225,6 +225,11 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
             f"{len(part)} worlds {what}: structure in {counts[0]}, axis right in {counts[1]}, where in {counts[2]},"
             f" both in {both}"
         )
+    by_world: dict[str, list[bool]] = {}
+    for one in hidden:
+        if one["signal"] >= ESTIMATED.visible:
+            by_world.setdefault(one["case"].split()[-1], []).append(one["is_axis"] and one["is_where"])
+    lines += [f"both in {sum(right)} of {len(right)} of them in worlds {seed}" for seed, right in by_world.items()]
     told_names = [len([name for name in one["found"] if not name.startswith("zeros: ")]) for one in hidden]
     located = [count for count in told_names if count]
     if located:

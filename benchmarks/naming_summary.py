@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 Case = dict[str, Any]
 CLAIMS = ("named", "one of a set")
 QUIET = ("nothing is missing", "below detection")
@@ -91,13 +93,9 @@ def _material(cases: Sequence[Case]) -> list[str]:
     ):
         if not chosen:
             continue
-        truth = np.array([list(case[reference].values()) for case in chosen])
-        truth[:, 0] *= [case["modulus_left"] for case in chosen]
-        after = [case["after" if case["verdict"] in CLAIMS else "before"] for case in chosen]
-        told = np.array([case["before"] for case in chosen]), np.array(after)
-        off = [100 * np.abs(one / truth - 1) for one in told]
+        off = np.abs([_off(case, reference) for case in chosen])
         for share, name in ((0.5, "median"), (0.9, "90 %")):
-            ends = [np.quantile(one, share, axis=0).round(1) for one in off]
+            ends = np.quantile(off, share, axis=0).round(1)
             lines.append(f"|error| of E, nu, mu in %, {name} of {what}: before {ends[0]}, after {ends[1]}")
     return ["", *lines, *_each_material(_claimed(cases))] if lines else []
 
@@ -106,13 +104,17 @@ def _each_material(cases: Sequence[Case]) -> list[str]:
     """A line a case: E, nu, mu against a calibration of the world without the effect."""
     lines = []
     for case in cases:
-        reference = np.array(list(case["unhidden"].values())) * [case["modulus_left"], 1.0, 1.0]
-        after = case["after" if case["verdict"] in CLAIMS else "before"]
-        off = [
-            ", ".join(f"{100 * one:+.1f}" for one in np.array(told) / reference - 1) for told in (case["before"], after)
-        ]
-        lines.append(f"    {case['case']}: {off[0]} % before, {off[1]} % after")
+        before, after = (", ".join(f"{one:+.1f}" for one in off) for off in _off(case, "unhidden"))
+        lines.append(f"    {case['case']}: {before} % before, {after} % after")
     return lines
+
+
+def _off(case: Case, reference: str) -> Array:
+    """Errors (2, 3) of E, nu, mu, before and after, in %."""
+    truth = np.array(list(case[reference].values())) * [case["modulus_left"], 1.0, 1.0]
+    after = case["after" if case["verdict"] in CLAIMS else "before"]
+    errors: Array = 100 * (np.array([case["before"], after]) / truth - 1)
+    return errors
 
 
 def _claimed(cases: Sequence[Case]) -> list[Case]:

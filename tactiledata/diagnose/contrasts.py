@@ -19,7 +19,7 @@ from scipy.stats import norm
 from tactiledata.diagnose.event_effects import SHAPES, directions_of, shapes_after
 from tactiledata.diagnose.events import find_events
 from tactiledata.diagnose.free_air import in_contact
-from tactiledata.diagnose.instability import look_alikes
+from tactiledata.diagnose.instability import alike_words, look_alikes
 from tactiledata.diagnose.ladder import levels, slope
 from tactiledata.diagnose.projection import Projection, project
 from tactiledata.diagnose.residuals import Residuals, joined_names
@@ -225,8 +225,7 @@ def _strongest(
     words = f"{_said(projection.residuals, sizes.what, size, half_width)} {instruments.places[place]} ({p_words(p)})"
     if sizes.what not in shares:
         words += f"; it shows in {joined_names([one for one, share in shares.items() if share > SHOWS])}"
-    if same:
-        words += f"; in these data {name} cannot be told from {joined_names(same)}"
+    words += alike_words(name, same)
     if near:
         words += f"; it is told nearly as well by {joined_names(near)}"
     signed = float(np.copysign(value, size))

@@ -139,9 +139,13 @@ def _drift(
         where = over(pair.covariate, low, high, covariate.unit)
     words = f"{moved.words} {where} ({p_words(p)})"
     same = alike[pair.covariate]
-    if same:
-        words += f"; in these data {pair.covariate} cannot be told from {joined_names(same)}"
+    words += alike_words(pair.covariate, same)
     return Drift(parameter, pair.covariate, statistic, p, at, moved, words, same)
+
+
+def alike_words(name: str, same: tuple[str, ...]) -> str:
+    """What a sentence on a covariate or label ends with where others tell the same story; empty where none does."""
+    return f"; in these data {name} cannot be told from {joined_names(same)}" if same else ""
 
 
 def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from tactiledata.diagnose.free_air import in_contact
-from tactiledata.diagnose.instability import ALL_ALONG, Drift, about_mean, look_alikes
+from tactiledata.diagnose.instability import ALL_ALONG, Drift, about_mean, alike_words, look_alikes
 from tactiledata.diagnose.ladder import levels, slope
 from tactiledata.diagnose.projection import Projection
-from tactiledata.diagnose.residuals import Residuals, joined_names
+from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.scores import FEWEST_EFFECTIVE
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise
 from tactiledata.diagnose.slopes import Change, over
@@ -116,8 +116,7 @@ def _drift(residuals: Residuals, name: str, own: Array, fact: _Fact, p: float, s
     error = float(np.sqrt(left @ left / freedom / (told @ told)))
     moved = Change(parameter, size, float(student.ppf(0.975, freedom)) * error)
     words = f"each trajectory's own {moved.words} {fact.where} ({p_words(p)})"
-    if same:
-        words += f"; in these data {fact.name} cannot be told from {joined_names(same)}"
+    words += alike_words(fact.name, same)
     return Drift(name, fact.name, size / max(error, 1e-300), p, fact.at, moved, words, same)
 
 

@@ -12,7 +12,7 @@ from tactiledata.diagnose.ladder import is_logarithmic
 from tactiledata.diagnose.locate import LEVEL, Located
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.region import RegionMap
-from tactiledata.diagnose.wording import p_words
+from tactiledata.diagnose.wording import p_text
 from tactiledata.report.diagnosis_plots import Dependence, EventPicture, MapPicture, draw_shares
 from tactiledata.report.page import Picture, Section
 from tactiledata.report.plots import png_bytes
@@ -22,8 +22,7 @@ MOST_BARS = 24
 
 def locators_section(located: Located, most: int = 10) -> Section:
     """p-values of all locators, and at most so many findings of each."""
-    rows = [(name, p_words(p).removeprefix("p ").removeprefix("= "), "yes" if p <= LEVEL else "no")
-            for name, p in located.p.items()]  # fmt: skip
+    rows = [(name, p_text(p), "yes" if p <= LEVEL else "no") for name, p in located.p.items()]
     said = [("", f"{one['locator']}: {one['words']}") for one in findings(located, most)]
     text = "p-values hold for all locators together: where nothing is missing, one page in twenty says yes anywhere."
     return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)

@@ -43,6 +43,12 @@ def percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
+def p_text(value: float) -> str:
+    """``"0.012"``, or ``"< 0.001"``."""
+    return "< 0.001" if value < 0.001 else rounded(value)
+
+
 def p_words(value: float) -> str:
     """``"p = 0.012"``, or ``"p < 0.001"``."""
-    return "p < 0.001" if value < 0.001 else f"p = {rounded(value)}"
+    text = p_text(value)
+    return f"p {text}" if text.startswith("<") else f"p = {text}"

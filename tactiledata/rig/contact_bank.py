@@ -220,8 +220,8 @@ def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array) 
             stick_slip(positions[:, :2] + move, normal, stiffness, friction)[0] for move in (missed[:, :2], 0.0)
         )
         pull = changed - plain - wrench[:, :2]
-        limit = friction * normal
-        limit, size = limit * beyond_coulomb(wrench[:, :2], limit), np.linalg.norm(pull, axis=1)
+        size, coulomb = np.linalg.norm(pull, axis=1), friction * normal
+        limit = coulomb * beyond_coulomb(wrench[:, :2], coulomb)
         pull[size > limit] *= (limit / np.maximum(size, 1e-12))[size > limit, None]
         gained = np.concatenate([-pull - wrench[:, :2], np.zeros((len(pull), 1))], axis=1)
         centre[:, :2] += positions[:, :2]
