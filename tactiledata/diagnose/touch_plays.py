@@ -14,6 +14,7 @@ from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
 from tactiledata.diagnose.friction_memory import CubicsOverFriction, remembered_shear
 from tactiledata.diagnose.shear_memory import shear_change
+from tactiledata.diagnose.sliders import Sliders, own_sliders
 from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
 from tactiledata.effects.shear_stiffness import shear_stiffness
 from tactiledata.effects.touch import Touch
@@ -121,6 +122,22 @@ class TouchPlays:
         level, slope, curvature = (CubicsOverFriction(nodes, one).at(frictions) for one in self._of_ratio(ratio))
         return level, slope, curvature
 
+    def sliders(self, path: Array, thickness: float) -> Sliders:
+        """What pulls along a path (n, 2), m, as the gel does at the middle pair; found once."""
+        if not self._sliders:
+            ratio, friction = self.plan.ratios[self.plan.middle[0]], self.plan.frictions[self.plan.middle[1]]
+            columns = self.level[self.plan.middle]
+            touching = columns[:, 2] > LEAST_FORCE
+            area, load = (np.where(touching, np.maximum(columns[:, place], 0.0), 0.0) for place in (AREA, 2))
+            pull = np.where(touching[:, None], -columns[:, :2], 0.0)
+            spring = shear_stiffness(area, ratio, thickness)
+            self._sliders.append(own_sliders(path, pull, spring, friction * load))
+        return self._sliders[0]
+
+    @cached_property
+    def _sliders(self) -> list[Sliders]:
+        return []
+
     @cached_property
     def _recent(self) -> dict[bytes, Array]:
         """Answers already given: effects of the sensor ask for the same one again and again."""
@@ -155,8 +172,8 @@ class PlayedResponse:
 
     Between plays the wrench is interpolated; the offset of a frame acts as if the whole path had had it. Where friction
     differs from frame to frame, a frame answers as if the whole path had had its own, but shear that sticks remembers
-    the pull at which the contact slid last. A shift that differs from frame to frame lets a spring of the contact's
-    size slide further or less far.
+    the pull at which the contact slid last. A shift that differs from frame to frame lets springs and sliders that pull
+    as this touch does slide further or less far.
 
     Parameters
     ----------
@@ -199,9 +216,10 @@ class PlayedResponse:
 
     def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
         """Change (n, 6) of the wrench by a shift that differs from frame to frame."""
-        change = shear_change(self.touch.tips[:, :2], shift, spring, limit)
-        if not change.any():
+        path = self.touch.tips[:, :2]
+        if not np.ptp(shift, axis=0).any():
             return np.zeros_like(unit)
+        change = shear_change(path, shift, spring, limit, self.plays.sliders(path, self.touch.geometry.thickness))
         shear, before = unit[:, :2] + change, np.hypot(unit[:, 0], unit[:, 1])
         size = np.hypot(shear[:, 0], shear[:, 1])
         # what slides already may be a little over the limit, by the interpolation

@@ -4,8 +4,8 @@ recordings of the same touches.
 Exact: Young's modulus, which multiplies everything; nu, friction, path, indenter and angle, each of which has solutions
 of its own. Interpolated: the depth offset, constant or changing, by a cubic through the nearest four solutions, as if
 the whole path had had each moment's; thickness and radius, linearly between solutions. Approximated: a constant offset
-along the gel moves the contact without regard to the pad's sides; one that changes adds what springs and sliders of the
-closed forms say that it changes. No pictures.
+along the gel moves the contact without regard to the pad's sides; one that changes adds what springs and sliders, as
+stiff and as spread as the solution's own pull asks for, say that it changes. No pictures.
 """
 
 from __future__ import annotations
@@ -31,10 +31,11 @@ from tactiledata.rig.contact import DEEPEST, TouchSetup, contact_times
 from tactiledata.rig.contact_layer import touch_layer
 from tactiledata.rig.coulomb_limit import beyond_coulomb
 from tactiledata.rig.footprint import GelGrid, footprint
-from tactiledata.rig.layer_contact import contact_law, stick_slip
+from tactiledata.rig.layer_contact import contact_law
 from tactiledata.rig.layer_grid import LayerGrid
 from tactiledata.rig.layer_solver import Layer
 from tactiledata.rig.motion import Path
+from tactiledata.rig.own_springs import OwnSprings, own_springs
 from tactiledata.rig.scenario import Gel, Material
 
 Array = NDArray[np.floating[Any]]
@@ -96,6 +97,7 @@ class ContactBank:
     pitch: float
     indenters: Mapping[str, Indenter]
     _known: dict[str, Solution] = field(default_factory=dict)
+    _springs: dict[str, OwnSprings] = field(default_factory=dict)
     _layers: dict[tuple[Gel, Material], Layer] = field(default_factory=dict)
 
     def contact(
@@ -129,7 +131,10 @@ class ContactBank:
                 f"at most {setup.normal_limit:.1f} N",
                 "Press less deep: a path of the bank does not depend on forces.",
             )
-        wrench = _placed(setup, path, missed, wrench)
+        springs = OwnSprings()
+        if missed is not None and missed[:, :2].any():
+            springs = self._own_springs(gel, stated, path, float(deeper.mean()))
+        wrench = _placed(setup, path, missed, wrench, springs)
         return BankedContact(path, missed, wrench, nearest.slipping, nearest.unsettled)
 
     def _at(self, gel: Gel, setup: TouchSetup, path: Path, deeper: Array) -> tuple[Array, Solution]:
@@ -141,6 +146,19 @@ class ContactBank:
             wrench += weights[:, place, None] * self._solution(gel, setup, path, OFFSETS[place]).wrench
         nearest = min(np.flatnonzero(used), key=lambda place: abs(OFFSETS[place] - float(deeper.mean())))
         return wrench, self._solution(gel, setup, path, OFFSETS[nearest])
+
+    def _own_springs(self, gel: Gel, setup: TouchSetup, path: Path, deeper: float) -> OwnSprings:
+        """Of the solution nearest to an offset."""
+        offset = min(OFFSETS, key=lambda one: abs(one - deeper))
+        material = replace(setup.material, youngs_modulus=MODULUS)
+        key = _key(self.pitch, gel, setup, material, path, offset)
+        if key not in self._springs:
+            wrench = MODULUS * self._solution(gel, setup, path, offset).wrench
+            positions = path.at(contact_times(path)) + np.array([0.0, 0.0, offset])
+            law = contact_law(setup.indenter, setup.print_, setup.thickness, material)
+            stiffness = law.columns_at(positions[:, 2])[1]
+            self._springs[key] = own_springs(positions, wrench[:, 2], stiffness, material.friction, -wrench[:, :2])
+        return self._springs[key]
 
     def _solution(self, gel: Gel, setup: TouchSetup, path: Path, offset: float) -> Solution:
         material = replace(setup.material, youngs_modulus=MODULUS)
@@ -206,7 +224,7 @@ def _cubic_weights(values: Array, nodes: Sequence[float]) -> Array:
     return weights
 
 
-def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array) -> Array:
+def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array, springs: OwnSprings) -> Array:
     """The wrench where the indenter really is along the gel."""
     beside = np.zeros((len(wrench), 3))
     beside[:, :2] = setup.offset[:2]
@@ -215,14 +233,15 @@ def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array) 
         positions = path.at(contact_times(path))
         law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
         stiffness, centre = law.columns_at(positions[:, 2] + setup.offset[2] + missed[:, 2])[1:]
-        normal, friction = wrench[:, 2], setup.material.friction
+        friction = setup.material.friction
+        normal = wrench[:, 2] * beyond_coulomb(wrench[:, :2], friction * wrench[:, 2])
         changed, plain = (
-            stick_slip(positions[:, :2] + move, normal, stiffness, friction)[0] for move in (missed[:, :2], 0.0)
+            springs.pull(positions[:, :2] + move, normal, stiffness, friction) for move in (missed[:, :2], 0.0)
         )
         pull = changed - plain - wrench[:, :2]
-        size, coulomb = np.linalg.norm(pull, axis=1), friction * normal
-        limit = coulomb * beyond_coulomb(wrench[:, :2], coulomb)
-        pull[size > limit] *= (limit / np.maximum(size, 1e-12))[size > limit, None]
+        size, limit = np.linalg.norm(pull, axis=1), friction * normal
+        over = size > limit
+        pull[over] *= (limit[over] / size[over])[:, None]
         gained = np.concatenate([-pull - wrench[:, :2], np.zeros((len(pull), 1))], axis=1)
         centre[:, :2] += positions[:, :2]
         out[:, :3] += gained
