@@ -45,7 +45,7 @@ class Sliders(NamedTuple):
         return pull
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _followed(steps: Array, limit: Array, parts: Array) -> Array:
     count = len(parts)
     held = np.zeros((count, 2))

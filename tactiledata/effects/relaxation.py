@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.relaxing_shear import relaxing_shear
 from tactiledata.effects.state import TouchState, wrench_at
 from tactiledata.effects.time_operators import fading_memory
 
@@ -20,7 +21,8 @@ class Relaxation(Effect):
 
     F_e is the answer of the fully relaxed gel, whose modulus is the simulation's; ``share`` is E_i over it. Set it
     several times for a spectrum. Where the sum would pull, a gel without adhesion has parted: the wrench is 0.
-    Coulomb's law holds at each moment: while it slides, shear is in proportion to the normal force of that moment.
+    Coulomb's law holds at each moment: while it slides, shear is in proportion to the normal force of that moment, and
+    what stops sliding relaxes from there, `relaxing_shear`.
 
     Source: Lakes, Viscoelastic Materials, ch. 2; contact at one depth history, Lee and Radok, J. Appl. Mech. 27, 1960.
     """
@@ -50,20 +52,22 @@ class Relaxation(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         wrench = state.wrench
         slow = wrench + values["share"] * fading_memory(state.touch.seconds, wrench, values["time"])
-        slow = slow + _friction_kept(wrench, slow, state)
+        slow = slow + _shear_as_it_slides(wrench, slow, state, values["share"], values["time"])
         parted = ~state.contact.touching | ((slow[:, 2] <= 0) & (state.contact.wrench[:, 2] > 0))
         return state.read(np.where(parted[:, None] & np.isfinite(slow), _at_rest(wrench, state), slow))
 
 
-def _friction_kept(wrench: Array, slow: Array, state: TouchState) -> Array:
-    """What is to be added (n, 6) so that sliding shear follows the normal force, and sticking shear stays within it."""
-    before, shear = (np.linalg.norm(rows[:, :2], axis=1) for rows in (wrench, slow))
-    grown = np.divide(slow[:, 2], wrench[:, 2], out=np.ones_like(before), where=wrench[:, 2] > 0)
-    follows = before * np.maximum(grown, 0.0)
-    limit = np.maximum(state.touch.material.friction * state.friction * slow[:, 2], follows)
-    wanted = np.where(state.contact.sliding, follows, np.minimum(shear, limit))
-    factor = np.divide(wanted, shear, out=np.ones_like(shear), where=shear > 0)
-    more = np.column_stack([slow[:, :2] * (factor - 1.0)[:, None], np.zeros(len(slow))])
+def _shear_as_it_slides(wrench: Array, slow: Array, state: TouchState, share: float, time: float) -> Array:
+    """What is to be added (n, 6) so that what slides follows the normal force, and relaxes when it comes to rest."""
+    known = np.isfinite(slow).all(axis=1)
+    grown = np.divide(slow[:, 2], wrench[:, 2], out=np.ones(len(slow)), where=wrench[:, 2] > 0)
+    sliding = wrench[:, :2] * np.maximum(grown, 0.0)[:, None]
+    friction = state.touch.material.friction * state.friction * slow[:, 2]
+    limit = np.where(slow[:, 2] > 0, np.maximum(friction, np.hypot(*sliding.T)), 0.0)
+    elastic, slides = wrench[known, :2], state.contact.sliding[known]
+    found = relaxing_shear(state.touch.seconds[known], elastic, slides, sliding[known], limit[known], share, time)
+    more = np.zeros((len(slow), 3))
+    more[known, :2] = found - slow[known, :2]
     return wrench_at(more, np.nan_to_num(state.contact.centre))
 
 

@@ -21,14 +21,17 @@ def fading_memory(seconds: Array, wrench: Array, time: float) -> Array:
 
 
 def _memory(seconds: Array, wrench: Array, time: float) -> Array:
-    spans = np.diff(seconds)
-    fades = np.exp(-spans / time)
-    gains = -np.expm1(-spans / time) * (time / spans)
-    changes = gains[:, None] * np.diff(wrench, axis=0)
     memory = np.zeros_like(wrench)
-    for frame, (fade, change) in enumerate(zip(fades, changes, strict=True)):
-        memory[frame + 1] = fade * memory[frame] + change
+    steps = zip(*fading_steps(seconds, time), np.diff(wrench, axis=0), strict=True)
+    for frame, (fade, gain, change) in enumerate(steps):
+        memory[frame + 1] = fade * memory[frame] + gain * change
     return memory
+
+
+def fading_steps(seconds: Array, time: float) -> tuple[Array, Array]:
+    """What is left of a memory after each span between n moments, and what a change in it adds, both (n - 1,)."""
+    spans = np.diff(seconds)
+    return np.exp(-spans / time), -np.expm1(-spans / time) * (time / spans)
 
 
 def delayed(seconds: Array, wrench: Array, delay: Array | float) -> Array:

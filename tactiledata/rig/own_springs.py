@@ -1,4 +1,4 @@
-"""Springs and sliders that pull as a contact does that was solved: what closed forms know only roughly, taken from it."""
+"""Springs and sliders that pull as a solved contact does: what closed forms know only roughly, taken from it."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from tactiledata.effects.ball_on_layer import BallOnLayer
+from tactiledata.effects.relaxing_shear import relaxing_shear
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.effects.simulator import with_effects
 from tactiledata.effects.time_operators import delayed, fading_memory
@@ -132,3 +133,35 @@ def test_skew_grows_with_the_recording_and_a_jump_stays(touch, play):
     state = play("clock_skew", jump=0.05, jump_at=middle)
     np.testing.assert_array_equal(state.wrench[:130], play().wrench[:130])
     np.testing.assert_allclose(state.wrench[130:], play().wrench[129:-1], atol=1e-9)
+
+
+def test_shear_that_sticks_is_linear_and_a_null_share_changes_no_bit():
+    rng = np.random.default_rng(3)
+    seconds, elastic = np.cumsum(rng.uniform(0.05, 2.0, 30)), np.cumsum(rng.normal(size=(30, 2)), axis=0)
+    sticks, far = np.zeros(30, dtype=bool), np.full(30, 1e3)
+    found = relaxing_shear(seconds, elastic, sticks, elastic, far, 0.2, 3.0)
+    wanted = elastic + 0.2 * fading_memory(seconds, np.pad(elastic, ((0, 0), (0, 4))), 3.0)[:, :2]
+    np.testing.assert_allclose(found, wanted, rtol=1e-10)
+    slides, limit = rng.random(30) < 0.3, np.hypot(*elastic.T)
+    assert (relaxing_shear(seconds, elastic, slides, elastic, limit, 0.0, 3.0) == elastic).all()
+
+
+@pytest.mark.parametrize("told_by", ["the simulation", "the limit"])
+def test_what_comes_to_rest_after_a_slide_relaxes_from_there(told_by):
+    """Pulled at once to the limit C, slid for T: memory C / (1 + g) exp(-T / (tau (1 + g))) is left, and decays."""
+    share, time, limit, slide = 0.2, 3.0, 2.0, 4.0
+    seconds = np.concatenate([[0.0], np.linspace(1e-6, slide, 801), slide + np.linspace(0.01, 9.0, 300)])
+    moves = (seconds > 0) & (seconds <= slide)
+    # an elastic answer that slides, or one that would pull far beyond the limit
+    far = 0.0 if told_by == "the simulation" else 3.0
+    way = np.where(seconds > 0, limit, 0.0) + far * np.minimum(seconds, slide)
+    elastic = np.outer(way, [0.6, 0.8])
+    sliding = limit * elastic / np.maximum(way, 1e-9)[:, None]
+    slides = moves if told_by == "the simulation" else np.zeros_like(moves)
+    found = relaxing_shear(seconds, elastic, slides, sliding, np.full(len(seconds), limit), share, time)
+    np.testing.assert_allclose(found, np.outer(found @ [0.6, 0.8], [0.6, 0.8]), atol=1e-12)
+    np.testing.assert_allclose((found @ [0.6, 0.8])[moves], limit, rtol=1e-9)
+    left = limit / (1 + share) * np.exp(-slide / (time * (1 + share)))
+    rest = seconds > slide
+    wanted = limit - share * left * -np.expm1(-(seconds[rest] - slide) / time)
+    np.testing.assert_allclose((found @ [0.6, 0.8])[rest], wanted, rtol=1e-3)
