@@ -9,7 +9,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.demo_diagnosis import diagnose_touches
-from tactiledata.cli.demo_gel import balls_of, play_gel
+from tactiledata.cli.demo_gel import play_gel
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.wording import counted
@@ -87,7 +87,7 @@ def demo(
     store = Store.open(store_path)
     written = write_report(store, out, further=mesh_sections(store))
     tell(f"7. Look: {written['picture']}\n   Open:  {written['page']}")
-    diagnosis, page = diagnose_touches(store_path, out, balls_of(scenario), workers, tell, quiet=as_json)
+    diagnosis, page = diagnose_touches(store_path, out, scenario, workers, tell, quiet=as_json)
     if gel.page is not None:
         tell(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
     if page is not None:

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from tactiledata.rig.scenario import Scenario
+
+from tactiledata.cli.demo_gel import balls_of
 from tactiledata.cli.output import progress
 from tactiledata.errors import TactileDataError
 
 TOUCHES = 14
 """That are played, linearly; a real diagnosis takes 60 at finite strain."""
-SAID = 3
+TOLD = ("Where:", "How:", "How much better:")
+"""What begins the sentences that are told beside the first one."""
 
 
 def diagnose_touches(
-    store: Path, out: Path, balls: tuple[str, ...], workers: int, tell: Callable[[str], None], quiet: bool
+    store: Path, out: Path, scenario: Scenario, workers: int, tell: Callable[[str], None], quiet: bool
 ) -> tuple[dict[str, Any] | None, Path | None]:
     """Document and page; neither where the world's touches are too few, or of no balls."""
     from tactiledata.diagnose.diagnose_store import diagnose_store
@@ -24,6 +29,7 @@ def diagnose_touches(
     from tactiledata.store.reader import Store
 
     tell(f"8. Diagnose: what physics does the simulation lack? ({TOUCHES} touches of balls, linear preview)")
+    balls = balls_of(scenario)
     if not balls:
         tell("   left out: this world has no balls")
         return None, None
@@ -36,6 +42,16 @@ def diagnose_touches(
         return None, None
     document = store_document(done)
     written = write_store_diagnosis(out / "diagnosis", "the demo's world", done, document)
-    for sentence in document["sentences"][:SAID]:
+    first, *others = document["sentences"]
+    for sentence in (first, *(one for one in others if one.startswith(TOLD))):
         tell(f"   {sentence}")
+    tell(f"   The world was recorded with {_concealed(scenario)}, which only {out / 'recordings' / 'truth'} tells")
     return document, written[0]
+
+
+def _concealed(scenario: Scenario) -> str:
+    from tactiledata.diagnose.residuals import joined_names
+    from tactiledata.effects import EFFECTS
+
+    titles = {str(EFFECTS[name]().number): EFFECTS[name]().title for name in EFFECTS}
+    return joined_names([titles.get(one.NUMBER, type(one).__name__) for one in scenario.hidden] or ["nothing else"])

@@ -80,6 +80,8 @@ def _calibrate(
     for finding in found.findings:
         if finding.severity != "info":
             tell(f"   {finding.severity}: {finding.message}")
+    if scenario.hidden and any(finding.severity != "info" for finding in found.findings):
+        tell("   Such warnings are symptoms: this world conceals physics from the simulation; step 8 asks which")
     return document, page
 
 

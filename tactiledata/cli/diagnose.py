@@ -10,8 +10,13 @@ import typer
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import working_store
+from tactiledata.errors import UsageError
 
 TABLES = (".csv", ".tsv", ".parquet")
+TABLE_ONLY = ("columns", "group")
+STORE_ONLY = (
+    "trajectories", "sensor", "indenter", "effects", "pairs", "fidelity", "bounds", "shore_a", "indenters", "workers",
+)  # fmt: skip
 STEPS = 30
 """About so many steps follow the plays."""
 
@@ -22,6 +27,7 @@ def register(app: typer.Typer) -> None:
 
 
 def diagnose(
+    context: typer.Context,
     source: str = typer.Argument(
         None, help="A store (*.zarr), or a table (.csv, .tsv, .parquet); left out: the only store in the folder."
     ),
@@ -48,7 +54,9 @@ def diagnose(
 
     Example: tactiledata diagnose ds.zarr --out diagnosis
     """
-    if source is not None and (Path(source).suffix in TABLES or Path(source).is_file()):
+    is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
+    _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
+    if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
     else:
         from tactiledata.diagnose.store_options import DiagnosisOptions
@@ -78,6 +86,24 @@ def diagnose(
             say(f"written: {', '.join(str(path) for path in written)}")
     if gate and is_found:
         raise typer.Exit(1)
+
+
+def _refuse(context: typer.Context, names: tuple[str, ...], given: str) -> None:
+    """Options that mean nothing to what is diagnosed.
+
+    Raises
+    ------
+    UsageError
+        One of them was given.
+    """
+    for name in names:
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            option = f"--{name.replace('_', '-')}"
+            raise UsageError(
+                f"{option} with {given}", f"{option} with {'a store' if given == 'a table' else 'a table'}",
+                "Leave it out: it would change nothing.",
+            )  # fmt: skip
 
 
 def _names(listed: str | None) -> tuple[str, ...]:

@@ -13,12 +13,14 @@ from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.name_effects import Naming
 from tactiledata.diagnose.profiled_interval import Interval
 from tactiledata.diagnose.residuals import joined_names
-from tactiledata.diagnose.wording import percent, rounded, with_interval
+from tactiledata.diagnose.wording import rounded, with_interval
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import effects_document
 
 MOST_NUMBERS = 6
 """Of a fit, that are all told; of more only those that are not nothing."""
+NEAR_BOUND = 0.01
+"""Of the interval, within which a value at its end is at the bound."""
 _SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
 
 
@@ -55,15 +57,27 @@ class Answer:
     @property
     def sentences(self) -> list[str]:
         """For people, the plainest first."""
+        return [*self.what, *self.how]
+
+    @property
+    def how(self) -> list[str]:
+        """How the simulation behaves with what is claimed; empty where nothing is."""
+        decision = self.naming.decision
+        if decision.best is None or not self.names:
+            return []
+        said = [*_values(self.naming.intervals), *_moved(self.naming.intervals_before, self.naming.intervals)]
+        return [*said, *_alarms(decision.best)]
+
+    @property
+    def what(self) -> list[str]:
+        """What is missing, and what cannot be told from it."""
         decision = self.naming.decision
         best = decision.best
         if best is not None and self.names:
             said = [_claim(best, self._probability_of(best)), *(_tie(best, tie) for tie in decision.ties)]
-            said += _values(self.naming.intervals)
-            said += _moved(self.naming.intervals_before, self.naming.intervals)
             if decision.is_more_left:
                 said.append("What it leaves still has structure: more is missing than the catalogue can say.")
-            return [*said, *_odd(decision.left), *_alarms(best, "with it"), _of_the_known(best, self.naming)]
+            return [*said, *_odd(decision.left), _of_the_known(best, self.naming)]
         if decision.verdict == "none of the known effects":
             said = ["What is left has structure, and none of the known effects explains it."]
         elif decision.verdict == "below detection" and best is not None:
@@ -132,12 +146,7 @@ def _titles(names: Sequence[str]) -> str:
 
 
 def _claim(best: Judged, probability: float) -> str:
-    chance = rounded(min(probability, 0.99))
-    said = f"The simulation lacks {_titles(best.names)} (probability {chance}"
-    said += ")"
-    if best.indenter_gain == best.indenter_gain:
-        return f"{said}; {percent(max(best.excess_share, 0.0))} of the excess on indenters that were held out is gone."
-    return f"{said}; {percent(max(best.excess_share, 0.0))} of the excess on trajectories that were held out is gone."
+    return f"The simulation lacks {_titles(best.names)} (probability {rounded(min(probability, 0.99))})."
 
 
 def _tie(best: Judged, tie: Tie) -> str:
@@ -171,12 +180,17 @@ def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:
     said = []
     for old, new in zip(before, after[:3], strict=True):
         scale, unit = _SCALES[old.name]
-        pinned = [" (pinned)" if one.low_is_bound or one.high_is_bound else "" for one in (old, new)]
+        pinned = [" (at its bound)" if _is_at_bound(one) else "" for one in (old, new)]
         ends = f"{rounded(new.low * scale, 3)} to {rounded(new.high * scale, 3)}"
         shown = "" if unit == "1" else f" {unit}"
         values = [f"{rounded(one.value * scale, 3)}{note}" for one, note in zip((old, new), pinned, strict=True)]
-        said.append(f"{old.name} {values[0]} -> {values[1]}{shown} ({ends})")
+        said.append(f"{old.name} {values[0]} → {values[1]}{shown} ({ends})")
     return [f"With it, {'; '.join(said)}."]
+
+
+def _is_at_bound(one: Interval) -> bool:
+    near = NEAR_BOUND * (one.high - one.low)
+    return (one.low_is_bound and one.value - one.low <= near) or (one.high_is_bound and one.high - one.value <= near)
 
 
 def _odd(left: LeftOver) -> list[str]:
@@ -188,11 +202,11 @@ def _odd(left: LeftOver) -> list[str]:
     ]
 
 
-def _alarms(best: Judged, when: str) -> list[str]:
+def _alarms(best: Judged) -> list[str]:
     if not best.at_bounds:
         return []
     return [
-        f"{joined_names(best.at_bounds)} at the end of what was tried {when}: something else may still be absorbed."
+        f"At the end of what was tried with it: {joined_names(best.at_bounds)}. Something else may still be absorbed."
     ]
 
 

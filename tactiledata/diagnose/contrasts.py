@@ -25,7 +25,7 @@ from tactiledata.diagnose.projection import Projection, project
 from tactiledata.diagnose.residuals import Residuals, joined_names
 from tactiledata.diagnose.scores import along
 from tactiledata.diagnose.slopes import over
-from tactiledata.diagnose.wording import p_words, signed_change, with_interval
+from tactiledata.diagnose.wording import departs, p_words, signed_change
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ MOST_CHANGE = 1.0
 NEARLY = 2.0 * np.log(20.0)
 """What squared values may be behind: another covariate is then less than twenty times less likely."""
 IN_CONTACT = "in contact"
-FROM = {"stays": "from {} on", "rises": "more and more from {} on", "fades": "at {}, and it fades"}
+FROM = {"stays": "from {} on", "rises": "from {} on, more and more", "fades": "at {}, and it fades"}
 
 
 @dataclass(frozen=True)
@@ -253,7 +253,7 @@ def _shares(projection: Projection, field: Array) -> dict[str, float]:
 def _said(residuals: Residuals, what: str, size: float, half_width: float) -> str:
     of_parameter = {one.name: one for one in residuals.parameters}
     if what not in of_parameter:
-        return f"{what} departs by {with_interval(size, half_width, 'times the noise')}"
+        return departs(what, size, half_width, residuals.scale)
     one = of_parameter[what]
     if np.isfinite(one.value):
         return signed_change(what, 100.0 * size, 100.0 * half_width, "%")

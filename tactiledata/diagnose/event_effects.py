@@ -17,11 +17,12 @@ from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.scores import along
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
-from tactiledata.diagnose.wording import p_words, rounded
+from tactiledata.diagnose.wording import departs, p_words
 
 Array = NDArray[np.float64]
 
 SHAPES = ("stays", "rises", "fades")
+GOES_ON = {"stays": "stays so", "rises": "more and more so", "fades": "fades"}
 FRAMES = 2.0
 """Within which a departure rises or fades to 1/e."""
 
@@ -85,8 +86,8 @@ def event_effects(
     p_values = family_wise(np.array(observed), np.stack(drawn, axis=1))
     effects = []
     for (event_name, component, shape, size, statistic), p in zip(pairs, p_values, strict=True):
-        departs = f"{component} departs by {rounded(size)} times the noise from {event_name} on"
-        words = f"{departs}, and it {shape} ({p_words(float(p))})"
+        apart = departs(component, size, 0.0, residuals.scale)
+        words = f"{apart} from {event_name} on, and {GOES_ON[shape]} ({p_words(float(p))})"
         effects.append(EventEffect(event_name, component, shape, size, statistic, float(p), words))
     return tuple(sorted(effects, key=lambda one: (one.p, -abs(one.statistic))))
 

@@ -107,10 +107,7 @@ def event_locked(
             rows = slice(start, start + CHUNK)
             runs = _runs(window.flipped(thrown[rows]))
             np.maximum(largest[rows], np.abs(runs).max(axis=(1, 2)), out=largest[rows])
-    return tuple(
-        _summary(one, window, residuals.components, frames, largest)
-        for one, window in zip(events, windows, strict=True)
-    )
+    return tuple(_summary(one, window, residuals, frames, largest) for one, window in zip(events, windows, strict=True))
 
 
 @dataclass(frozen=True)
@@ -171,7 +168,7 @@ def _runs(student: Array) -> Array:
 
 
 def _summary(
-    events: Events, window: _Window, components: tuple[str, ...], frames: NDArray[np.int64], largest: Array
+    events: Events, window: _Window, residuals: Residuals, frames: NDArray[np.int64], largest: Array
 ) -> EventLocked:
     student = window.observed()
     runs = _runs(student)[0]
@@ -179,7 +176,7 @@ def _summary(
     mean = np.where(window.counts >= 5, window.sums.sum(axis=0) / has, np.nan)
     deviation = np.sqrt(np.maximum(window.squares / has - np.nan_to_num(mean) ** 2, 0.0) / np.maximum(has - 1, 1.0))
     clusters = []
-    for column, component in enumerate(components):
+    for column, component in enumerate(residuals.components):
         run = np.append(runs[:, column], 0.0)
         for stop in np.flatnonzero((run[:-1] != 0) & ((run[1:] == 0) | (run[1:] * run[:-1] < 0))) + 1:
             mass = float(run[stop - 1])
@@ -192,12 +189,11 @@ def _summary(
             clusters.append(Cluster(component, int(frames[start]), int(frames[stop - 1]) + 1, mass, p, peak))
     clusters.sort(key=lambda one: (one.p, -abs(one.mass)))
     deviation = np.where(window.counts >= 5, deviation, np.nan)
-    return EventLocked(
-        events.name, window.trajectories, frames, mean, deviation, tuple(clusters), _words(events.name, clusters)
-    )
+    words = _words(events.name, clusters, residuals.scale)
+    return EventLocked(events.name, window.trajectories, frames, mean, deviation, tuple(clusters), words)
 
 
-def _words(event: str, clusters: list[Cluster]) -> str:
+def _words(event: str, clusters: list[Cluster], scale: str) -> str:
     certain = [one for one in clusters if one.p <= 0.05]
     if not certain:
         return f"{event}: nothing that the event alone brings"
@@ -209,5 +205,5 @@ def _words(event: str, clusters: list[Cluster]) -> str:
     )
     names = sorted({one.component for one in certain} - {first.component})
     also = f"; also in {', '.join(names)}" if names else ""
-    size = f"{rounded(first.peak)} times the noise"
+    size = f"{rounded(first.peak)} {scale}"
     return f"{event}: {first.component} departs by {size} at {places} ({p_words(first.p)}){also}"

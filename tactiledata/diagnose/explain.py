@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.black_box import BlackBox, black_box
+from tactiledata.diagnose.corrected_prediction import corrected_words
 from tactiledata.diagnose.empirical import Empirical, empirical
 from tactiledata.diagnose.gap import Gap, gap_closed, scatter
 from tactiledata.diagnose.held_out import HeldOut, held_out
@@ -77,7 +78,9 @@ class Explanation:
             "partly explained": f"Something is missing; a formula explains a part of it: {self.form.words}.",
             "not explained": "Something is missing, and no short formula explains it.",
         }[self.answer]
-        said.insert(0, first)
+        residuals = self.located.projection.residuals
+        corrected = corrected_words(self.form, residuals.components, residuals.units)
+        said[:0] = [first, *(f"All refitted together: {one}." for one in corrected)]
         if self.gap is not None and self.form.terms:
             said.append(_gap(self.gap, self.floor_is))
         said.append(_ceiling(self.ceiling))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tactiledata.diagnose.corrected_prediction import corrected_words
 from tactiledata.diagnose.explain import Explanation
 from tactiledata.diagnose.instability import Drift
 from tactiledata.diagnose.locate import Located
@@ -24,6 +25,7 @@ from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 
 MOST_PANELS = 6
+REFITTED = "scale and offset refitted"
 
 
 def explanation_page(
@@ -46,6 +48,7 @@ def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list
     form = explanation.form
     if form is None:
         return []
+    residuals = explanation.located.projection.residuals
     rows = [
         (
             f"{term.carrier}: {term.term}",
@@ -57,16 +60,24 @@ def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list
         for term in form.terms
     ]
     text = (
-        f"{form.candidates} terms without dimension were tried. Halves of the groups chose these again and again; of "
-        f"such choices at most {rounded(form.false_terms)} are expected to be false before they are tested."
+        f"{form.candidates} terms without dimension were tried. Halves of the groups chose these again and again: "
+        f"where nothing is to be found, at most {rounded(form.false_terms)} terms are, and each was tested after that."
     )
     columns = ("term", "coefficient", "chosen by", "p", "cannot be told from")
-    sections = [Section("As a formula", [("", form.words), ("info", text)], columns, rows)]
+    said = [
+        ("", form.words),
+        *(("", line) for line in corrected_words(form, residuals.components, residuals.units)),
+        ("info", text),
+    ]
+    sections = [Section("As a formula", said, columns, rows)]
     if errors:
-        said = [(one["component"], one["unit"], rounded(one["before"], 3), rounded(one["after"], 3)) for one in errors]
-        headings = ("", "unit", "error before", "error with the formula")
-        text = "Root mean squares on groups that had no part in choosing or fitting the formula."
-        sections.append(Section("How much better", [("info", text)], headings, said, _bars(explanation)))
+        cells = [(one["component"], one["unit"], rounded(one["before"], 3), rounded(one["after"], 3)) for one in errors]
+        headings = ("", "unit", REFITTED, "with the formula")
+        text = (
+            "Root mean squares on groups that had no part in choosing or fitting the formula. Before it, scale and "
+            "offset of each prediction are refitted already: a common factor is no formula."
+        )
+        sections.append(Section("How much better", [("info", text)], headings, cells, _bars(explanation)))
     return sections
 
 
@@ -76,8 +87,9 @@ def _bars(explanation: Explanation) -> list[Picture]:
         return []
     counts = explanation.located.projection.left.size
     black_box = float(np.sqrt(ceiling.squares.sum() / counts))
-    names = ["as predicted", "with the formula", "black box", f"floor: {explanation.floor_is}"]
-    drawn = draw_errors(names, [gap.before, gap.after, black_box, gap.floor])
+    names = [REFITTED, "with the formula", "black box", f"floor: {explanation.floor_is}"]
+    scale = explanation.located.projection.residuals.scale
+    drawn = draw_errors(names, [gap.before, gap.after, black_box, gap.floor], scale)
     return [Picture(png_bytes(drawn), "Errors of groups that had no part in formula or black box, and the floor.")]
 
 
@@ -91,8 +103,8 @@ def _pictures(explanation: Explanation) -> list[Section]:
     if panels:
         picture = Picture(png_bytes(draw_dependences(panels)), "What each part of the data alone says of a parameter.")
         sections.append(Section("Dependences", pictures=[picture]))
-    components = located.projection.residuals.components
-    pictures = [event_picture(one, components) for one in located.events[:MOST_PANELS]]
+    components, scale = located.projection.residuals.components, located.projection.residuals.scale
+    pictures = [event_picture(one, components, scale=scale) for one in located.events[:MOST_PANELS]]
     if pictures:
         picture = Picture(png_bytes(draw_events(pictures)), "Means over groups, the mean before the event taken off.")
         sections.append(Section("About events", pictures=[picture]))

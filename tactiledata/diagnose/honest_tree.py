@@ -83,18 +83,25 @@ def honest_tree(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tu
     p_values = family_wise(np.abs(found.statistic), np.abs(found.flipped(signs(len(sums), draws, seed))))
     paths = _paths(tree.tree_, [*names, *labelled], residuals)
     leaves = [
-        _leaf(paths[node], residuals.components[k], sums[:, place], counts[:, place], float(p_values[place]))
+        _leaf(
+            paths[node],
+            residuals.components[k],
+            residuals.scale,
+            sums[:, place],
+            counts[:, place],
+            float(p_values[place]),
+        )
         for place, (node, k) in enumerate(columns)
         if enough[place]
     ]
     return tuple(sorted(leaves, key=lambda one: (one.p, -abs(one.effect))))
 
 
-def _leaf(conditions: str, component: str, sums: Array, counts: Array, p: float) -> Leaf:
+def _leaf(conditions: str, component: str, scale: str, sums: Array, counts: Array, p: float) -> Leaf:
     effect = float(sums.sum() / counts.sum())
     misfit = sums - effect * counts
     half_width = 2.0 * float(np.sqrt((misfit**2).sum()) / counts.sum())
-    said = with_interval(effect, half_width, "times the noise")
+    said = with_interval(effect, half_width, scale)
     return Leaf(conditions, component, effect, half_width, p, f"where {conditions}: {component} {said} ({p_words(p)})")
 
 

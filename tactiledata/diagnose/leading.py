@@ -27,13 +27,14 @@ def leading_drifts(
     """The strongest drift, then the strongest that is certain with the first one fitted, and so on; at most three.
 
     A scale that drifts with speed makes the offset drift with speed, too, and everything that goes with speed: those
-    echoes are gone once the scale may follow the speed. With ``errors`` each is beyond those (`beyond_errors`).
+    echoes are gone once the scale may follow the speed; what is imitated by those before ends the list. With
+    ``errors`` each is beyond those (`beyond_errors`).
     """
     tested = len(projection.residuals.tested)
     found: list[Drift] = []
     fields = {}
     left = drifts
-    while left and left[0].p <= LEVEL and len(found) < MOST:
+    while left and left[0].p <= LEVEL and np.isfinite(left[0].change.half_width) and len(found) < MOST:
         first = left[0]
         found.append(first)
         fields[f"{first.parameter} over {first.covariate}, {len(found)}"] = _field(projection, first)

@@ -28,6 +28,7 @@ from tactiledata.diagnose.sign_flips import DRAWS, holm
 
 LEVEL = 0.05
 MOST_SAID = 3
+BESIDES = "that allowed for, "
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ class Located:
             said.append(self.gate.words)
         if self.is_certain("a common offset"):
             said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
-        said += [_sentence(one.words) for one in known]
+        said += [_sentence(f"{BESIDES if one in self.leading[1:] else ''}{one.words}") for one in known]
         if self.is_certain("contrasts"):
             pairs = {(one.parameter, one.covariate) for one in known}
             certain = [one for one in self.contrasts if one.p <= LEVEL]

@@ -70,14 +70,19 @@ def naming_page(
 
 
 def naming_sentences(naming: Naming, located: Located, shown: Shown) -> list[str]:
-    """What is missing, where it shows, and how much better it then fits; the plainest first."""
+    """What is missing, where it shows, how the simulation behaves with it, and how much better it then fits."""
     answer = Answer(naming)
     where = located.sentences()[:MOST_FIRST]
     if located.is_structured and not answer.is_missing:
         where.insert(
             0, "Some structure stands out all the same, less than any effect that could be claimed would make:"
         )
-    return [*answer.sentences, *where, *shown_sentences(shown)]
+    parts = {"Where": where, "How": answer.how, "How much better": shown_sentences(shown)}
+    return [*answer.what, *(sentence for title, said in parts.items() for sentence in _titled(title, said))]
+
+
+def _titled(title: str, said: Sequence[str]) -> list[str]:
+    return [f"{title}: {said[0]}", *said[1:]] if said else []
 
 
 def title_of(names: Sequence[str]) -> str:

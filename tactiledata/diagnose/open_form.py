@@ -14,7 +14,7 @@ from tactiledata.diagnose.choose import Accepted, choose
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.signatures import Likeness, likenesses
-from tactiledata.diagnose.slopes import refitted
+from tactiledata.diagnose.slopes import Change, refitted
 from tactiledata.diagnose.wording import percent
 
 Array = NDArray[np.float64]
@@ -65,6 +65,7 @@ class OpenForm:
     false_terms : float
         Upper bound of the expected number of false ones.
     behaves_like : known signatures that the sum resembles, the nearest first
+    beside : by how much the shared parameters move when they are refitted together with the terms
     words : str
     """
 
@@ -74,6 +75,7 @@ class OpenForm:
     candidates: int
     false_terms: float
     behaves_like: tuple[Likeness, ...]
+    beside: tuple[Change, ...]
     words: str
 
 
@@ -127,13 +129,14 @@ def _summed(
     fields = candidates.fields([one.number for one in accepted])
     if not accepted:
         words = "No formula: no term is chosen often enough by halves of the trajectories."
-        return OpenForm((), {}, np.zeros_like(residuals.values), len(candidates), bound, (), words)
-    changes = refitted(project(residuals.with_fields(fields)))[-len(accepted) :]
+        return OpenForm((), {}, np.zeros_like(residuals.values), len(candidates), bound, (), (), words)
+    moved = refitted(project(residuals.with_fields(fields)))
+    beside, changes = tuple(moved[: -len(accepted)]), moved[-len(accepted) :]
     terms = []
     for chosen, one in zip(accepted, changes, strict=True):
         name, carrier = candidates.name_of(chosen.number), candidates.carrier_of(chosen.number)
         said = carrier.words(name, one.value, one.half_width)
-        words = f"{said}, chosen by {percent(chosen.inclusion)} of halves"
+        words = f"{said}, chosen by {percent(chosen.inclusion)} of halves{_or(chosen.alike)}"
         terms.append(
             Term(carrier.name, name, one.value, one.half_width, chosen.inclusion, chosen.p, chosen.alike, words)
         )
@@ -141,4 +144,11 @@ def _summed(
     resembled = likenesses(project(residuals), fitted, signatures)
     like = next((f"; it behaves like {one.name} (cosine {one.cosine:.2f})" for one in resembled if one.is_near), "")
     words = f"{'; '.join(term.words for term in terms)}{like}"
-    return OpenForm(tuple(terms), fields, fitted, len(candidates), bound, resembled, words)
+    return OpenForm(tuple(terms), fields, fitted, len(candidates), bound, resembled, beside, words)
+
+
+def _or(alike: tuple[str, ...]) -> str:
+    if not alike:
+        return ""
+    others = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
+    return f" (these data cannot tell it from {alike[0]}{others})"

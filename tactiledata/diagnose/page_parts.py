@@ -24,7 +24,10 @@ def locators_section(located: Located, most: int = 10) -> Section:
     """p-values of all locators, and at most so many findings of each."""
     rows = [(name, p_text(p), "yes" if p <= LEVEL else "no") for name, p in located.p.items()]
     said = [("", f"{one['locator']}: {one['words']}") for one in findings(located, most)]
-    text = "p-values hold for all locators together: where nothing is missing, one page in twenty says yes anywhere."
+    text = (
+        "p-values of the table hold for all locators together: where nothing is missing, one page in twenty says yes "
+        "anywhere. Those of single findings hold within their locator."
+    )
     return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)
 
 
@@ -60,9 +63,11 @@ def dependence_panel(projection: Projection, after: Projection | None, drift: Dr
     )
 
 
-def event_picture(one: EventLocked, components: tuple[str, ...], note: str = "") -> EventPicture:
+def event_picture(
+    one: EventLocked, components: tuple[str, ...], note: str = "", scale: str = "times the noise"
+) -> EventPicture:
     """Means about an event."""
-    return EventPicture(f"{one.event}{note}", one.frames, one.mean, one.deviation, components)
+    return EventPicture(f"{one.event}{note}", one.frames, one.mean, one.deviation, components, scale)
 
 
 def map_picture(one: RegionMap, note: str = "") -> MapPicture:

@@ -86,6 +86,8 @@ class Residuals:
     ways : dict, name -> (n, k)
         Further directions, of unit length or 0, in which departures are sought: what goes with the slide of each
         trajectory shows in no component, as trajectories slide to all sides.
+    scale : str
+        What the values are multiples of, in words: the scatter where the noise is not known.
 
     Raises
     ------
@@ -104,6 +106,7 @@ class Residuals:
     units: tuple[str, ...] = ()
     deviations: Array | None = None
     ways: Mapping[str, Array] = field(default_factory=dict)
+    scale: str = "times the noise"
 
     def __post_init__(self) -> None:
         rows, width = self.values.shape

@@ -46,12 +46,15 @@ def same_digits(*values: float, digits: int = 2) -> tuple[str, ...]:
 
 
 def _gained(errors: HeldOutErrors) -> str:
-    before, after, floor = same_digits(errors.force.before, errors.force.after, errors.force.floor)
+    before, after, floor = same_digits(errors.force.before, errors.force.after, errors.force.floor, digits=3)
     verb = "falls" if errors.force.after <= errors.force.before else "rises"
     said = f"On {errors.unseen} that it has not seen the force error {verb} from {before} to {after} N; "
     if not errors.has_gap:
         return f"{said}noise alone gives {floor} N, so that there was hardly a gap to close."
-    return f"{said}noise alone gives {floor} N: {gap_words(errors.force, True)} of the gap."
+    said = f"{said}noise alone gives {floor} N: {gap_words(errors.force, True)} of the gap is closed."
+    if errors.force.interval[0] > 1.0:
+        said += " Less is left than the noise that free air tells, so that the noise is overstated, and the share, too."
+    return said if verb == "falls" else f"{said} That speaks against the claim."
 
 
 def _unclaimed(shown: Shown) -> list[str]:

@@ -114,6 +114,7 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
         slopes,
         units=tuple(one.unit for one in columns.quantities),
         deviations=np.median(noise, axis=0),
+        scale="times the noise" if is_known else "times the scatter",
     )
     return Table(columns, residuals, is_known, tuple(notes))
 

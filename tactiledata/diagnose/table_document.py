@@ -10,7 +10,7 @@ import numpy as np
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.explain import Explanation
-from tactiledata.diagnose.findings import located_document
+from tactiledata.diagnose.findings import change_document, located_document
 from tactiledata.diagnose.table import Table
 
 FORMAT = "tactiledata-diagnosis/1"
@@ -79,6 +79,7 @@ def form_document(explanation: Explanation) -> dict[str, Any] | None:
         "false_terms_bound": form.false_terms,
         "terms": [{**vars(term), "alike": list(term.alike)} for term in form.terms],
         "behaves_like": [vars(one) for one in form.behaves_like],
+        "beside": [{"parameter": one.parameter.name, "change": change_document(one)} for one in form.beside],
     }
 
 

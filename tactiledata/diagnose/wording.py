@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 VERBS = {True: "rises", False: "falls"}
+ABOVE = {True: "above", False: "below"}
 
 
 def rounded(value: float, digits: int = 2) -> str:
@@ -36,6 +37,11 @@ def with_interval(value: float, half_width: float, unit: str) -> str:
 def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
     """``"E falls by 11 ± 2 %"``."""
     return f"{name} {VERBS[value > 0]} by {with_interval(abs(value), half_width, unit)}"
+
+
+def departs(name: str, size: float, half_width: float, unit: str) -> str:
+    """``"measured fz is 2.2 ± 0.3 times the noise below the simulated one"``: of measured less simulated."""
+    return f"measured {name} is {with_interval(abs(size), half_width, unit)} {ABOVE[size > 0]} the simulated one"
 
 
 def percent(share: float) -> str:

@@ -112,17 +112,17 @@ def settings_of(document: Any, where: str) -> tuple[EffectSetting, ...]:
     )
 
 
-def write_settings(settings: Iterable[EffectSetting], path: Path, material: GelMaterial | None = None) -> None:
+def write_settings(settings: Iterable[EffectSetting], path: Path | str, material: GelMaterial | None = None) -> None:
     """Write them to a JSON file, whole or not at all."""
-    write_json_atomic(path, effects_document(settings, material))
+    write_json_atomic(Path(path), effects_document(settings, material))
 
 
-def read_settings(path: Path) -> tuple[EffectSetting, ...]:
+def read_settings(path: Path | str) -> tuple[EffectSetting, ...]:
     """The settings in a file; errors as those of `settings_of`."""
-    return settings_of(read_document(path), str(path))
+    return settings_of(read_document(Path(path)), str(path))
 
 
-def read_material(path: Path) -> GelMaterial | None:
+def read_material(path: Path | str) -> GelMaterial | None:
     """The gel that was fitted together with the effects of a file, where it says so."""
-    document = read_document(path, "effect")
+    document = read_document(Path(path), "effect")
     return GelMaterial(**document["material"]) if "material" in document else None

@@ -55,6 +55,8 @@ class EventPicture:
     frames : (w,)
     mean, error : (w, k)
     names : k components
+    unit : str
+        What means and errors are multiples of.
     """
 
     title: str
@@ -62,6 +64,7 @@ class EventPicture:
     mean: Array
     error: Array
     names: tuple[str, ...]
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,7 @@ class MapPicture:
 
 
 def draw_dependences(
-    panels: Sequence[Dependence], names: tuple[str, str] = ("as predicted", "with the formula")
+    panels: Sequence[Dependence], names: tuple[str, str] = ("scale and offset refitted", "with the formula")
 ) -> Figure:
     """One panel for each pair of parameter and covariate; ``names``: of before and after."""
     from matplotlib.ticker import LogLocator, NullFormatter
@@ -136,7 +139,7 @@ def event_panel(axis: Axes, picture: EventPicture) -> None:
     axis.set_title(picture.title, fontsize=9)
     axis.set_xlabel("frames after it", fontsize=8)
     axis.locator_params(axis="x", integer=True)
-    axis.set_ylabel("times the noise", fontsize=8)
+    axis.set_ylabel(picture.unit, fontsize=8)
     axis.legend(fontsize=7, frameon=False, ncols=2)
     axis.tick_params(labelsize=7)
 
@@ -158,7 +161,7 @@ def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[fl
     return figure
 
 
-def draw_errors(names: Sequence[str], errors: Sequence[float]) -> Figure:
+def draw_errors(names: Sequence[str], errors: Sequence[float], unit: str) -> Figure:
     """Bars of root mean squares."""
     from matplotlib.figure import Figure
 
@@ -168,7 +171,7 @@ def draw_errors(names: Sequence[str], errors: Sequence[float]) -> Figure:
     axis.barh(places, errors, color=[BEFORE, AFTER, *["#8a929a"] * len(names)][: len(names)], height=0.6)
     axis.set_yticks(places, names, fontsize=8)
     axis.invert_yaxis()
-    axis.set_xlabel("root mean square, times the noise", fontsize=8)
+    axis.set_xlabel(f"root mean square, {unit}", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
     return figure
 

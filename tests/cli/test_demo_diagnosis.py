@@ -3,7 +3,6 @@
 import pytest
 
 from tactiledata.cli.demo_diagnosis import diagnose_touches
-from tactiledata.cli.demo_gel import balls_of
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario import load_scenario
@@ -19,8 +18,9 @@ def test_it_names_what_its_world_conceals(tmp_path):
     store = tmp_path / "demo.zarr"
     ingest(record(scenario, tmp_path / "recordings", "mcap", lambda *step: None, 2), store, workers=2)
     told = []
-    diagnosis, page = diagnose_touches(store, tmp_path, balls_of(scenario), 2, told.append, quiet=True)
+    diagnosis, page = diagnose_touches(store, tmp_path, scenario, 2, told.append, quiet=True)
     assert diagnosis["naming"]["verdict"] == "named"
     assert diagnosis["naming"]["names"] == ["relaxation"]
     assert any("The simulation lacks viscoelastic relaxation" in one for one in told)
+    assert any("was recorded with viscoelastic relaxation" in one for one in told)
     assert page.is_file()
