@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
 
 def record(
     scenario: str = typer.Argument(
-        ..., help="A scenario file, or the name of a bundled one: concealed, demo, develop, paper, tiny."
+        ..., help="A scenario file, or the name of a bundled one: concealed, demo, develop, paper, split_small, tiny."
     ),
     out: Path = typer.Option(..., "--out", help="Folder for the logs; made where it is not there."),
     form: str = typer.Option("mcap", "--format", help="mcap or folder."),

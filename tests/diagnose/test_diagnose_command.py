@@ -55,6 +55,8 @@ def test_the_gate(folder, capsys, monkeypatch):
         (["columns.yaml"], 2, "no table"),
         (["rate.csv", "--columns", "columns.yaml"], 2, "$"),
         (["one.csv"], 1, "one group only"),
+        (["rate.csv", "--fidelity", "linear"], 2, "--fidelity with a table"),
+        (["rate.zarr", "--group", "trial"], 2, "--group with a store"),
     ],
 )
 def test_wrong_calls(folder, capsys, monkeypatch, arguments, code, words):

@@ -89,9 +89,11 @@ def test_document_and_page_say_it(which, request):
     assert all(share is None for share in closed) if which == "nothing" else min(closed) > 0.5
     trials = [("Dwell for 60 s", "trials/dwell.yaml")]
     html = naming_page("Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0")
-    places = [html.index(text) for text in (document["naming"]["sentences"][0][:40], "Where they differ",
-              "What is missing", "How the simulation behaves", "How much better", "What could be seen at all",
-              "What to record next", "What was left out")]  # fmt: skip
+    titles = ("Where they differ", "What is missing", "How the simulation behaves", "How much better",
+              "What could be seen at all", "What to record next", "What was left out")  # fmt: skip
+    parts = ("Where", "How", "How much better") if which == "relaxed" else ("Where", "How much better")
+    begin = [document["naming"]["sentences"][0][:40], *(f"<p>{part}: " for part in parts)]
+    places = [html.index(text) for text in (*begin, *(f"<h2>{title}</h2>" for title in titles))]
     assert places == sorted(places)
     assert "nan" not in html.split("base64")[0]
 

@@ -1,6 +1,7 @@
 """Tables: what columns mean, what is said of bad ones, and what a diagnosis of good ones finds."""
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -217,6 +218,12 @@ def test_a_planted_rate_is_explained(tmp_path):
     assert document["gap"]["interval"][0] > 0.5
     assert document["errors"][0]["after"] < document["errors"][0]["before"]
     assert not document["left_over"]["is_structured"]
+    frame = presses(1, 50, rate=0.08)
+    (said,) = (one for one in document["sentences"] if one.startswith("All refitted together: "))
+    formula = re.sub(r"(\d) N", r"\1", said.split(" = ")[1].removesuffix(".")).replace("×", "*")
+    words = {"fz": frame.fz_predicted_N, "log10": np.log10, "speed": frame.speed_mm_per_s}
+    formula = formula.replace("speed/(1.0 mm/s)", "speed")
+    assert np.std(frame.fz_observed_N - eval(formula, {"__builtins__": {}}, words)) < 1.1 * 0.1
     page, kept = write_diagnosis(tmp_path / "out" / "deep", "table.csv", table, explanation, document)
     assert json.loads(kept.read_text()) == document
     text = page.read_text()

@@ -123,39 +123,42 @@ def _wrench(world, law, t, depth, way, speed, radius, kind, angle, place):
             normal = 0.5 * normal + 0.5 * law.normal(depth - given, radius, kind)
     if world.ripple:
         normal = normal * (1.0 + world.ripple * np.sin(2 * np.pi * (place[0] + along[0] * way) / 1.5e-3))
-    shear = _bristles(world, law, normal, depth, way, speed, radius)
+    memory = _power_law(t, world.relaxing) if world.relaxing else np.tri(len(t))
+    touching = normal > 0
+    normal = np.where(touching, memory @ np.diff(normal, prepend=normal[:1]), 0.0)
+    shear = _bristles(world, law, normal, memory, depth, way, speed, radius)
     force = np.column_stack([np.outer(shear, along), normal])
-    if world.relaxing:
-        force = _power_law(t, force, world.relaxing)
-        force[normal <= 0] = 0.0
     at = np.column_stack([place + np.outer(way, along), -np.maximum(depth, 0.0)])
     wrench = np.column_stack([force, np.cross(at, force)])
     return _late(t, wrench, world.lag) if world.lag else wrench
 
 
-def _bristles(world, law, normal, depth, way, speed, radius):
-    """Dahl's friction: a knee without a corner; its level may follow speed by a power law."""
+def _bristles(world, law, normal, memory, depth, way, speed, radius):
+    """Dahl's friction: a knee without a corner; its level may follow speed by a power law. Bristles remember (n, n)."""
     level = TRUTH.friction * (speed / 1e-3) ** (world.rate / np.log(10)) * normal
     a = np.sqrt(radius * np.maximum(depth, 0.0))
     shear_modulus = TRUTH.youngs_modulus / (2 * (1 + TRUTH.poisson_ratio))
     spring = law.spring * 8 * shear_modulus * a / (2 - TRUTH.poisson_ratio)
-    steps, found = np.diff(way, prepend=way[:1]), np.zeros_like(way)
+    steps, found, given = (np.zeros_like(way) for _ in range(3))
+    steps[1:] = np.diff(way)
     for k in range(1, len(way)):
         if level[k] <= 0:
+            given[:k] = 0.0
             continue
-        target = -np.sign(steps[k]) * level[k] if steps[k] else found[k - 1]
-        ahead = np.clip(found[k - 1] - spring[k] * steps[k], -level[k], level[k])
+        held, gain = memory[k, :k] @ given[:k], memory[k, k]
+        target = -np.sign(steps[k]) * level[k] if steps[k] else held
+        ahead = np.clip(held - gain * spring[k] * steps[k], -level[k], level[k])
         # a corner rounded over the last tenth
         is_near = abs(ahead) >= 0.9 * level[k] and ahead * target > 0
         found[k] = 0.97 * ahead + 0.03 * target if is_near else ahead
+        given[k] = (found[k] - held) / gain
     return found
 
 
-def _power_law(t, force, size):
-    steps = np.diff(force, axis=0, prepend=force[:1])
-    return np.stack([
-        ((1.0 + size * (1.0 + np.maximum(now - t, 0.0) / 0.3) ** -0.5) * (t <= now)) @ steps for now in t
-    ])  # fmt: skip
+def _power_law(t, size):
+    """What is left (n, n) at each moment of a change at each moment before."""
+    since = t[:, None] - t
+    return np.where(since >= 0, 1.0 + size * (1.0 + np.maximum(since, 0.0) / 0.3) ** -0.5, 0.0)
 
 
 def _late(t, wrench, lag):

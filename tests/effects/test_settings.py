@@ -37,7 +37,7 @@ def test_the_gel_that_was_fitted_goes_along(tmp_path):
     """E, nu and mu are kept beside the effects; a file may have none."""
     material = GelMaterial(9.05e5, 0.485, 0.8)
     write_settings([EffectSetting("thickness", {"error": 0.1})], tmp_path / "fit.json", material)
-    write_settings([], tmp_path / "none.json")
+    write_settings([], str(tmp_path / "none.json"))
     assert read_material(tmp_path / "fit.json") == material
     assert read_material(tmp_path / "none.json") is None
     assert read_settings(tmp_path / "fit.json")[0].values == {"error": 0.1}

@@ -91,7 +91,7 @@ def test_another_thickness_and_radius_are_nearly_as_solved(bank):
 
 
 def test_an_indenter_that_yields_along_the_gel_is_nearly_as_solved(bank):
-    """Bent back by what a stem of 18 N/mm gives: the shear that is lost is told within a sixth."""
+    """Bent back by what a stem of 18 N/mm gives: the shear that is lost is told within a tenth."""
     setup = setup_of()
     plain = bank.contact(GEL, setup)
     missed = np.zeros((len(contact_times(plain.path)), 3))
@@ -99,7 +99,7 @@ def test_an_indenter_that_yields_along_the_gel_is_nearly_as_solved(bank):
     found, expected = bank.contact(GEL, setup, None, missed).wrench, solved(setup, missed)
     lost = np.abs(before_retreat(plain.wrench - expected))[:, 0].max()
     assert lost > 0.2
-    assert np.abs(before_retreat(found - expected))[:, 0].max() < lost / 6
+    assert np.abs(before_retreat(found - expected))[:, 0].max() < lost / 10
 
 
 def test_what_yields_next_to_nothing_along_the_gel_slides_as_before(bank):

@@ -1,9 +1,11 @@
 """Scenario files: what is accepted, what is refused and how, what is drawn."""
 
 import copy
+import sys
 
 import pytest
 
+from tactiledata.cli.main import run
 from tactiledata.errors import SchemaError, UnknownName
 from tactiledata.rig.generate import touches
 from tactiledata.rig.record import log_groups, record
@@ -21,6 +23,14 @@ TOUCH = {"name": "one", "sensor": "A", "indenter": "ball", "steps": [{"press": {
 
 def changed(**changes):
     return {**copy.deepcopy(MINIMAL), **changes}
+
+
+def test_the_help_of_record_lists_the_bundled_worlds(capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["tactiledata", "record", "--help"])
+    with pytest.raises(SystemExit):
+        run()
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert f"bundled one: {', '.join(sorted(bundled_worlds()))}." in told
 
 
 @pytest.mark.parametrize("name", ["demo", "paper", "tiny"])
