@@ -173,7 +173,7 @@ def _values(found: Sequence[Interval]) -> list[str]:
     ]
     left = len(fitted) - len(shown)
     others = f"; the other {left} numbers may be nothing." if left else "."
-    return [f"Fitted: {joined_names(numbers)}, 95 % intervals{others}"] if numbers else []
+    return [f"{joined_names(numbers)}, as fitted, with 95 % intervals{others}"] if numbers else []
 
 
 def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:

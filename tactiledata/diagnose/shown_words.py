@@ -12,10 +12,13 @@ from tactiledata.diagnose.show import Shown
 from tactiledata.diagnose.wording import p_words, percent, rounded
 from tactiledata.effects import EFFECTS
 
+FEW = 3
+"""Groups; of two, each is predicted by one alone."""
+
 
 def shown_sentences(shown: Shown) -> list[str]:
     """What is gained, where it is gained, and what is left; without a claim, that none would help."""
-    said = [_gained(shown.hardest)] if shown.names else _unclaimed(shown)
+    said = _gained(shown) if shown.names else _unclaimed(shown)
     if shown.flattened is not None:
         said.append(_flattened(shown))
     if shown.left_over is not None:
@@ -45,16 +48,32 @@ def same_digits(*values: float, digits: int = 2) -> tuple[str, ...]:
     return tuple(f"{value:.{places}f}" for value in values)
 
 
-def _gained(errors: HeldOutErrors) -> str:
-    before, after, floor = same_digits(errors.force.before, errors.force.after, errors.force.floor, digits=3)
-    verb = "falls" if errors.force.after <= errors.force.before else "rises"
-    said = f"On {errors.unseen} that it has not seen the force error {verb} from {before} to {after} N; "
-    if not errors.has_gap:
-        return f"{said}noise alone gives {floor} N, so that there was hardly a gap to close."
-    said = f"{said}noise alone gives {floor} N: {gap_words(errors.force, True)} of the gap is closed."
-    if errors.force.interval[0] > 1.0:
-        said += " Less is left than the noise that free air tells, so that the noise is overstated, and the share, too."
-    return said if verb == "falls" else f"{said} That speaks against the claim."
+def _gained(shown: Shown) -> list[str]:
+    first = shown.of_trajectories
+    said = [f"On {first.unseen} that it has not seen the force error {_changes(first)}"]
+    noise = f"noise alone gives {same_digits(first.force.floor, digits=3)[0]} N"
+    said[0] += f"; {noise}" + (
+        f": {_closed(first)}." if first.has_gap else ", so that there was hardly a gap to close."
+    )
+    if first.has_gap and first.force.interval[0] > 1.0:
+        said[0] += " Less is left than the noise that free air tells: it is overstated, and so is the share."
+    hardest = shown.hardest
+    if hardest is not first:
+        by = "" if hardest.groups >= FEW else ", each told by the other alone,"
+        closes = f": {_closed(hardest)}" if hardest.has_gap else ""
+        said.append(f"On {hardest.groups} {hardest.unseen} that it has not seen{by} it {_changes(hardest)}{closes}.")
+    if any(one.change > 0 and one.groups >= FEW for one in (first, hardest)):
+        said.append("That it rises speaks against the claim.")
+    return said
+
+
+def _changes(errors: HeldOutErrors) -> str:
+    before, after = same_digits(errors.force.before, errors.force.after, digits=3)
+    return f"{'rises' if errors.change > 0 else 'falls'} from {before} to {after} N"
+
+
+def _closed(errors: HeldOutErrors) -> str:
+    return f"{gap_words(errors.force, True)} of the gap is closed"
 
 
 def _unclaimed(shown: Shown) -> list[str]:

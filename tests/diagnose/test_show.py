@@ -64,7 +64,9 @@ def test_a_planted_effect_closes_the_gap(relaxed):
         assert errors.paper[1] < errors.paper[0]
     assert shown.errors[0].force.floor == pytest.approx(FORCE_NOISE, rel=0.1)
     said = shown_sentences(shown)
-    assert said[0].startswith("On indenters that it has not seen the force error falls from ")
+    assert said[0].startswith("On trajectories that it has not seen the force error falls from ")
+    assert said[1].startswith("On 4 indenters that it has not seen it falls from ")
+    assert not any("speaks against" in sentence for sentence in said)
     assert shown.ceiling_force <= shown.errors[0].force.before
 
 
