@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,9 @@ def diagnose(
     ),
     out: Path = typer.Option(None, "--out", help="Folder for report.html and diagnosis.json."),
     gate: bool = typer.Option(False, "--gate", help="Exit 1 where physics is missing."),
-    seed: int = typer.Option(0, "--seed", help="Another seed draws other trajectories, and throws other chances."),
+    seed: int = typer.Option(
+        0, "--seed", min=0, max=2**32 - 1, help="Another seed draws other trajectories, and throws other chances."
+    ),
     trajectories: int = typer.Option(60, "--trajectories", help="Store: so many are drawn from it."),
     sensor: str = typer.Option(None, "--sensor", help="Store: only trajectories of this sensor."),
     indenter: str = typer.Option(None, "--indenter", help="Store: only those of these indenters: ball3,ball5."),
@@ -56,6 +59,7 @@ def diagnose(
     """
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
     _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
+    out = None if out is None else _writable(out)
     if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
     else:
@@ -67,12 +71,12 @@ def diagnose(
             bounds=bounds,
             shore_a=shore_a,
             sensor=sensor,
-            indenters=_names(indenter),
-            effects=_names(effects),
+            indenters=_names(indenter, "--indenter"),
+            effects=_names(effects, "--effects"),
             pairs=pairs,
             seed=seed,
             workers=workers,
-            indenter_folder=indenters,
+            indenter_folder=_folder(indenters),
         )
         document, written, is_found = _store(working_store(source), out, options, as_json)
     if as_json:
@@ -106,8 +110,31 @@ def _refuse(context: typer.Context, names: tuple[str, ...], given: str) -> None:
             )  # fmt: skip
 
 
-def _names(listed: str | None) -> tuple[str, ...]:
-    return tuple(name.strip() for name in (listed or "").split(",") if name.strip())
+def _names(listed: str | None, option: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in (listed or "").split(",") if name.strip())
+    if listed is not None and not names:
+        raise UsageError(f"{option} {listed!r} names nothing", "names, with commas between", "Leave it out for all.")
+    return names
+
+
+def _folder(path: Path | None) -> Path | None:
+    if path is not None and not path.is_dir():
+        raise UsageError(f"--indenters {path} is no folder", "the folder of the mesh files that recordings name")
+    return path
+
+
+def _writable(out: Path) -> Path:
+    """The folder for the answer, before any work is done for it.
+
+    Raises
+    ------
+    UsageError
+        Nothing can be written there.
+    """
+    nearest = next(place for place in (out, *out.absolute().parents) if place.exists())
+    if not nearest.is_dir() or not os.access(nearest, os.W_OK) or (out / "report.html").is_dir():
+        raise UsageError(f"--out {out} cannot be written to", "a folder, or a place for one", "Name another.")
+    return out
 
 
 def _table(

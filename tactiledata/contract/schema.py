@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from importlib import resources
@@ -24,6 +25,9 @@ MAX_DEPTH = 100
 
 MAX_VALUES = 2**25
 """Values that a document may stand for, aliases written out: a few lines of aliases of aliases can mean billions."""
+
+LARGEST_NUMBER = 1e300
+"""In a document; what is no number or infinite is beyond it, too."""
 
 PAGES = {
     "calibration": "docs/calibration.md",
@@ -203,12 +207,29 @@ def _check_shape(text: str, where: str) -> None:
             )
 
 
+def _check_numbers(document: Any, where: str, path: str = "$") -> None:
+    """Numbers that can be computed with."""
+    if isinstance(document, Mapping):
+        for key, value in document.items():
+            _check_numbers(value, where, f"{path}.{key}")
+    elif isinstance(document, list):
+        for place, value in enumerate(document):
+            _check_numbers(value, where, f"{path}[{place}]")
+    elif isinstance(document, int | float) and not -LARGEST_NUMBER < document < LARGEST_NUMBER:
+        raise SchemaError(
+            f"{where} holds {_short(repr(document), 40)} at {path}",
+            f"numbers within {LARGEST_NUMBER:g}",
+            path=path,
+            file=where,
+        )
+
+
 def read_document(path: Path, schema: str | None = None) -> Any:
     """The document in a YAML or JSON file, checked against a schema where one is named."""
     if not path.exists():
         raise MissingFile(f"{path} does not exist", "a YAML or JSON file", path=str(path))
     if not path.is_file():
-        raise SchemaError(f"{path} is no file", "a YAML or JSON file", "Remove what stands there.", file=str(path))
+        raise SchemaError(f"{path} is no file", "a YAML or JSON file", "Name another.", file=str(path))
     size = path.stat().st_size
     if size > MAX_DOCUMENT_BYTES:
         raise SchemaError(
@@ -221,6 +242,7 @@ def read_document(path: Path, schema: str | None = None) -> Any:
             f"{path} is not UTF-8 text (byte {error.start})", "a text file", path="$", file=str(path)
         ) from error
     document = parse_document(text, str(path))
+    _check_numbers(document, str(path))
     if schema is not None:
         check_document(document, schema, str(path))
     return document

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,8 +11,9 @@ from typing import Any
 import pandas as pd
 
 from tactiledata.diagnose.dimensions import find_unit
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import TactileDataError, UnknownName, UsageError
 
+TIMES = ("time", "t", "seconds")
 GROUP_NAMES = ("group", "trajectory", "trial")
 OBSERVED, PREDICTED, NOISE = "observed", "predicted", "noise"
 PAGE = "docs/diagnose-table.md shows both ways of naming columns."
@@ -86,15 +88,18 @@ def columns_of(frame: pd.DataFrame, document: Mapping[str, Any] | None = None, g
         return _from_document(names, frame, document, group)
     grouped = _group(names, group)
     quantities = _quantities(names)
+    _each_once(grouped, quantities, [])
     used = {grouped} | {column for one in quantities for column in (one.observed, one.predicted, one.noise)}
     left = [name for name in names if name not in used]
     labels = tuple(name for name in left if is_text(frame[name]))
+    for name in labels:
+        _no_number(frame[name])
     covariates = {}
     for column in left:
         if column not in labels:
             name, unit = split_unit(column)
             covariates[column if name in covariates else name] = (column, unit)
-    time = next((name for name in covariates if name in ("time", "t", "seconds")), None)
+    time = next((name for name in covariates if name in TIMES), None)
     return Columns(grouped, quantities, covariates, labels, time)
 
 
@@ -112,6 +117,23 @@ def split_unit(column: str) -> tuple[str, str]:
         if not unit[:1].isdigit() and find_unit(unit) is not None:
             return "_".join(parts[:position]), unit
     return column, "?"
+
+
+def _no_number(column: pd.Series) -> None:
+    """Texts in a column whose name has a unit, or that is the time.
+
+    Raises
+    ------
+    TactileDataError
+        Such a column: taken as names, its numbers would be lost.
+    """
+    bare, unit = split_unit(str(column.name))
+    texts = column[pd.to_numeric(column, errors="coerce").isna()].dropna()
+    if len(texts) and (unit != "?" or bare in TIMES):
+        raise TactileDataError(
+            f"column {column.name} holds what is no number, as {str(texts.iloc[0])!r}",
+            "numbers" if unit == "?" else f"numbers in {unit}", "Mend that cell, or rename the column.",
+        )  # fmt: skip
 
 
 def is_text(column: pd.Series) -> bool:
@@ -153,7 +175,14 @@ def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
         bare, unit = split_unit(column)
         for role in (OBSERVED, PREDICTED, NOISE):
             if bare.endswith(f"_{role}"):
-                found.setdefault(bare.removesuffix(f"_{role}"), {})[role] = (column, unit)
+                roles = found.setdefault(bare.removesuffix(f"_{role}"), {})
+                if role in roles:
+                    raise UsageError(
+                        f"{roles[role][0]} and {column} mean the same",
+                        f"one column that is {role}",
+                        "Drop or rename one.",
+                    )
+                roles[role] = (column, unit)
     quantities = []
     for name, roles in found.items():
         for role, other in ((OBSERVED, PREDICTED), (PREDICTED, OBSERVED)):
@@ -179,6 +208,36 @@ def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
     return tuple(quantities)
 
 
+def _each_once(group: str, quantities: Sequence[Quantity], covariates: Sequence[str]) -> None:
+    """One column has one meaning.
+
+    Raises
+    ------
+    UsageError
+        One has two.
+    """
+    taken = [group, *covariates]
+    for one in quantities:
+        taken += [one.observed, one.predicted, *([one.noise] if isinstance(one.noise, str) else [])]
+    twice = [name for name, count in Counter(taken).items() if count > 1 and name not in covariates]
+    twice += [name for one in quantities for name in (one.observed, one.predicted) if name in covariates]
+    if twice:
+        raise UsageError(
+            f"column {twice[0]} is asked to mean two things", "one meaning a column", f"Name another. {PAGE}"
+        )
+
+
+def _numbers(document: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    found = [("noise_correlation", document.get("noise_correlation"))]
+    found += [(f"noise of {name}", one.get("noise")) for name, one in document["quantities"].items()]
+    found += [(f"scale of {name}", one.get("scale")) for name, one in document.get("covariates", {}).items()]
+    return [(where, number) for where, number in found if number is not None and not isinstance(number, str)]
+
+
+def _is_sane(number: float) -> bool:
+    return number == 0 or 1e-30 < abs(number) < 1e30
+
+
 def _from_document(
     names: Sequence[str], frame: pd.DataFrame, document: Mapping[str, Any], group: str | None
 ) -> Columns:
@@ -197,6 +256,10 @@ def _from_document(
         for name, one in document.get("covariates", {}).items()
     }
     labels = tuple(known_column(name, names) for name in document.get("labels", ()))
+    _each_once(group or document["group"], quantities, [column for column, _ in covariates.values()])
+    for where, number in _numbers(document):
+        if not _is_sane(number):
+            raise UsageError(f"{where} in the columns' document is {number!r:.40}", "a finite number", PAGE)
     plane = tuple(document.get("plane", ("x", "y")))
     time, order = document.get("time"), document.get("order", "index")
     for name in (*([time] if time else []), *document.get("plane", ()), *([order] if "order" in document else [])):

@@ -12,7 +12,8 @@ from tactiledata.diagnose.explain import Explanation, explain
 from tactiledata.diagnose.explanation_page import explanation_page
 from tactiledata.diagnose.gate import NoiseModel
 from tactiledata.diagnose.locate import LocateOptions
-from tactiledata.diagnose.table import Table, read_table, residuals_of
+from tactiledata.diagnose.read_table import read_table
+from tactiledata.diagnose.table import Table, residuals_of
 from tactiledata.diagnose.table_document import errors, table_document
 
 DOUBT = 0.1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +11,10 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.wording import counted
 from tactiledata.diagnose.columns import Columns, columns_of, is_text
+from tactiledata.diagnose.free_air import in_contact
 from tactiledata.diagnose.ladder import MOST_LEVELS
 from tactiledata.diagnose.residuals import FEWEST_UNITS, Covariate, Parameter, Residuals
-from tactiledata.errors import MissingFile, TactileDataError, UsageError
+from tactiledata.errors import TactileDataError
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,8 @@ MOST_STRAYS = 0.02
 """Share of the rows; more are no strays."""
 MOST_ROWS = 20_000
 """More rows of the same groups cost time and tell little."""
-SUFFIXES = (".csv", ".tsv", ".parquet")
+LARGEST, SMALLEST = 1e30, 1e-30
+"""Of numbers, and of a noise; what lies beyond is a slip, and squares of it cannot be computed with."""
 MOST_MISSING = 0.2
 """Share of rows without it from which on a covariate is left out rather than the rows."""
 
@@ -46,34 +47,6 @@ class Table:
     residuals: Residuals
     is_noise_known: bool
     notes: tuple[str, ...]
-
-
-def read_table(path: Path) -> pd.DataFrame:
-    """The rows of a CSV, TSV or Parquet file.
-
-    Raises
-    ------
-    MissingFile, UsageError
-        Not there, or no table by its name.
-    TactileDataError
-        It cannot be read as such, or holds no rows.
-    """
-    if not path.exists():
-        raise MissingFile(f"{path} does not exist", f"a table: {', '.join(SUFFIXES)}", path=str(path))
-    if path.suffix not in SUFFIXES or not path.is_file():
-        raise UsageError(f"{path} is no table by its name", f"a file that ends in {', '.join(SUFFIXES)}")
-    try:
-        if path.suffix == ".parquet":
-            frame = pd.read_parquet(path)
-        else:
-            frame = pd.read_csv(path, sep="\t" if path.suffix == ".tsv" else ",")
-    except (ValueError, OSError) as error:
-        raise TactileDataError(
-            f"{path} cannot be read: {' '.join(str(error).split())}", f"a table in {path.suffix[1:]}"
-        ) from error
-    if frame.empty:
-        raise TactileDataError(f"{path} holds no rows", "one row for each frame")
-    return frame
 
 
 def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, group: str | None = None) -> Table:
@@ -116,6 +89,11 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
         deviations=np.median(noise, axis=0),
         scale="times the noise" if is_known else "times the scatter",
     )
+    if not in_contact(residuals).any():
+        raise TactileDataError(
+            "phase says of no row that something touches", "rows in contact, where prediction and observation differ",
+            "Rename or drop the column if it means something else.",
+        )  # fmt: skip
     return Table(columns, residuals, is_known, tuple(notes))
 
 
@@ -129,7 +107,8 @@ def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.D
             texts = frame[column][pd.to_numeric(frame[column], errors="coerce").isna()].dropna()
             example = f", as {str(texts.iloc[0])!r}" if len(texts) else ""
             raise TactileDataError(f"column {column} holds what is no number{example}", "numbers", "Mend or drop it.")
-    numbers = frame[[*needed, *wanted]].replace([np.inf, -np.inf], np.nan)
+    numbers = frame[[*needed, *wanted]].astype(np.float64)
+    numbers = numbers.where(numbers.abs() < LARGEST)
     missing = numbers[wanted].isna().mean()
     sparse = [column for column in wanted if missing[column] > MOST_MISSING and column != columns.time]
     kept = numbers.drop(columns=sparse).notna().all(axis=1) & frame[columns.group].notna()
@@ -137,9 +116,14 @@ def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.D
         notes.append(f"column {column} is left out: {100 * missing[column]:.0f} % of its rows are empty")
     if not kept.all():
         gaps = [column for column in [*needed, *wanted] if column not in sparse and numbers[column].isna().any()]
-        notes.append(f"{counted(int((~kept).sum()), 'row')} of {len(kept)} left out: empty in {', '.join(gaps)}")
-    if not kept.any():
-        raise TactileDataError("no row has all of its numbers", "observed, predicted and covariates in one row")
+        gaps += [columns.group] if frame[columns.group].isna().any() else []
+        where = f"empty, or beyond {LARGEST:g}, in {', '.join(gaps)}"
+        notes.append(f"{counted(int((~kept).sum()), 'row')} of {len(kept)} left out: {where}")
+        if not kept.any():
+            raise TactileDataError(
+                f"no row is whole: {where}", "group, observed, predicted and covariates in one row",
+                "Fill the gaps, drop a column, or write numbers in larger units.",
+            )  # fmt: skip
     return frame.loc[kept]
 
 
@@ -174,13 +158,18 @@ def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) ->
 
 def _group_numbers(column: pd.Series) -> NDArray[np.int64]:
     """Groups by number, in the order in which they appear."""
-    return pd.factorize(column)[0].astype(np.int64)
+    try:
+        return pd.factorize(column)[0].astype(np.int64)
+    except TypeError as error:
+        raise TactileDataError(
+            f"column {column.name} holds lists or tables", "one number or text a row", "Name another column of groups."
+        ) from error
 
 
 def _enough_groups(column: pd.Series, name: str) -> None:
     count = column.nunique()
     if count < FEWEST_UNITS:
-        found = f"one group only ({column.iloc[0]!r})" if count == 1 else f"{count} groups only"
+        found = f"one group only ({column.iloc[0]})" if count == 1 else f"{count} groups only"
         raise TactileDataError(
             f"{found} in column {name}",
             f"at least {FEWEST_UNITS}: whole groups are exchanged to tell structure from chance, never single rows",
@@ -193,7 +182,7 @@ def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[
     covariates, constant = {}, []
     for name, (column, unit) in columns.covariates.items():
         values = rows[column].to_numpy(dtype=np.float64)
-        if not np.isfinite(values).all():
+        if not (np.abs(values) < LARGEST).all():
             continue
         if np.ptp(values) > 0:
             covariates[name] = Covariate(values, unit)
@@ -207,12 +196,17 @@ def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[
 def _labels(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, NDArray[np.str_]]:
     labels = {}
     for name in columns.labels:
-        texts = rows[name].astype(object).where(rows[name].notna(), "unknown").astype(str).to_numpy(dtype=str)
+        known = rows[name].astype(object).where(rows[name].notna(), "unknown")
+        texts = np.array([_printable(str(one)) for one in known], dtype=str)
         if len(np.unique(texts)) <= MOST_LEVELS:
             labels[name] = texts
         else:
             notes.append(f"column {name} is left out: more than {MOST_LEVELS} different texts")
     return labels
+
+
+def _printable(text: str) -> str:
+    return "".join(one if one.isprintable() else "\N{REPLACEMENT CHARACTER}" for one in text)
 
 
 def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Array]:
@@ -227,8 +221,13 @@ def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Arr
             )  # fmt: skip
         if one.noise is not None:
             noise[:, place] = rows[one.noise] if isinstance(one.noise, str) else one.noise
-        if not (noise[:, place] > 0).all():
-            raise TactileDataError(f"the noise of {one.name} is not above 0 everywhere", "standard deviations")
+        if not (noise[:, place] > SMALLEST).all():
+            bad = noise[:, place][~(noise[:, place] > SMALLEST)][0]
+            raise TactileDataError(
+                f"the noise of {one.name} ({one.noise}) is {bad:g} somewhere",
+                f"standard deviations above {SMALLEST:g}",
+                "Mend the column, or leave the noise out: its size is then taken from the scatter.",
+            )  # fmt: skip
     return observed, predicted, noise
 
 

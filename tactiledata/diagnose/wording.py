@@ -25,7 +25,7 @@ def quantity(value: float, unit: str) -> str:
 
 def with_interval(value: float, half_width: float, unit: str) -> str:
     """``"11 ± 2 %"``: both to the digits that the interval leaves."""
-    if not math.isfinite(half_width) or half_width <= 0:
+    if not math.isfinite(half_width) or half_width <= 1e-9 * abs(value):
         return f"{rounded(value)} {unit}".strip()
     places = max(-3, (0 if half_width >= 2 * 10 ** math.floor(math.log10(half_width)) else 1)
                  - math.floor(math.log10(half_width)))  # fmt: skip

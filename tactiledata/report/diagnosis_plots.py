@@ -89,6 +89,11 @@ class MapPicture:
     stands_out: NDArray[np.bool_]
 
 
+def literal(text: str) -> str:
+    """A text of strangers, whose dollars are no mathematics."""
+    return text.replace("$", r"\$")
+
+
 def draw_dependences(
     panels: Sequence[Dependence], names: tuple[str, str] = ("scale and offset refitted", "with the formula")
 ) -> Figure:
@@ -112,8 +117,8 @@ def draw_dependences(
             axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.xaxis.set_major_formatter("{x:g}")
             axis.xaxis.set_minor_formatter(NullFormatter())
-        axis.set_xlabel(panel.covariate, fontsize=8)
-        axis.set_ylabel(panel.parameter, fontsize=8)
+        axis.set_xlabel(literal(panel.covariate), fontsize=8)
+        axis.set_ylabel(literal(panel.parameter), fontsize=8)
         axis.legend(fontsize=7, frameon=False)
         axis.tick_params(labelsize=7)
     return figure
@@ -133,10 +138,10 @@ def event_panel(axis: Axes, picture: EventPicture) -> None:
         mean, error = picture.mean[:, column], 2 * picture.error[:, column]
         colour = COLOURS[column % len(COLOURS)]
         axis.fill_between(picture.frames, mean - error, mean + error, color=colour, alpha=0.15, linewidth=0)
-        axis.plot(picture.frames, mean, color=colour, marker=".", linewidth=1, label=name)
+        axis.plot(picture.frames, mean, color=colour, marker=".", linewidth=1, label=literal(name))
     axis.axvline(-0.5, color="black", linewidth=0.6, linestyle=":")
     axis.axhline(0.0, color="black", linewidth=0.6)
-    axis.set_title(picture.title, fontsize=9)
+    axis.set_title(literal(picture.title), fontsize=9)
     axis.set_xlabel("frames after it", fontsize=8)
     axis.locator_params(axis="x", integer=True)
     axis.set_ylabel(picture.unit, fontsize=8)
@@ -153,7 +158,7 @@ def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[fl
     places = np.arange(len(names))
     axis.barh(places, shares, color=AFTER, height=0.6, label="of the excess")
     axis.plot(even, places, "|", color="black", markersize=9, label="of the values")
-    axis.set_yticks(places, names, fontsize=8)
+    axis.set_yticks(places, [literal(name) for name in names], fontsize=8)
     axis.invert_yaxis()
     axis.set_xlabel("share", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
@@ -169,7 +174,7 @@ def draw_errors(names: Sequence[str], errors: Sequence[float], unit: str) -> Fig
     axis = figure.subplots()
     places = np.arange(len(names))
     axis.barh(places, errors, color=[BEFORE, AFTER, *["#8a929a"] * len(names)][: len(names)], height=0.6)
-    axis.set_yticks(places, names, fontsize=8)
+    axis.set_yticks(places, [literal(name) for name in names], fontsize=8)
     axis.invert_yaxis()
     axis.set_xlabel(f"root mean square, {unit}", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
@@ -194,9 +199,9 @@ def map_panel(figure: Figure, axis: Axes, picture: MapPicture, limit: float) -> 
     axis.plot(picture.x[column], picture.y[row], ".", color="black", markersize=4)
     bar = figure.colorbar(drawn, ax=axis)
     bar.set_label(picture.unit, fontsize=8)
-    axis.set_title(picture.title, fontsize=9)
-    axis.set_xlabel(picture.across, fontsize=8)
-    axis.set_ylabel(picture.up, fontsize=8)
+    axis.set_title(literal(picture.title), fontsize=9)
+    axis.set_xlabel(literal(picture.across), fontsize=8)
+    axis.set_ylabel(literal(picture.up), fontsize=8)
     axis.tick_params(labelsize=7)
     axis.set_aspect("equal")
 

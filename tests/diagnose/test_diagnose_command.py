@@ -56,6 +56,10 @@ def test_the_gate(folder, capsys, monkeypatch):
         (["rate.csv", "--columns", "columns.yaml"], 2, "$"),
         (["one.csv"], 1, "one group only"),
         (["rate.csv", "--fidelity", "linear"], 2, "--fidelity with a table"),
+        (["rate.csv", "--out", "rate.csv"], 2, "cannot be written to"),
+        (["rate.csv", "--seed", "-1"], 2, "--seed"),
+        (["rate.zarr", "--effects", ",,"], 2, "names nothing"),
+        (["rate.zarr", "--indenters", "nowhere"], 2, "is no folder"),
         (["rate.zarr", "--group", "trial"], 2, "--group with a store"),
     ],
 )

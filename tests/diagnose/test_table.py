@@ -1,5 +1,6 @@
 """Tables: what columns mean, what is said of bad ones, and what a diagnosis of good ones finds."""
 
+import decimal
 import json
 import re
 
@@ -13,7 +14,8 @@ from tables import presses
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.columns import columns_of, split_unit
 from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
-from tactiledata.diagnose.table import read_table, residuals_of
+from tactiledata.diagnose.read_table import read_table
+from tactiledata.diagnose.table import residuals_of
 from tactiledata.errors import MissingFile, TactileDataError, UnknownName, UsageError
 
 
@@ -130,7 +132,7 @@ BAD = {
         TactileDataError, "'broken'",
     ),
     "nothing but gaps": (lambda t: t.assign(fz_observed_N=np.nan), TactileDataError, "no row"),
-    "noise of 0": (lambda t: t.assign(fz_noise_N=0.0), TactileDataError, "not above 0"),
+    "noise of 0": (lambda t: t.assign(fz_noise_N=0.0), TactileDataError, "is 0 somewhere"),
     "different units": (lambda t: t.rename(columns={"fz_observed_N": "fz_observed_kN"}), UsageError, "units"),
 }  # fmt: skip
 
@@ -203,6 +205,53 @@ def test_strays_are_left_out_and_said():
     table = presses(0)
     half = table.assign(fz_observed_N=table.fz_observed_N + np.where(table.index % 2, 100.0, 0.0))
     assert len(residuals_of(half).residuals.values) == len(table)
+
+
+ODD = {
+    "a separator at the end of each row": (
+        lambda text: text.replace("\n", ",\n").replace(",\n", "\n", 1),
+        "more fields",
+    ),
+    "a column twice": (lambda text: text.replace("depth_mm", "fz_observed_N", 1), "twice"),
+    "a time in words": (lambda text: text.replace(",0.1,", ",12:30,", 1), "12:30"),
+    "semicolons": (lambda text: text.replace(",", ";"), "semicolons"),
+    "an escape in a name": (lambda text: text.replace("depth_mm", "dep\x1b[31mth_mm", 1), "cannot be printed"),
+}
+
+
+@pytest.mark.parametrize("what", ODD)
+def test_files_that_would_be_misread_are_refused(what, tmp_path):
+    spoil, words = ODD[what]
+    path = saved(tmp_path, presses())
+    path.write_text(spoil(path.read_text()))
+    with pytest.raises(TactileDataError, match=words):
+        residuals_of(read_table(path))
+
+
+def test_moments_and_decimals_are_numbers(tmp_path):
+    """A Parquet file with an index of groups, moments and decimals is read as the plain one."""
+    table = presses()
+    moments = pd.Timestamp("2026-01-01") + pd.to_timedelta(table.time_s, unit="s")
+    depths = [decimal.Decimal(str(one)) for one in table.depth_mm.round(6)]
+    odd = table.assign(time_s=moments, depth_mm=depths).set_index("trial")
+    odd.to_parquet(tmp_path / "odd.PARQUET")
+    found, plain = (residuals_of(one).residuals for one in (read_table(tmp_path / "odd.PARQUET"), table))
+    for name in ("time", "depth"):
+        np.testing.assert_allclose(found.covariates[name].values, plain.covariates[name].values, atol=1e-6)
+    np.testing.assert_allclose(found.values, plain.values)
+
+
+def test_a_column_means_one_thing_and_numbers_are_sane():
+    quantities = {"fz": {"observed": "fz_observed_N", "predicted": "fz_predicted_N"}}
+    document = {"format": "tactiledata-columns/1", "group": "trial", "quantities": quantities}
+    twice = {"covariates": {"depth": {"column": "fz_observed_N"}}}
+    with pytest.raises(UsageError, match="two things"):
+        residuals_of(presses(), {**document, **twice})
+    with pytest.raises(UsageError, match="two things"):
+        residuals_of(presses(), group="fz_observed_N")
+    for bad in (float("nan"), float("inf"), 1e-300):
+        with pytest.raises(UsageError, match="finite number"):
+            residuals_of(presses(), {**document, "noise_correlation": bad})
 
 
 @pytest.mark.slow
