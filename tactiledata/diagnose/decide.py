@@ -101,8 +101,10 @@ def decide(
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
         # another explains far more, and yet cannot be believed: what is there is not what could be
         best = None
-    pair = max((one for one in pairs if not one.objections(scale)), key=_evidence, default=None)
-    if pair is not None and (best is None or _exceeds(gains[pair.label] - gains[best.label], scale)):
+    # of the pairs that surely gain more: the one with most evidence may gain it from few touches
+    gaining = [one for one in pairs if best is None or _exceeds(gains[one.label] - gains[best.label], scale)]
+    pair = max((one for one in gaining if not one.objections(scale)), key=_evidence, default=None)
+    if pair is not None:
         best = needed_of(pair, singles, scale)
     is_much = left.at_large > scale.noise and not left.is_in_few(scale)
     if best is not None and is_much and best.excess_share < scale.explains:
