@@ -18,7 +18,8 @@ from tactiledata.errors import UsageError
 
 Array = NDArray[np.float64]
 
-MOST_ROUNDS = 30
+MOST_ROUNDS, MOST_STEADY_ROUNDS = 30, 30
+"""By the secant, and after that, where frames pull each other along, in even steps."""
 PATIENCE = 8
 """Rounds without a nearer answer after which one that is close enough is taken."""
 CLOSE, CLOSE_ENOUGH = 1e-5, 5e-3
@@ -107,7 +108,9 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
         return after(start.felt)
     balance = Balance(start.contact.wrench)
     nearest, least, found = start, np.inf, 0
-    for number in range(MOST_ROUNDS):
+    for number in range(MOST_ROUNDS + MOST_STEADY_ROUNDS):
+        if number == MOST_ROUNDS:
+            balance.be_steady(start.contact.wrench)
         state = after(balance.felt)
         balance.measure(state.contact.wrench)
         if balance.missed < least:
@@ -117,7 +120,7 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
             break
         balance.move()
     if least > CLOSE_ENOUGH * balance.largest:
-        raise unbalanced(least, MOST_ROUNDS)
+        raise unbalanced(least, MOST_ROUNDS + MOST_STEADY_ROUNDS)
     return nearest
 
 

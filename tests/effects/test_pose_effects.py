@@ -116,8 +116,17 @@ def test_the_softest_springs_find_their_balance(touch):
 def test_no_balance_is_said(touch, monkeypatch):
     """Where the rounds do not suffice there is an error, not a number."""
     monkeypatch.setattr("tactiledata.effects.simulator.MOST_ROUNDS", 3)
+    monkeypatch.setattr("tactiledata.effects.simulator.MOST_STEADY_ROUNDS", 0)
     with pytest.raises(UsageError, match="no balance"):
         with_effects(BallOnLayer, SOFTEST).play(touch)
+
+
+def test_even_steps_end_where_the_secant_does(touch, monkeypatch):
+    """What one way of stepping does not reach the other does; both mean the same."""
+    usual = with_effects(BallOnLayer, SOFTEST).play(touch).wrench
+    monkeypatch.setattr("tactiledata.effects.simulator.MOST_ROUNDS", 3)
+    steady = with_effects(BallOnLayer, SOFTEST).play(touch).wrench
+    np.testing.assert_allclose(steady, usual, rtol=0, atol=1e-3 * np.abs(usual).max())
 
 
 @pytest.mark.parametrize(("jump", "is_said"), [(0.004, False), (0.04, True)])
