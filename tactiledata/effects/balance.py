@@ -9,8 +9,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LEAST_STEP, LARGEST_STEP = 0.02, 2.0
-STEADY_STEP = 0.35
-"""Ends within 30 rounds for springs up to four times as soft as the gel."""
 
 
 class Balance:
@@ -30,7 +28,7 @@ class Balance:
         self.largest = float(np.abs(self.felt).max(initial=0.0))
         self._step = np.ones_like(self.felt)
         self._last = self._miss = np.zeros_like(self.felt)
-        self._has_missed = self._is_steady = False
+        self._has_missed = False
 
     @property
     def missed(self) -> float:
@@ -42,15 +40,9 @@ class Balance:
         away = answer - self.felt
         self._last, self._miss = self._miss, np.where(np.isfinite(away), away, 0.0)
 
-    def be_steady(self, answer: Array) -> None:
-        """Even steps from here on, beginning where nothing bends."""
-        self.felt = bridged(answer, self._known)
-        self._step = np.full_like(self.felt, STEADY_STEP)
-        self._is_steady = True
-
     def move(self) -> None:
         """``felt`` becomes what should be nearer."""
-        if self._has_missed and not self._is_steady:
+        if self._has_missed:
             fell = self._last - self._miss
             far = np.abs(fell) > 1e-3 * np.abs(self._miss)
             step = np.divide(self._step * self._last, fell, out=np.ones_like(fell), where=far)

@@ -116,17 +116,31 @@ def test_the_softest_springs_find_their_balance(touch):
 def test_no_balance_is_said(touch, monkeypatch):
     """Where the rounds do not suffice there is an error, not a number."""
     monkeypatch.setattr("tactiledata.effects.simulator.MOST_ROUNDS", 3)
-    monkeypatch.setattr("tactiledata.effects.simulator.MOST_STEADY_ROUNDS", 0)
     with pytest.raises(UsageError, match="no balance"):
         with_effects(BallOnLayer, SOFTEST).play(touch)
 
 
-def test_even_steps_end_where_the_secant_does(touch, monkeypatch):
-    """What one way of stepping does not reach the other does; both mean the same."""
-    usual = with_effects(BallOnLayer, SOFTEST).play(touch).wrench
-    monkeypatch.setattr("tactiledata.effects.simulator.MOST_ROUNDS", 3)
-    steady = with_effects(BallOnLayer, SOFTEST).play(touch).wrench
-    np.testing.assert_allclose(steady, usual, rtol=0, atol=1e-3 * np.abs(usual).max())
+@pytest.mark.parametrize(("away", "is_said"), [(5e-6, False), (5e-5, True)])
+def test_contact_that_comes_and_goes_at_its_edge_is_no_error(touch, moved, away, is_said):
+    """A force that begins with a jump at the surface has no balance there; deeper, it is an error."""
+    arm = EffectSetting("arm_compliance", {"translation": 2e-5})
+    press = moved(touch, np.arange(3.0), np.array([0.0, 8e-4, away]))
+
+    class Beginning(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            answer = super().respond(offset, shift, friction)
+            jumps = (answer.depth > away - 2e-6) & (np.arange(3) == 2)
+            return dataclasses.replace(
+                answer, wrench=answer.wrench + np.where(jumps[:, None], [0, 0, 0.2, 0, 0, 0], 0.0)
+            )
+
+    if is_said:
+        with pytest.raises(UsageError, match="no balance"):
+            with_effects(Beginning, [arm]).play(press)
+    else:
+        found = with_effects(Beginning, [arm]).play(press).wrench[:, 2]
+        assert found[1] > 1.0
+        assert found[2] < 0.25
 
 
 @pytest.mark.parametrize(("jump", "is_said"), [(0.004, False), (0.04, True)])
