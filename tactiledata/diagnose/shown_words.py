@@ -56,7 +56,7 @@ def _gained(shown: Shown) -> list[str]:
         f": {_closed(first)}." if first.has_gap else ", so that there was hardly a gap to close."
     )
     if first.has_gap and first.force.interval[0] > 1.0:
-        said[0] += " Less is left than the noise that free air tells: it is overstated, and so is the share."
+        said[0] += " Less is left than free air tells of the noise."
     hardest = shown.hardest
     if hardest is not first:
         by = "" if hardest.groups >= FEW else ", each told by the other alone,"
