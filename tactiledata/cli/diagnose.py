@@ -18,6 +18,8 @@ TABLE_ONLY = ("columns", "group")
 STORE_ONLY = (
     "trajectories", "sensor", "indenter", "effects", "pairs", "fidelity", "bounds", "shore_a", "indenters", "workers",
 )  # fmt: skip
+SEEDS = 2**32
+"""So many are known to all that draws by them."""
 STEPS = 30
 """About so many steps follow the plays."""
 
@@ -34,9 +36,7 @@ def diagnose(
     ),
     out: Path = typer.Option(None, "--out", help="Folder for report.html and diagnosis.json."),
     gate: bool = typer.Option(False, "--gate", help="Exit 1 where physics is missing."),
-    seed: int = typer.Option(
-        0, "--seed", min=0, max=2**32 - 1, help="Another seed draws other trajectories, and throws other chances."
-    ),
+    seed: int = typer.Option(0, "--seed", help="Another seed draws other trajectories, and throws other chances."),
     trajectories: int = typer.Option(60, "--trajectories", help="Store: so many are drawn from it."),
     sensor: str = typer.Option(None, "--sensor", help="Store: only trajectories of this sensor."),
     indenter: str = typer.Option(None, "--indenter", help="Store: only those of these indenters: ball3,ball5."),
@@ -60,6 +60,8 @@ def diagnose(
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
     _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
     out = None if out is None else _writable(out)
+    if not 0 <= seed < SEEDS:
+        raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of them serves.")
     if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
     else:

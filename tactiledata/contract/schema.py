@@ -217,7 +217,7 @@ def _check_numbers(document: Any, where: str, path: str = "$") -> None:
             _check_numbers(value, where, f"{path}[{place}]")
     elif isinstance(document, int | float) and not -LARGEST_NUMBER < document < LARGEST_NUMBER:
         raise SchemaError(
-            f"{where} holds {_short(repr(document), 40)} at {path}",
+            f"{where} holds {_short(repr(document), 40)} at {path}, no number a machine can keep",
             f"numbers within {LARGEST_NUMBER:g}",
             path=path,
             file=where,
