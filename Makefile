@@ -19,11 +19,12 @@ $(INSTALLED): pyproject.toml constraints.txt
 demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; ends with a report to open
 	$(BIN)/tactiledata demo --out $(OUT)
 
+# two workers share the cores: threads of each would only get in each other's way
 test: $(INSTALLED)   ## every test, slow ones included
-	TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2
+	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2
 
 quick: $(INSTALLED)  ## the fast tests
-	$(BIN)/python -m pytest -n 2 -m 'not slow'
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m 'not slow'
 
 check: $(INSTALLED)  ## formatting, lint, types
 	$(BIN)/ruff format --check .

@@ -45,20 +45,27 @@ def black_box(projection: Projection, seed: int = 0) -> BlackBox:
     """Boosted trees on the refitted residual, trajectories held out by fives."""
     need_learning_library()
     from sklearn.ensemble import HistGradientBoostingRegressor
+    from threadpoolctl import threadpool_limits
 
     residuals = projection.residuals
     columns = features(residuals)
     predicted = np.zeros_like(projection.score)
     fold = folds(residuals, seed)
     if columns.shape[1]:
-        for number in np.unique(fold):
-            train, test = fold != number, fold == number
-            for component in range(predicted.shape[1]):
-                learner = HistGradientBoostingRegressor(
-                    max_iter=TREES, max_leaf_nodes=LEAVES, min_samples_leaf=20, early_stopping=False, random_state=seed
-                )
-                learner.fit(columns[train], projection.score[train, component])
-                predicted[test, component] = learner.predict(columns[test])
+        # trees this small are slower on several threads, and ten times slower beside other work
+        with threadpool_limits(limits=1, user_api="openmp"):
+            for number in np.unique(fold):
+                train, test = fold != number, fold == number
+                for component in range(predicted.shape[1]):
+                    learner = HistGradientBoostingRegressor(
+                        max_iter=TREES,
+                        max_leaf_nodes=LEAVES,
+                        min_samples_leaf=20,
+                        early_stopping=False,
+                        random_state=seed,
+                    )
+                    learner.fit(columns[train], projection.score[train, component])
+                    predicted[test, component] = learner.predict(columns[test])
     before = float((projection.score**2).sum())
     squares = residuals.by_unit(((projection.score - predicted) ** 2).sum(axis=1))
     if squares.sum() >= before:
