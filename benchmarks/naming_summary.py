@@ -83,7 +83,8 @@ def _material(cases: Sequence[Case]) -> list[str]:
     """Errors of E, nu, mu of nulls and of single effects that were claimed rightly; without a claim nothing changes.
 
     The latter also against what the same calibration finds in the world without its effect: that leaves out what the
-    two solvers differ in. Under relaxation E is what is left of it after a touch, as effects/relaxation.py has it.
+    two solvers differ in. Under relaxation E is what is left of it after a touch, as effects/relaxation.py has it, and
+    mu is that of the speed, or pressure, at which effects of friction have it.
     """
     lines = []
     for what, chosen, reference in (
@@ -111,7 +112,7 @@ def _each_material(cases: Sequence[Case]) -> list[str]:
 
 def _off(case: Case, reference: str) -> Array:
     """Errors (2, 3) of E, nu, mu, before and after, in %."""
-    truth = np.array(list(case[reference].values())) * [case["modulus_left"], 1.0, 1.0]
+    truth = np.array(list(case[reference].values())) * [case["modulus_left"], 1.0, case.get("friction_left", 1.0)]
     after = case["after" if case["verdict"] in CLAIMS else "before"]
     errors: Array = 100 * (np.array([case["before"], after]) / truth - 1)
     return errors

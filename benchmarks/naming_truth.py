@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import log1p, tanh
 from typing import Any, ClassVar
 
 import numpy as np
 
+from tactiledata.effects.area_friction import AreaFriction
+from tactiledata.effects.static_friction import StaticFriction
 from tactiledata.rig.contact import TouchSetup
 from tactiledata.rig.footprint import GelGrid, footprint
 from tactiledata.rig.hidden_base import HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden_friction import AGEING_ONSET, AgeingFriction, ShearStrength
+from tactiledata.rig.hidden_slider import CRITICAL_SLIP
 from tactiledata.rig.hidden_time import Springpot
 
 TITLES = {
@@ -62,6 +67,22 @@ def modulus_left(effects: Sequence[HiddenEffect]) -> float:
     """Share of the modulus at once that hidden relaxation leaves after a touch: what a relaxed gel's E is then."""
     springpots = [one for one in effects if isinstance(one, Springpot)]
     return float(np.prod([(1 + RELAXED_AFTER / one.onset) ** -one.alpha for one in springpots]))
+
+
+def friction_left(effects: Sequence[HiddenEffect], friction: float) -> float:
+    """What hidden laws make of friction where the effect that they are called says that mu holds, as a share of it.
+
+    That is a long slide at 1 mm/s for rest, and a mean pressure of 0.3 MPa for a shear strength.
+    """
+    speed, pressure = StaticFriction().complete({})["speed"], AreaFriction().complete({})["pressure"]
+    share = 1.0
+    for one in effects:
+        if isinstance(one, AgeingFriction):
+            share *= 1 + one.growth * log1p(CRITICAL_SLIP / speed / AGEING_ONSET)
+        if isinstance(one, ShearStrength) and one.softness > 0:
+            load = friction * pressure * one.softness
+            share *= tanh(load) / load
+    return share
 
 
 @dataclass(frozen=True)

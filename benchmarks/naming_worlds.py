@@ -29,7 +29,7 @@ from naming_asked import KINDS, Asked, asked_cases
 from naming_case import Maker, to_play
 from naming_plan import Plan
 from naming_summary import summary
-from naming_truth import modulus_left
+from naming_truth import friction_left, modulus_left
 
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.evidence_scale import ESTIMATED
@@ -117,6 +117,7 @@ class Bench:
             "truth": list(asked.truth),
             "material": asdict(truth),
             "modulus_left": modulus_left(scenario.hidden),
+            "friction_left": friction_left(scenario.hidden, truth.friction),
             "unhidden": asdict(unhidden),
             "seconds": round(seconds, 2),
             "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tactiledata.diagnose.answer_numbers import material_is_of, material_moved, numbers_told
 from tactiledata.diagnose.decide import Tie
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.judge import Judged
@@ -16,12 +17,6 @@ from tactiledata.diagnose.residuals import joined_names
 from tactiledata.diagnose.wording import rounded, with_interval
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.setting import effects_document
-
-MOST_NUMBERS = 6
-"""Of a fit, that are all told; of more only those that are not nothing."""
-NEAR_BOUND = 0.01
-"""Of the interval, within which a value at its end is at the bound."""
-_SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
 
 
 @dataclass(frozen=True)
@@ -65,8 +60,11 @@ class Answer:
         decision = self.naming.decision
         if decision.best is None or not self.names:
             return []
-        said = [*_values(self.naming.intervals), *_moved(self.naming.intervals_before, self.naming.intervals)]
-        return [*said, *_alarms(decision.best)]
+        said = [
+            *numbers_told(self.naming.intervals),
+            *material_moved(self.naming.intervals_before, self.naming.intervals),
+        ]
+        return [*said, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best)]
 
     @property
     def what(self) -> list[str]:
@@ -160,37 +158,6 @@ def _tie(best: Judged, tie: Tie) -> str:
     said = f"{this} cannot be told from {second.title} in these data: {alike} (cosine {rounded(tie.cosine)})"
     said += f", and held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}."
     return f"{said} {first.told_apart_by}"
-
-
-def _values(found: Sequence[Interval]) -> list[str]:
-    fitted = found[3:]
-    shown = [one for one in fitted if not one.low <= 0.0 <= one.high] if len(fitted) > MOST_NUMBERS else fitted
-    shown = shown or fitted
-    numbers = [
-        f"{one.name} = {rounded(one.value)} ({rounded(one.low)} to {rounded(one.high)}"
-        f"){'' if one.unit == '1' else ' ' + one.unit}"
-        for one in shown
-    ]
-    left = len(fitted) - len(shown)
-    others = f"; the other {left} numbers may be nothing." if left else "."
-    return [f"{joined_names(numbers)}, as fitted, with 95 % intervals{others}"] if numbers else []
-
-
-def _moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:
-    said = []
-    for old, new in zip(before, after[:3], strict=True):
-        scale, unit = _SCALES[old.name]
-        pinned = [" (at its bound)" if _is_at_bound(one) else "" for one in (old, new)]
-        ends = f"{rounded(new.low * scale, 3)} to {rounded(new.high * scale, 3)}"
-        shown = "" if unit == "1" else f" {unit}"
-        values = [f"{rounded(one.value * scale, 3)}{note}" for one, note in zip((old, new), pinned, strict=True)]
-        said.append(f"{old.name} {values[0]} → {values[1]}{shown} ({ends})")
-    return [f"With it, {'; '.join(said)}."]
-
-
-def _is_at_bound(one: Interval) -> bool:
-    near = NEAR_BOUND * (one.high - one.low)
-    return (one.low_is_bound and one.value - one.low <= near) or (one.high_is_bound and one.high - one.value <= near)
 
 
 def _odd(left: LeftOver) -> list[str]:

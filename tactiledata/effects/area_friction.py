@@ -42,6 +42,9 @@ class AreaFriction(Effect):
     detectability = "0.1 MPa: mu differs by 0.2 between 2 and 10 N of a 4 mm ball, 0.3 N of shear at 2 N."
     reference = "Trejo, Fretigny and Chateauminois, arXiv 1701.08013"
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"mu": f"a contact under a mean pressure of {1e-6 * values['pressure']:g} MPa"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         contact, mu = state.contact, state.touch.material.friction
         if mu == 0.0:

@@ -131,6 +131,13 @@ class Effect:
         """
         return GelVariant()
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        """Of what E, nu and mu are, by their names, where the effect makes them depend on something; values complete.
+
+        "mu is that of", and then what stands here.
+        """
+        return {}
+
     def beside_engine(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """The values that are left to `change` where the gel engine itself plays `variant`; all of them for most."""
         return values

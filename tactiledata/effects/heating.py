@@ -60,6 +60,9 @@ class Heating(Effect):
     reference = "Treloar, The Physics of Rubber Elasticity"
     needs = ("powered",)
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"E": "the gel at power-on"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         warm = -np.expm1(-state.covariate("powered", self.name) / values["time"])
         return state.moved(deeper=values["rise"] * warm).stiffened(1.0 + values["change"] * warm)

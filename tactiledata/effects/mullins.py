@@ -48,6 +48,9 @@ class Mullins(Effect):
     reference = "Ogden and Roxburgh, Proc. R. Soc. A 455, 1999"
     needs = ("earlier_depth",)
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"E": "a press deeper than any before"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         earlier = state.covariate("earlier_depth", self.name)
         depth = np.nan_to_num(np.maximum(state.contact.depth, 0.0))

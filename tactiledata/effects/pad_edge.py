@@ -46,6 +46,9 @@ class PadEdge(Effect):
     )
     reference = "geometry"
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"E": "the gel away from its border"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         contact, geometry = state.contact, state.touch.geometry
         half = np.asarray(geometry.outline) / 2.0

@@ -49,6 +49,9 @@ class RateFriction(Effect):
     detectability = "beta = 0.1: 0.4 N of shear per decade at 5 N and mu 0.8; only while sliding."
     reference = "Vorvolakos and Chaudhury, Langmuir 19, 2003"
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"mu": f"a slide at {1e3 * values['speed']:g} mm/s"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         touch = state.touch
         if touch.pace is not None and touch.rest is not None:

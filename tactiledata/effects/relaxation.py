@@ -49,6 +49,9 @@ class Relaxation(Effect):
     detectability = "share 0.1: 0.5 N at 5 N in the first dwell second; E and mu hide 50 to 84 % of its variance."
     reference = "Lakes, Viscoelastic Materials"
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"E": "the gel once relaxed"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         wrench = state.wrench
         slow = wrench + values["share"] * fading_memory(state.touch.seconds, wrench, values["time"])

@@ -62,6 +62,9 @@ class SoftRegion(Effect):
     detectability = "30 % in a 2 mm spot under the contact are 0.9 N of 5; 6 mm beside it 0.05 N are left."
     reference = "first-order perturbation of the elastic energy"
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"E": "the gel away from the spot"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         contact = state.contact
         away = contact.centre - [values["x"], values["y"]]

@@ -18,13 +18,13 @@ Array = NDArray[np.float64]
 
 
 class StaticFriction(Effect):
-    """mu times 1 + excess exp(-slip / length) + ageing log10(1 + age / time).
+    """mu times 1 + excess exp(-slip / length) + ageing log10[(time + age) / (time + length / v0)].
 
     ``slip`` is how far the contact slid since it stuck, ``age`` how old it is: d age / dt = 1 - v age / length, so that
-    it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier. When and how far it
-    slides on its way into a frame is that of a slider on a spring as stiff as the contact; what it has at the end of
-    its move counts where it slid, and then it is as old as the last ``length`` of the move took: moves end slowly. Pace
-    and rest are the touch's own where it tells them.
+    it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier; mu is that at v0. When
+    and how far it slides on its way into a frame is that of a slider on a spring as stiff as the contact; what it has
+    at the end of its move counts where it slid, and then it is as old as the last ``length`` of the move took: moves
+    end slowly. Pace and rest are the touch's own where it tells them.
 
     Source: Dieterich's ageing law, as in Baumberger and Caroli, Adv. Phys. 55, 2006.
     """
@@ -50,6 +50,10 @@ class StaticFriction(Effect):
             "time", "s", "rest after which ageing counts",
             default=1.0, bounds=(0.01, 100.0), grid=(0.1, 1.0), source="0.01 to 1 s; estimate",
         ),
+        shape(
+            "speed", "m/s", "v0: of a long slide whose friction is as simulated",
+            default=1e-3, bounds=(1e-5, 0.1), grid=(1e-3,), source="usual speed of a slide",
+        ),
     )  # fmt: skip
     look_alikes = ("rate_friction", "partial_slip", "area_friction")
     told_apart_by = (
@@ -57,6 +61,9 @@ class StaticFriction(Effect):
     )
     detectability = "excess 0.2: a peak of 0.8 N at 5 N and mu 0.8, gone after some tenths of a millimetre."
     reference = "Baumberger and Caroli, Adv. Phys. 55, 2006"
+
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"mu": f"a long slide at {1e3 * values['speed']:g} mm/s"}
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         touch, contact = state.touch, state.contact
@@ -119,7 +126,9 @@ class _Interface:
     def factor(self) -> float:
         """On the kinetic friction."""
         fresh = self._values["excess"] * np.exp(-self._slipped / self._values["length"])
-        return float(1.0 + fresh + self._values["ageing"] * np.log10(1.0 + self._age / self._values["time"]))
+        sliding = self._values["length"] / self._values["speed"]
+        older = (self._values["time"] + self._age) / (self._values["time"] + sliding)
+        return float(1.0 + fresh + self._values["ageing"] * np.log10(older))
 
     def moved(self, way: _Way, spring: float, limit: float) -> float:
         """The factor at the end of a move; rest comes after it."""

@@ -42,6 +42,9 @@ class Wear(Effect):
     reference = "DTact issue 1 (residual deformation)"
     needs = ("earlier_contacts",)
 
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"E": "an unused spot", "mu": "an unused spot"}
+
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         worn = -np.expm1(-state.covariate("earlier_contacts", self.name) / values["contacts"])
         softened = state.stiffened(1.0 + values["stiffness_change"] * worn)

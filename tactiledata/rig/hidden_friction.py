@@ -9,6 +9,9 @@ from typing import ClassVar
 
 from tactiledata.rig.hidden_base import Felt, FrictionFactor, HiddenEffect, Parameters, Slide
 
+AGEING_ONSET = 0.03
+"""s of rest from which on it counts."""
+
 
 @dataclass(frozen=True)
 class RateFriction(HiddenEffect):
@@ -71,7 +74,7 @@ class AgeingFriction(HiddenEffect):
 
     def friction(self, felt: Felt) -> FrictionFactor | None:
         """See `HiddenEffect.friction`."""
-        return lambda slide: 1 + self.growth * log1p(slide.age / 0.03)
+        return lambda slide: 1 + self.growth * log1p(slide.age / AGEING_ONSET)
 
 
 @dataclass(frozen=True)

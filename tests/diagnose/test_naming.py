@@ -48,6 +48,7 @@ def test_relaxation_is_named_and_the_fix_can_be_used():
     assert found.is_missing
     effects = found.document["effects"]
     assert effects["effects"][0]["effect"] in found.candidates
+    assert ("relaxation" in found.names) == ("E is then that of the gel once relaxed." in found.sentences)
     without = answer(null(0, 24), ("relaxation",), pairs=False).naming.intervals_before
     for place in (0, 2):
         fits = (found.naming.intervals_before, found.naming.intervals)

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from tactiledata.effects import EFFECTS
 from tactiledata.effects.last_move import SLOWEST as STANDING
 from tactiledata.effects.last_move import WAYS
 from tactiledata.effects.partial_slip import slip_levels
@@ -101,10 +102,10 @@ def test_static_friction_ages_with_the_logarithm_of_rest(touch, play, moved):
     peaks = []
     for hold in (0.0, 100.0, 10000.0):
         path = slide(touch, moved, there, hold=hold)
-        wrench = play("static_friction", on=path, excess=0.2, ageing=0.04).wrench
+        wrench = play("static_friction", on=path, excess=0.2, ageing=0.04).wrench  # mu is that of 1 mm/s and 0.2 mm
         peaks.append(-wrench[:, 0].min() / wrench[-1, 2] / touch.material.friction)
     rests = np.array([0.0, 100.0, 10000.0]) + 2.4  # from the first contact until it slips
-    np.testing.assert_allclose(peaks, 1.2 + 0.04 * np.log10(1 + rests), atol=0.01)
+    np.testing.assert_allclose(peaks, 1.2 + 0.04 * np.log10((1 + rests) / 1.2), atol=0.01)
 
 
 def test_a_long_slide_is_as_old_as_it_takes_to_forget(touch, play, moved):
@@ -112,8 +113,32 @@ def test_a_long_slide_is_as_old_as_it_takes_to_forget(touch, play, moved):
     for speed in (1e-4, 1e-3, 1e-2):
         path = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=speed)
         wrench = play("static_friction", on=path, ageing=0.1, length=1e-4, time=0.05).wrench[-1]
-        wanted = touch.material.friction * (1 + 0.1 * np.log10(1 + 1e-4 / speed / 0.05))
+        wanted = touch.material.friction * (1 + 0.1 * np.log10((0.05 + 1e-4 / speed) / (0.05 + 0.1)))
         assert np.hypot(*wrench[:2]) / wrench[2] == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("values", [{"beta": 0.2}, {"excess": 0.3, "ageing": 0.1, "length": 1e-4}])
+def test_mu_is_that_of_the_speed_that_is_told(touch, play, moved, values):
+    """A long slide at v0 rubs as simulated, one at another speed does not, and v0 is what the answer says."""
+    name = "rate_friction" if "beta" in values else "static_friction"
+    effect = EFFECTS[name]()
+    for speed in (1e-3, 1e-4):
+        path = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=speed)
+        factor = play(name, on=path, **values, speed=1e-3).friction[-1]
+        assert (factor == pytest.approx(1.0, abs=1e-9)) == (speed == 1e-3)
+    assert effect.material_of(effect.complete({"speed": 2e-3}))["mu"].endswith("slide at 2 mm/s")
+
+
+def test_mu_is_that_of_the_pressure_that_is_told(play):
+    """Where the mean pressure is p0 friction is as simulated, and p0 is what the answer says."""
+    plain = play()
+    deepest = int(np.argmax(plain.contact.wrench[:, 2]))
+    pressure = float(plain.contact.wrench[deepest, 2] / plain.contact.area[deepest])
+    for p0, is_simulated in ((pressure, True), (2 * pressure, False)):
+        rubbed = play("area_friction", shear_strength=5e4, pressure=p0)
+        assert (rubbed.friction[deepest] == pytest.approx(1.0)) == is_simulated
+    effect = EFFECTS["area_friction"]()
+    assert "0.25 MPa" in effect.material_of(effect.complete({"pressure": 2.5e5}))["mu"]
 
 
 def test_a_slide_that_ends_slowly_is_older_than_its_pace_says(touch, play, moved):
@@ -124,7 +149,8 @@ def test_a_slide_that_ends_slowly_is_older_than_its_pace_says(touch, play, moved
     path = dataclasses.replace(path, pace=np.full(len(path), 1e-2), rest=rest, last_ways=took)
     values = {"ageing": 0.1, "length": WAYS[3], "time": 0.05}
     wrench = play("static_friction", on=path, **values).wrench[-1]
-    wanted = touch.material.friction * (1 + 0.1 * np.log10(1 + np.sqrt(WAYS[3] / 1e-3) / 0.05))
+    older = (0.05 + np.sqrt(WAYS[3] / 1e-3)) / (0.05 + WAYS[3] / 1e-3)
+    wanted = touch.material.friction * (1 + 0.1 * np.log10(older))
     assert np.hypot(*wrench[:2]) / wrench[2] == pytest.approx(wanted, rel=1e-6)
 
 
