@@ -21,10 +21,10 @@ demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; 
 
 # two workers share the cores: threads of each would only get in each other's way
 test: $(INSTALLED)   ## every test, slow ones included
-	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2
+	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2 --dist worksteal
 
 quick: $(INSTALLED)  ## the fast tests
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m 'not slow'
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow'
 
 check: $(INSTALLED)  ## formatting, lint, types
 	$(BIN)/ruff format --check .
