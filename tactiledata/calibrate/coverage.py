@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import Bounds
-from tactiledata.calibrate.intervals import profile_intervals
+from tactiledata.calibrate.intervals import intervals_hold
 from tactiledata.calibrate.least_squares import polish
 from tactiledata.calibrate.losses import VectorLoss
 from tactiledata.nuisance.tare import tare_variance
@@ -41,8 +41,7 @@ def coverage(loss: VectorLoss, bounds: Bounds, truth: Array, draws: int = 200, s
     for draw in range(draws):
         one = loss.with_measured(surrogate(loss, truth, chance))
         estimates[draw] = bounds.scaled(polish(one, bounds, bounds.shares(truth)).shares)
-        ends = profile_intervals(one, bounds, estimates[draw]).ends
-        covered += (ends[:, 0] <= truth) & (truth <= ends[:, 1])
+        covered += intervals_hold(one, bounds, estimates[draw], truth)
     return Coverage(covered / draws, estimates)
 
 

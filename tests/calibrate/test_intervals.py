@@ -6,7 +6,7 @@ from closed_form import FRAMES, NOISE, TRUTH, ClosedFormWorld
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.coverage import coverage
-from tactiledata.calibrate.intervals import RISE, bootstrap_intervals, profile_intervals
+from tactiledata.calibrate.intervals import RISE, bootstrap_intervals, intervals_hold, profile_intervals
 from tactiledata.calibrate.least_squares import polish, spread
 from tactiledata.calibrate.losses import NormLoss, VectorLoss
 from tactiledata.calibrate.search import search
@@ -49,6 +49,16 @@ def test_the_deviance_has_risen_at_the_ends(loss):
             place[k] = known.ends[k, side]
             rise = polish(loss, WIDE, WIDE.shares(place), held=k).cost - best
             assert rise == pytest.approx(RISE * known.inflation[k], rel=0.1)
+
+
+def test_what_intervals_hold_is_what_lies_between_their_ends(loss):
+    """Without the search for the ends, the same answer a little within them and a little beyond; nu's is the box's."""
+    found = polished(loss)
+    ends = profile_intervals(loss, WIDE, found).ends
+    for side in (0, 1):
+        for share, is_held in ((0.95, True), (1.05, False)):
+            values = found + share * (ends[:, side] - found)
+            assert (intervals_hold(loss, WIDE, found, values)[[0, 2]] == is_held).all()
 
 
 @pytest.mark.slow

@@ -173,6 +173,6 @@ def test_planted_effects_are_named_or_in_the_set(name):
 
 @pytest.mark.slow
 def test_nulls_are_seldom_named():
-    """Of 30 nulls at most one is given a name."""
-    named = [seed for seed in range(30) if answer(null(2000 + seed), effects=None).is_missing]
+    """Of 20 nulls at most one is given a name."""
+    named = [seed for seed in range(20) if answer(null(2000 + seed), effects=None).is_missing]
     assert len(named) <= 1
