@@ -240,12 +240,14 @@ def test_the_search_can_follow_every_code():
     assert not [emission for emission in found if not KEBAB.fullmatch(emission.code)]
 
 
+@pytest.mark.slow
 def test_a_code_has_one_severity():
     """No code means damage here and a warning there."""
     torn = {code: places for code, places in emitted().items() if len(places) > 1 or None in places}
     assert not torn
 
 
+@pytest.mark.slow
 def test_the_page_lists_exactly_the_codes():
     """None is missing, none is stale, none stands twice."""
     codes = [row["code"] for row in listed()]
@@ -254,6 +256,7 @@ def test_the_page_lists_exactly_the_codes():
     assert set(codes) - set(emitted()) == set()
 
 
+@pytest.mark.slow
 def test_the_page_states_the_severity_of_the_code():
     """What the page calls damage is damage."""
     stated = {row["code"]: row["severity"] for row in listed()}

@@ -25,6 +25,8 @@ from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.nuisance.numerical import FORCE_ERROR
 from tactiledata.sensors.digit import DIGIT
 
+pytestmark = pytest.mark.slow
+
 PAD = structured_pad("coarse", DIGIT.gel, GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0)))
 TRUTH = (905e3, 0.475, 0.78)
 SMALL_NOISE = WrenchNoise(np.diag([0.01**2] * 3 + [0.0002**2] * 3), 1.0, "planted")
@@ -81,7 +83,6 @@ def test_the_engines_own_truth_is_found(calibration, measured):
     assert len(calibration.fit.held_out) == 2
 
 
-@pytest.mark.slow
 def test_a_second_calibration_plays_nothing(calibration, measured, monkeypatch):
     """All plays are kept; the file is the same, byte by byte."""
 
@@ -119,7 +120,6 @@ def test_what_a_play_depends_on_has_a_place_of_its_own(measured):
     assert len(paths) == 8
 
 
-@pytest.mark.slow
 def test_another_engine_is_named_in_every_output(measured, monkeypatch, tmp_path):
     """What plays the touches is what was asked for, and file, provenance, force error and page say so."""
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
@@ -153,7 +153,6 @@ def test_touches_are_played_by_the_flex():
     assert 1.0 < flex.wrench[-1, 2] / fem.wrench[-1, 2] < 3.0
 
 
-@pytest.mark.slow
 def test_the_file_and_the_page(calibration, tmp_path):
     """The file fits its schema and names what it rests on; the page holds three pictures and the words."""
     document = write_calibration(calibration, tmp_path / "calibration.json")

@@ -111,7 +111,8 @@ def test_only_the_vector_loss_sees_directions(world):
     assert vectors[1] > 1.5 * vectors[0]
 
 
-@pytest.mark.parametrize("loss", ["vector", pytest.param("norm", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("loss", ["vector", "norm"])
 def test_a_fit_is_the_same_every_time(world, loss):
     """And what is held out is not fitted, yet foretold nearly as well."""
     experiment = world.experiment(world.measured())

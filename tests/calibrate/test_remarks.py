@@ -12,6 +12,8 @@ from tactiledata.calibrate.intervals import Intervals
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.remarks import remarks
 
+pytestmark = pytest.mark.slow
+
 WIDE = find_bounds("wide")
 PAPER = find_bounds("paper")
 
@@ -41,7 +43,6 @@ def test_nothing_is_said_of_a_sound_fit(world):
     assert "E cannot" not in found.get("calibration-unidentified", "")
 
 
-@pytest.mark.slow
 def test_a_bound_hit_is_called_a_symptom(world):
     """A gel softer than the paper's bounds pins E below; inside wide bounds it does not."""
     measured = world.measured(truth=TRUTH * [0.85, 1, 1])
@@ -73,7 +74,6 @@ def test_a_singular_pair_is_named(world, together, is_said):
         assert "thickness" in found_codes["calibration-singular"]
 
 
-@pytest.mark.slow
 def test_one_radius_makes_a_singular_pair_of_its_own():
     """Spheres of one size at one depth fix a combination of E and nu only; several sizes and depths part them."""
     world = ClosedFormWorld(30)
@@ -94,7 +94,6 @@ def test_a_misfit_is_said(world):
     assert "times the noise" in said(world, turned)[0]["calibration-misfit"]
 
 
-@pytest.mark.slow
 def test_a_common_offset_and_a_far_one_are_said(world):
     """A shift of all poses, and one trajectory whose tip slipped in its holder."""
     common, _ = said(world, world.measured(offsets=8e-5))
@@ -112,7 +111,6 @@ def test_reasons_for_leaving_out_are_counted(world):
     assert any("3 trajectories left out: no force" in finding.message for finding in findings)
 
 
-@pytest.mark.slow
 def test_an_indenter_that_is_not_as_stated_is_named(world):
     """Forces of one of four indenters 15 % low; the control has them as they are."""
     names = np.array([f"solid {k % 4}" for k in range(world.count)])

@@ -38,6 +38,7 @@ def test_they_hold_a_truth_whose_force_law_is_off(known):
     assert not ((ends[:, 0] <= TRUTH) & (ends[:, 1] >= TRUTH)).all()
 
 
+@pytest.mark.slow
 def test_they_reach_where_an_error_of_that_size_leads(known):
     """Each optimum of measurements bent within the 95 % is inside."""
     loss, found, ends = known

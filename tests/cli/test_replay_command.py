@@ -12,6 +12,8 @@ from tactiledata.gel import structured_pad
 from tactiledata.gel.structured_pad import GridPlan
 from tactiledata.store.reader import Store
 
+pytestmark = pytest.mark.slow
+
 MATERIAL = ["--youngs-modulus", "0.88e6", "--poisson-ratio", "0.45", "--friction", "0.8"]
 ROUGH = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 
@@ -56,7 +58,6 @@ def calibration(offsets):
     }
 
 
-@pytest.mark.slow
 def test_it_attaches_and_says_where_to_look(store, capsys):
     """A preview is called one; the page is there; info and report know the mesh."""
     code, out, err = run_command(capsys, "replay", "--fidelity", "linear", *MATERIAL)

@@ -16,6 +16,8 @@ from tactiledata.diagnose.signatures import likenesses
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 
+pytestmark = pytest.mark.slow
+
 
 def plain_fit(cases):
     white = WhitenedCases.of(cases)
@@ -32,14 +34,12 @@ def quiet():
     return plain_fit(null(3000, trajectories=24))
 
 
-@pytest.mark.slow
 def test_nulls_are_seldom_structured():
     """Contact laws that differ by some per cent, jitter and coloured noise: of 6 such worlds at most one alarms."""
     alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9100, 9106)]
     assert sum(alarms) <= 1
 
 
-@pytest.mark.slow
 def test_the_level_holds_over_many_nulls():
     """Of 60 nulls at most 5 % and three standard errors are called structured."""
     alarms = [located(World(), 24, seed, 499).is_structured for seed in range(9000, 9060)]

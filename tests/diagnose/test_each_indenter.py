@@ -32,6 +32,7 @@ def elsewhere(cases, deeper):
     return CaseSet(told, cases.base, cases.box)
 
 
+@pytest.mark.slow
 def test_each_indenter_gets_its_own_offset_back(quiet):
     """Indenters that sit 0.15 mm higher or lower than told are named as one effect, with a number for each."""
     names = sorted(set(quiet.indenters))

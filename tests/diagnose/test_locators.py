@@ -304,6 +304,7 @@ def test_structure_in_free_air_is_said_first():
     assert free_air(stiffer, draws=499).p > 0.05
 
 
+@pytest.mark.slow
 def test_free_air_false_alarms(nulls):
     """5 %."""
     assert is_level(rate_of([free_air(world, seed, draws=199).p for seed, (world, _) in enumerate(nulls[:100])]))

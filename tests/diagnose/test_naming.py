@@ -21,6 +21,8 @@ from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.nuisance.numerical import SHAPE_ERROR
 
+pytestmark = pytest.mark.slow
+
 FEW = ("arm_compliance", "thickness", "relaxation", "lag", "rate_friction", "frame_rotation")
 
 
@@ -78,7 +80,6 @@ def test_a_preview_is_taken_to_err_more():
     assert preview.law > fine.law
 
 
-@pytest.mark.slow
 def test_the_document_fits_its_schema(quiet):
     """Both answers fit the part of the schema that is theirs, as JSON."""
     import json
@@ -91,7 +92,6 @@ def test_the_document_fits_its_schema(quiet):
         jsonschema.validate(json.loads(json.dumps(answer(cases, ("lag", "thickness")).document)), part)
 
 
-@pytest.mark.slow
 def test_a_world_without_the_true_effect_is_given_no_wrong_name():
     """Ripples along the gel are in no catalogue: what relaxation and lag offer is not taken for them."""
     found = answer(world_cases(dataclasses.replace(PLANTS["relaxation"], relaxing=0.0, ripple=0.15), 1, 24))
@@ -161,7 +161,6 @@ def test_too_little_is_refused(quiet):
         dataclasses.replace(quiet.cases[0], measured=np.zeros((3, 6)))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTS)
 def test_planted_effects_are_named_or_in_the_set(name):
     """Each planted effect, in formulas of the rig's own, with the whole catalogue to choose from."""
@@ -171,7 +170,6 @@ def test_planted_effects_are_named_or_in_the_set(name):
     assert name in (*found.candidates, *nearest.names)
 
 
-@pytest.mark.slow
 def test_nulls_are_seldom_named():
     """Of 20 nulls at most one is given a name."""
     named = [seed for seed in range(20) if answer(null(2000 + seed), effects=None).is_missing]

@@ -23,6 +23,8 @@ from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 
 def proposals(cases, starts, both_ways=True, trials=TRIALS):
     """For explanations fitted from starts, the first of them true."""

@@ -18,6 +18,8 @@ from tactiledata.gel.structured_pad import GridPlan, structured_pad
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 
+pytestmark = pytest.mark.slow
+
 PAD = structured_pad("coarse", DIGIT.gel, GridPlan(7, 9, 0.8e-3, (2.4e-3, 2.4e-3), (0.0, 0.5, 0.8, 1.0)))
 FRAMES = 8
 MATERIAL = GelMaterial(9e5, 0.47, 0.65)
@@ -67,7 +69,6 @@ def test_it_answers_as_the_engine(played, deeper, friction):
         assert answer.depth[4] == pytest.approx(0.5e-3 + deeper + plays.height[4], abs=1e-9)
 
 
-@pytest.mark.slow
 def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
     touch = measured((0.0, 0.0))
@@ -77,7 +78,6 @@ def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
     assert np.isfinite(plays.level[:, :, [1, 2, 4]]).all()
 
 
-@pytest.mark.slow
 def test_variants_are_played_and_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
     touch = measured((0.0, 0.0))

@@ -22,6 +22,8 @@ from tactiledata.diagnose.shown_words import same_digits, shown_sentences
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 
+pytestmark = pytest.mark.slow
+
 FEW = NamingOptions(effects=("relaxation", "thickness"), profile=False, pairs=False)
 
 

@@ -12,6 +12,8 @@ from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.store.reader import Store
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):

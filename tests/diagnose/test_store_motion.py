@@ -10,6 +10,8 @@ from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.rig.scenario import Robot
 from tactiledata.store.reader import Store
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):

@@ -21,6 +21,8 @@ from tactiledata.indenters.ring import Ring
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 
+pytestmark = pytest.mark.slow
+
 if importlib.util.find_spec("mujoco") is None:
     pytest.skip("MuJoCo is not installed", allow_module_level=True)
 NU = 0.46
@@ -87,7 +89,6 @@ def test_forces_are_too_high_by_a_known_factor(history, engine):
     assert (ratio < 2.2).all()
 
 
-@pytest.mark.slow
 def test_forces_on_a_finer_pad():
     """2,100 vertices on the DIGIT's dome: less, and still half too high at little depth."""
     pad = structured_pad("finer", DIGIT.gel, GridPlan(10, 12, 0.6e-3, (3.6e-3, 4.8e-3), (0.0, 0.42, 0.75, 1.0)))

@@ -18,6 +18,8 @@ from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.check import check
 from tactiledata.store.reader import Store
 
+pytestmark = pytest.mark.slow
+
 OTHERWISE = IngestOptions(mapping={"format": "tactiledata-mapping/1", "clock": "log"})
 
 
@@ -158,7 +160,6 @@ def test_whoever_is_turned_away_leaves_the_store_alone(tiny_mcaps, tmp_path, mon
     assert (store / "manifest.json").exists()
 
 
-@pytest.mark.slow
 def test_copies_of_a_recording_among_several_workers(tiny_mcaps, tiny_store, tmp_path):
     """Two workers that are given the same bytes under other names end with one recording, and no error."""
     folder = tmp_path / "recordings"
@@ -170,7 +171,6 @@ def test_copies_of_a_recording_among_several_workers(tiny_mcaps, tiny_store, tmp
     assert check(tmp_path / "ds.zarr") == []
 
 
-@pytest.mark.slow
 def test_killed_while_replacing(tiny_mcaps, tiny_store, wrong, tmp_path):
     """Kill -9 at random moments: the store is whole each time, and the same call ends with the corrected store."""
     clock = random.Random(3)

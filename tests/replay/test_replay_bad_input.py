@@ -19,6 +19,8 @@ from tactiledata.store.check import check
 from tactiledata.store.reader import Store
 from tactiledata.transforms import Transform, matrix_poses
 
+pytestmark = pytest.mark.slow
+
 
 def deeper(document, metres):
     """Moves the ball along the direction of pressing: the arm comes from above, so that up is deeper."""
@@ -121,7 +123,6 @@ MESHES = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("what", MESHES)
 def test_a_mesh_of_an_indenter_is_pressed_or_says_why_not(what, log):
     """A ball as a mesh in millimetres is solved; with a hole, or in metres, its frames have the reason."""

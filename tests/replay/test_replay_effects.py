@@ -23,6 +23,8 @@ from tactiledata.rig.scenario import load_scenario
 from tactiledata.store.check import check
 from tactiledata.store.reader import Store
 
+pytestmark = pytest.mark.slow
+
 ARM = EffectSetting("arm_compliance", {"translation": 2e-5})
 NULLS = (EffectSetting("arm_compliance", {"translation": 0.0}), EffectSetting("relaxation", {"time": 3.0}))
 
@@ -62,7 +64,6 @@ def test_an_arm_that_yields_is_in_balance_with_the_gel(copied, replayed):
     assert report.lines()[1].startswith("  with compliance of arm")
 
 
-@pytest.mark.slow
 def test_another_gel_is_another_pad(copied, replayed):
     """A thicker gel is softer, its base lies deeper, and its surface where it was."""
     mesh, _ = with_effects(copied, EffectSetting("thickness", {"error": 0.2}))
@@ -106,7 +107,6 @@ def test_friction_acts_on_what_slides(copied, replayed):
     assert (size <= np.linalg.norm(plain.wrench()[:, :2], axis=1) + 1e-12).all()
 
 
-@pytest.mark.slow
 def test_effects_that_this_store_cannot_have_are_refused(copied):
     """Before anything is attached, with what the store holds."""
     for effect, changes, words in (
@@ -132,7 +132,6 @@ def test_what_recordings_do_not_tell_is_named(tiny_folders, tmp_path):
     assert Store.open(place).mesh_names == ()
 
 
-@pytest.mark.slow
 def test_killed_and_resumed_is_the_same(copied, tmp_path, monkeypatch):
     """With effects, too: killed after each commit, every file is that of a replay in one go."""
     monkeypatch.setattr(attach, "RUN_TOUCHES", 1)
@@ -186,7 +185,6 @@ def forces(store, *effects):
     return Store.open(store).aligned("contact_wrench", rows)[0][:, :3], mesh.wrench(rows)[:, :3]
 
 
-@pytest.mark.slow
 def test_planted_effects_fit_better_with_them(tmp_path):
     """Worlds of the rig's own formulas, E known from one that hides nothing: each fits better with what it hides."""
     measured, simulated = forces(recorded(tmp_path / "nothing"))

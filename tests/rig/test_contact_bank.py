@@ -18,6 +18,8 @@ from tactiledata.rig.layer_solver import Layer
 from tactiledata.rig.play import Stage
 from tactiledata.rig.scenario import Gel
 
+pytestmark = pytest.mark.slow
+
 PITCH = 8e-4
 STEPS = (
     {"press": {"depth": 0.0007, "step": 0.00035, "settle": 0.05}},
@@ -66,7 +68,6 @@ def off(found, expected):
     return force / peak, torque / (1e-3 * peak)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("deeper", [4.5e-5, -1.3e-4])
 def test_an_offset_between_the_solutions_is_as_solved(bank, deeper):
     setup = setup_of((0.0, 0.0, deeper), youngs_modulus=0.7e6)
@@ -83,7 +84,6 @@ def test_a_contact_beside_is_the_same_one_moved(bank):
     assert torque < 0.05
 
 
-@pytest.mark.slow
 def test_another_thickness_and_radius_are_nearly_as_solved(bank):
     for setup in (setup_of(thickness=0.95 * GEL.thickness), setup_of(radius=0.98 * INDENTERS["ball"].sizes["radius"])):
         force, _ = off(bank.contact(GEL, setup).wrench, solved(setup))

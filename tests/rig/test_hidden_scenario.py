@@ -80,6 +80,7 @@ def test_every_effect_changes_the_readings_or_the_stamps(name, plain):
     )
 
 
+@pytest.mark.slow
 def test_effects_of_all_places_play_together():
     """One of each kind at once; forces stay finite and within reason."""
     names = ("relaxation", "tool_weight", "thickness", "arm_compliance", "rate_friction", "cross_talk", "clock_skew")

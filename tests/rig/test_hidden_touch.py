@@ -393,6 +393,7 @@ def test_a_slide_of_the_layer_solver_takes_hidden_effects_too():
     assert play.contact.unbalanced < 1e-6
 
 
+@pytest.mark.slow
 def test_an_effect_of_next_to_no_strength_leaves_a_slide_as_it_is():
     """What slides on flanks pulls a little more than friction of its normal force: no effect takes that away."""
     changes = {"trajectories": [touch(steps=[PRESS, SLIDE])], "contact": "layer", "contact_pitch": 0.001}

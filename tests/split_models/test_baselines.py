@@ -13,6 +13,8 @@ from split_models.recipe import load_recipe
 from split_models.workshop import Workshop
 from tactiledata.errors import UsageError
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def workshop(touch_store, tmp_path_factory):

@@ -12,6 +12,8 @@ from split_models.cycle import MESHES, PICTURES, CycleObjective, CyclePair
 from split_models.mesh_picture import MeshPictures
 from tactiledata.optics.surface import GelSurface
 
+pytestmark = pytest.mark.slow
+
 SIZES = {"layers": [32], "dropout": []}
 
 

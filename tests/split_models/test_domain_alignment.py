@@ -46,6 +46,7 @@ def workshop(folder, store, out, **changes):
     return Workshop(load_recipe(recipe_file(folder, store, **changes)), out, torch.device("cpu"))
 
 
+@pytest.mark.slow
 def test_the_command_makes_table_and_pictures(touch_store, out, capsys):
     """Every method against the target, over all sources and by source, both style names never together."""
     code, printed, err = run_command(capsys, "run", str(recipe_file(out, touch_store)), "--out", str(out), "--json")
@@ -71,6 +72,7 @@ def test_the_command_makes_table_and_pictures(touch_store, out, capsys):
     assert any("Z_image, D20001 to A against A" in row["method"] for row in latent)
 
 
+@pytest.mark.slow
 def test_a_variant_has_rows_of_its_own(touch_store, out):
     """Its own model transfers, and its latent vectors stand beside the recipe's."""
     rows = alignment_rows(workshop(out, touch_store, out, methods=["latent", "other:latent"]))

@@ -12,6 +12,8 @@ from small_models import image_vae, mesh_vae
 from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
 from split_models.image_vae import ImageVae
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):

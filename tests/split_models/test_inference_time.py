@@ -87,6 +87,7 @@ def test_a_race_is_over_the_same_frames():
     assert network["height map"]["value"] is None
 
 
+@pytest.mark.slow
 def test_the_table_from_a_store(touch_store, tmp_path, monkeypatch, capsys):
     """Taxim at both resolutions, SPLIT at the low one, all steps, and the picture of them; another pad is refused."""
     monkeypatch.setattr("split_models.step_race.peak_memory", lambda *_: 5.0)

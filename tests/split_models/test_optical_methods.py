@@ -18,6 +18,8 @@ from tactiledata.optics.taxim_calibration import Press
 from tactiledata.optics.view import View
 from tactiledata.sensors.digit import DIGIT
 
+pytestmark = pytest.mark.slow
+
 TOPOLOGY = grid_topology(41, 33, 0.0006)
 SURFACE = GelSurface(TOPOLOGY.places, TOPOLOGY.faces)
 SHAPE = (80, 60)

@@ -19,6 +19,8 @@ from tactiledata.optics.surface import GelSurface
 from tactiledata.optics.view import View
 from tactiledata.sensors.digit import DIGIT
 
+pytestmark = pytest.mark.slow
+
 TOPOLOGY = grid_topology(23, 18, 0.001, dome=2.0)
 SURFACE = GelSurface(TOPOLOGY.places, TOPOLOGY.faces)
 VIEW = View.nominal(DIGIT, (40, 30))
@@ -87,7 +89,6 @@ def test_it_learns_meshes_from_imprints(renderer):
     assert learned(objective, batch, 150)["error"] < 0.1 * rest
 
 
-@pytest.mark.slow
 def test_it_adapts_to_pictures_without_their_meshes(renderer):
     """Re-rendering alone, without a single true mesh of the pictures, brings the meshes nearer to the truth."""
     seen, unseen = (torch.from_numpy(presses(TOPOLOGY, 8, seed=seed)) for seed in (0, 5))

@@ -20,6 +20,8 @@ from tactiledata.store.commit import commit_groups, create, recover
 from tactiledata.store.reader import Store
 from tactiledata.store.writer import find_staged
 
+pytestmark = pytest.mark.slow
+
 SEEDS = list(range(4))
 MOMENTS = ("pwrite", "replace", "rename", "fsync", "ftruncate", "unlink", "rmdir", "open")
 
@@ -123,7 +125,6 @@ def test_killed_and_resumed_is_the_same(staged: Path, uninterrupted: dict[str, s
     assert files(folder) == uninterrupted
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_from_outside(staged: Path, uninterrupted: dict[str, str], seed: int, tmp_path: Path) -> None:
     """The same with kill -9 from another process after a random time."""

@@ -22,6 +22,8 @@ from tactiledata.store.merge import merge
 from tactiledata.store.reader import Store
 from tactiledata.store.replace import replace_takes
 
+pytestmark = pytest.mark.slow
+
 MOMENTS = ("pwrite", "replace", "rename", "fsync", "ftruncate", "unlink", "rmdir", "open")
 
 
@@ -68,7 +70,6 @@ def test_replaced_equals_ingested_in_its_place(target: int, tmp_path: Path) -> N
     assert check(place, decode=True) == []
 
 
-@pytest.mark.slow
 def test_replaced_twice_appended_and_merged(tmp_path: Path) -> None:
     """A store goes on as any other afterwards: replaced again, appended to, merged, with the rows of one without."""
     place = with_takes(tmp_path / "ds.zarr", [1, 2, 3])
@@ -138,7 +139,6 @@ def test_an_open_reader_never_gets_numbers_of_another_state(tmp_path: Path) -> N
         opened.signal("wrench").values(0, 4)
 
 
-@pytest.mark.slow
 def test_killed_while_replacing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Killed at any moment, a store is the old one or the new one, whole; run again, it is the new one."""
     monkeypatch.setattr(committing, "GROUP_TAKES", 2)
