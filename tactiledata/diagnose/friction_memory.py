@@ -41,7 +41,9 @@ class CubicsOverFriction:
         return columns
 
 
-def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: NDArray[np.bool_], reach: Array) -> Array:
+def remembered_shear(
+    frictions: Array, columns: CubicsOverFriction, own: Array, touching: NDArray[np.bool_], reach: Array
+) -> Array:
     """Shear (n, 2) that stuck at another friction, beyond what each frame has if the whole path had its own friction.
 
     From frame to frame shear T changes as it does at the friction f of the later one, T_k = T_k-1 + T_k(f) - T_k-1(f),
@@ -54,14 +56,15 @@ def remembered_shear(frictions: Array, columns: CubicsOverFriction, touching: ND
     ----------
     frictions : (n,)
     columns : x, y and normal force first
+    own : (n, c)
+        What they are, each frame at its own friction.
     touching : (n,)
     reach : (n,)
         The contact's stiffness times the way along the gel since the frame before, in the unit of the columns.
     """
     if (frictions == frictions[:1]).all():
         return np.zeros((len(frictions), 2))
-    own = columns.at(frictions)[:, :3]
-    before = CubicsOverFriction(columns.nodes, columns.coefficients[:, :, :-1]).at(frictions[1:])[:, :3]
+    before = CubicsOverFriction(columns.nodes, columns.coefficients[:, :, :-1, :3]).at(frictions[1:])
     share = _share(own[1:], frictions[1:])
     grows = share - _share(before, frictions[1:])
     forgets = 1.0 - np.maximum((ALL_SLIDES - share) / (ALL_SLIDES - BEGINS_TO_SLIDE), -grows / TURNS).clip(0.0, 1.0)

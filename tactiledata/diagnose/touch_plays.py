@@ -208,7 +208,7 @@ class PlayedResponse:
         spring = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
         if over:
             reach = spring * self.touch.lateral_steps
-            unit = unit + self._force_at(remembered_shear(frictions, over, touching, reach), centre)
+            unit = unit + self._force_at(remembered_shear(frictions, over, columns, touching, reach), centre)
         unit = unit + self._sheared(unit, shift, spring, limit, centre)
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         modulus = self.material.youngs_modulus

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import exp, hypot, log10
 from typing import NamedTuple
 
 import numpy as np
@@ -73,20 +74,16 @@ class StaticFriction(Effect):
         paces = touch.lateral_speed if touch.pace is None else touch.pace
         rests = np.zeros(len(touch)) if touch.rest is None else np.minimum(touch.rest, touch.time_steps)
         ages = _ages_of_a_slide(touch, values["length"], rests)
+        sticks = contact.touching & (spring > 0)
         factors = np.ones(len(touch))
         now = _Interface(values)
-        for frame in range(len(touch)):
-            if not (contact.touching[frame] and spring[frame] > 0):
+        columns = (*steps.T, touch.time_steps, paces, rests, ages, spring, limit)
+        ways = zip(*(column.tolist() for column in columns), strict=True)
+        for frame, (touches, way) in enumerate(zip(sticks.tolist(), ways, strict=True)):
+            if touches:
+                factors[frame] = now.moved(_Way(*way))
+            else:
                 now = _Interface(values)
-                continue
-            way = _Way(
-                steps[frame],
-                float(touch.time_steps[frame]),
-                float(paces[frame]),
-                float(rests[frame]),
-                float(ages[frame]),
-            )
-            factors[frame] = now.moved(way, float(spring[frame]), float(limit[frame]))
         return state.rubbed(factors)
 
 
@@ -104,48 +101,54 @@ def _ages_of_a_slide(touch: Touch, length: float, rests: Array) -> Array:
 class _Way(NamedTuple):
     """From one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end.
 
-    ``age``: s, that a long slide has at its end, NaN where it is not known.
+    ``age``: s, that a long slide has at its end, NaN where it is not known; ``spring``: N/m, ``limit``: N, at its end.
     """
 
-    step: Array
+    x: float
+    y: float
     seconds: float
     pace: float
     rest: float
     age: float
+    spring: float
+    limit: float
 
 
 class _Interface:
     """A contact that ages and forgets."""
 
     def __init__(self, values: Mapping[str, float]) -> None:
-        self._values = values
-        self._pull = np.zeros(2)
+        self._excess, self._ageing = values["excess"], values["ageing"]
+        self._length, self._time = values["length"], values["time"]
+        self._of_a_slide = values["length"] / values["speed"]
+        self._x, self._y = 0.0, 0.0
         self._age, self._slipped = 0.0, 0.0
 
     @property
     def factor(self) -> float:
         """On the kinetic friction."""
-        fresh = self._values["excess"] * np.exp(-self._slipped / self._values["length"])
-        sliding = self._values["length"] / self._values["speed"]
-        older = (self._values["time"] + self._age) / (self._values["time"] + sliding)
-        return float(1.0 + fresh + self._values["ageing"] * np.log10(older))
+        fresh = self._excess * exp(-self._slipped / self._length)
+        older = (self._time + self._age) / (self._time + self._of_a_slide)
+        return 1.0 + fresh + self._ageing * log10(older)
 
-    def moved(self, way: _Way, spring: float, limit: float) -> float:
+    def moved(self, way: _Way) -> float:
         """The factor at the end of a move; rest comes after it."""
-        self._pull = self._pull + spring * way.step
-        size = float(np.linalg.norm(self._pull))
-        most = limit * self.factor
+        self._x += way.spring * way.x
+        self._y += way.spring * way.y
+        size = hypot(self._x, self._y)
+        most = way.limit * self.factor
         if size <= most:
             self._age, self._slipped = self._age + way.seconds, 0.0
             return self.factor
-        slip = (size - most) / spring
+        slip = (size - most) / way.spring
         # a contact may slide where nothing moves, because its load falls
         speed = way.pace if way.pace > 0 else slip / way.seconds
-        age = way.age if way.age > 0 else self._values["length"] / speed
-        kept = float(np.exp(-slip / self._values["length"]))
+        age = way.age if way.age > 0 else self._length / speed
+        kept = exp(-slip / self._length)
         self._age = kept * self._age + (1.0 - kept) * age
         self._slipped += slip
         factor = self.factor
-        self._pull = self._pull * (min(limit * factor, size) / size)
+        within = min(way.limit * factor, size) / size
+        self._x, self._y = within * self._x, within * self._y
         self._age += way.rest
         return factor

@@ -35,6 +35,10 @@ def columns():
     return CubicsOverFriction(NODES, PchipInterpolator(NODES, values).c)
 
 
+def remembered(frictions, columns, touching, reach):
+    return remembered_shear(frictions, columns, columns.at(frictions), touching, reach)
+
+
 TOUCHING = np.ones(OUT + BACK, dtype=bool)
 REACH = STIFFNESS * np.abs(np.diff(PATH, prepend=0.0))
 
@@ -46,7 +50,7 @@ def test_columns_are_given_back(columns):
 
 
 def test_one_friction_leaves_nothing_to_remember(columns):
-    assert not remembered_shear(np.full(OUT + BACK, 0.6), columns, TOUCHING, REACH).any()
+    assert not remembered(np.full(OUT + BACK, 0.6), columns, TOUCHING, REACH).any()
 
 
 @pytest.mark.parametrize(("rest", "back"), [(a, b) for a in NODES for b in NODES if a <= b])
@@ -54,7 +58,7 @@ def test_on_the_way_back_shear_begins_where_it_rested(columns, rest, back):
     """Slides at one friction, rests at a second, is drawn back at a third: T = T_rest - 2 T(x / 2) of the third."""
     frictions = np.full(OUT + BACK, 0.6)
     frictions[OUT - 2 : OUT], frictions[OUT:] = rest, back
-    shear = (columns.at(frictions)[:, :2] + remembered_shear(frictions, columns, TOUCHING, REACH))[:, 0]
+    shear = (columns.at(frictions)[:, :2] + remembered(frictions, columns, TOUCHING, REACH))[:, 0]
     assert shear[OUT - 1] == pytest.approx(rest * NORMAL)
     expected = rest * NORMAL - 2 * mindlin((PATH[OUT - 1] - PATH[OUT:]) / 2, back)
     within = (np.abs(expected) < back * NORMAL) & (there_and_back(back)[OUT:] > -0.8 * back * NORMAL)
@@ -66,7 +70,7 @@ def test_what_slides_again_forgets(columns):
     """At the end of a way back that is long enough the limit of the time counts, whatever was before."""
     frictions = np.full(OUT + BACK, 0.4)
     frictions[OUT - 2 : OUT] = 0.6
-    more = remembered_shear(frictions, columns, TOUCHING, REACH)
+    more = remembered(frictions, columns, TOUCHING, REACH)
     assert more[OUT, 0] > 0.1
     assert abs(there_and_back(0.4)[-1]) > 0.95 * 0.4 * NORMAL
     assert not more[-1].any()
@@ -77,7 +81,7 @@ def test_a_limit_that_grows_at_rest_pulls_nothing(columns):
     last = CubicsOverFriction(NODES, columns.coefficients[:, :, OUT - 2 : OUT])
     frictions = np.array([0.4, 0.85])
     for way, gain in ((0.0, 0.0), (2e-5, STIFFNESS * 2e-5), (1.0, (0.85 - 0.4) * NORMAL)):
-        more = remembered_shear(frictions, last, TOUCHING[:2], np.array([0.0, STIFFNESS * way]))
+        more = remembered(frictions, last, TOUCHING[:2], np.array([0.0, STIFFNESS * way]))
         standing = there_and_back(0.85)[OUT - 1] - there_and_back(0.85)[OUT - 2]
         shear = last.at(frictions)[:, 0] + more[:, 0]
         assert shear[0] == pytest.approx(0.4 * NORMAL)
@@ -89,7 +93,7 @@ def test_air_forgets(columns):
     frictions[OUT - 2 : OUT] = 0.4
     touching = TOUCHING.copy()
     touching[OUT + 2] = False
-    more = remembered_shear(frictions, columns, touching, REACH)
+    more = remembered(frictions, columns, touching, REACH)
     assert (more[OUT : OUT + 2, 0] < 0).all()
     assert not more[OUT + 2 :].any()
 
@@ -98,10 +102,10 @@ def test_air_forgets(columns):
 def test_it_stays_within_the_limit_and_depends_smoothly_on_friction(columns, frictions, row):
     frictions = np.array(frictions)
     own = columns.at(frictions)[:, :2]
-    shear = own + remembered_shear(frictions, columns, TOUCHING, REACH)
+    shear = own + remembered(frictions, columns, TOUCHING, REACH)
     limits = np.maximum(frictions * NORMAL, np.abs(own[:, 0]))
     assert (np.hypot(*shear.T) <= limits * (1 + 1e-12)).all()
     nudged = frictions.copy()
     nudged[row] += 1e-7
-    there = columns.at(nudged)[:, :2] + remembered_shear(nudged, columns, TOUCHING, REACH)
+    there = columns.at(nudged)[:, :2] + remembered(nudged, columns, TOUCHING, REACH)
     assert np.abs(there - shear).max() < 1e-4
