@@ -17,7 +17,7 @@ from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.force_zeros import ForceZeros
 from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
 from tactiledata.effects.imprint import ImprintTable, strongest_imprint
-from tactiledata.effects.last_move import last_move, last_ways
+from tactiledata.effects.moved_until import moved_until
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
@@ -33,6 +33,7 @@ from tactiledata.rig.motion import Path as TouchPath
 from tactiledata.rig.play import Play, Solve, Stage
 from tactiledata.rig.record import BETWEEN_LOGS_NS
 from tactiledata.rig.scenario import Gel, Scenario, load_scenario
+from tactiledata.transforms import Transform
 
 Array = NDArray[np.float64]
 Times = NDArray[np.int64]
@@ -105,7 +106,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
             earlier_depth=_as_deep(poses, play.touch.indenter, earlier, tables),
             earlier_contacts=np.full(len(host), float(sum(_is_beside(other, play) for other in earlier))),
             tare=(commanded < -CLEAR) & (seconds < seconds[int(np.argmax(commanded))]),
-            **_history(play, host),
+            **_moves(log, play, mounted, host),
             gel_from_sensor=np.tile(gel_from_ft, (len(host), 1, 1)),
             sensor_weight=weight_since_zero(log, host),
         )
@@ -113,12 +114,13 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
     return found
 
 
-def _history(play: Play, host: Times) -> dict[str, Array]:
+def _moves(log: Log, play: Play, mounted: Transform, host: Times) -> dict[str, Array]:
     """How the tip moved until each frame, from the stream of poses."""
     dense = np.arange(0.0, play.path.duration, 1.0 / POSES)
-    told = (host - play.start_ns) * 1e-9, dense, play.path.at(dense)[:, :2]
-    pace, rest = last_move(*told)
-    return {"pace": pace, "rest": rest, "last_ways": last_ways(*told)}
+    tcp = log.performance.tcp(play.start_ns + np.rint(dense * 1e9).astype(np.int64))
+    base_from_gel = tcp @ log.stage.scenario.robot.tcp_from_gel.matrix
+    places = (np.linalg.inv(base_from_gel) @ mounted.matrix)[:, :3, 3]
+    return moved_until((host - play.start_ns) * 1e-9, dense, places)
 
 
 def _as_deep(poses: Array, name: str, earlier: Sequence[Touch], tables: Mapping[str, ImprintTable]) -> Array:

@@ -9,6 +9,7 @@ from tactiledata.diagnose.touch_case import CaseSet, TouchCase
 from tactiledata.diagnose.trial import Trial, TrialTouch
 from tactiledata.diagnose.trial_bench import TrialBench
 from tactiledata.diagnose.trial_path import FREE_AIR, TrialPath, trial_path
+from tactiledata.effects.felt_acceleration import felt_accelerations
 from tactiledata.effects.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch import Touch
 
@@ -18,6 +19,8 @@ DOWN = (0.0, 0.0, -9.81)
 """m/s^2, gel frame, where no recording tells it."""
 SAME_PLACE = 1.5e-3
 """m within which touches are of one place."""
+POSES = 125.0
+"""Hz at which the robot would tell where it is."""
 
 
 def trial_cases(trial: Trial, bench: TrialBench) -> CaseSet:
@@ -106,4 +109,12 @@ def _touch(trial: Trial, one: TrialTouch, path: TrialPath, bench: TrialBench, si
         earlier_contacts=np.full(len(seconds), float(count)),
         selection=usual.selection,
         tare=seconds <= FREE_AIR,
+        felt_accelerations=felt_accelerations(seconds, *_stream(path)),
     )
+
+
+def _stream(path: TrialPath) -> tuple[Array, Array]:
+    """Seconds (m,) and tips (m, 3), gel frame, of the robot's stream of poses."""
+    seconds = np.arange(0.0, path.duration, 1.0 / POSES)
+    places, _ = path.at(seconds)
+    return seconds, places * [1.0, 1.0, -1.0]

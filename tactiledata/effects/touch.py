@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.effects.felt_acceleration import FREQUENCIES
 from tactiledata.effects.last_move import WAYS
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
@@ -53,6 +54,9 @@ class Touch:
         `tactiledata.effects.last_move`. Without them both are guessed from the frames.
     last_ways : (n, w) s, optional
         For how long the tip has been near where it is, for each of `tactiledata.effects.last_move.WAYS`.
+    felt_accelerations : (n, f, 3) m/s^2, optional
+        What a tool on the swinging arm feels of the tip's move, gel frame, for each of
+        `tactiledata.effects.felt_acceleration.FREQUENCIES`.
     gel_from_sensor : (n, 4, 4), optional
         Where the force sensor is.
     sensor_weight : (n, 6) N, N m, optional
@@ -83,6 +87,7 @@ class Touch:
     pace: Array | None = None
     rest: Array | None = None
     last_ways: Array | None = None
+    felt_accelerations: Array | None = None
     gel_from_sensor: Array | None = None
     sensor_weight: Array | None = None
 
@@ -92,6 +97,7 @@ class Touch:
             "gravity": (3,),
             "joints": (6,),
             "last_ways": (len(WAYS),),
+            "felt_accelerations": (len(FREQUENCIES), 3),
             "gel_from_sensor": (4, 4),
             "sensor_weight": (6,),
         }

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.effects.last_move import last_move, last_ways
+from tactiledata.effects.moved_until import moved_until
 from tactiledata.replay.plan import PlannedTouch
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.store.reader import Store
@@ -35,22 +35,21 @@ class StoreMotion:
         self._descriptions = [LogDescription(json.loads(text)) for text in texts]
 
     def facts(self, planned: PlannedTouch, rows: Indices) -> dict[str, Any]:
-        """``pace``, ``rest`` and ``gel_from_sensor`` of a `Touch`, as far as they are known."""
-        return {**self._last_move(planned, rows), **self._sensor(planned, len(rows))}
+        """How it moved until each frame, and ``gel_from_sensor``, of a `Touch`, as far as they are known."""
+        return {**self._moves(planned, rows), **self._sensor(planned, len(rows))}
 
-    def _last_move(self, planned: PlannedTouch, rows: Indices) -> dict[str, Array]:
+    def _moves(self, planned: PlannedTouch, rows: Indices) -> dict[str, Array]:
         spans = json.loads(self._rows[planned.uid]["signal_rows"])
         if planned.poses not in spans or planned.tcp_from_gel is None or planned.base_from_indenter is None:
             return {}
         signal, span = self._store.signal(planned.poses), spans[planned.poses]
         values, t_ns = signal.values(*span), signal.t_ns(*span)
-        places = gel_from_indenter(values, planned.tcp_from_gel, planned.base_from_indenter, 0.0)[:, :2, 3]
+        places = gel_from_indenter(values, planned.tcp_from_gel, planned.base_from_indenter, 0.0)[:, :3, 3]
         known = np.isfinite(places).all(axis=1)
         start = self._t_ns[rows[0]] if len(rows) else 0
         seconds = (t_ns[known] - start) / 1e9
-        told = (self._t_ns[rows] - start) / 1e9, seconds, places[known]
-        pace, rest = last_move(*told)
-        return {"pace": pace, "rest": rest, "last_ways": last_ways(*told)}
+        frames = (self._t_ns[rows] - start) / 1e9
+        return moved_until(frames, seconds, places[known])
 
     def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
         tcp_from_ft = self._descriptions[self._rows[planned.uid]["source"]].transform("tcp_from_ft")

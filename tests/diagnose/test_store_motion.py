@@ -5,6 +5,7 @@ import pytest
 from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.effects.felt_acceleration import FREQUENCIES
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.rig.scenario import Robot
@@ -36,6 +37,15 @@ def test_frames_of_a_step_stand_and_know_the_last_move(recorded):
         stood = found["rest"][found["pace"] > 0]
         assert 0 < np.median(stood) < 5
     assert slid > 2
+
+
+def test_what_the_tool_feels_is_some_share_of_a_stop_from_its_speed(recorded):
+    """Something, and no more than a stop from 20 mm/s, whatever the mode; the poses' own noise of 2 um is in it."""
+    _, planned, motion = recorded
+    for touch in planned:
+        felt = motion.facts(touch, np.arange(*touch.frames))["felt_accelerations"]
+        assert felt.shape == (touch.frames[1] - touch.frames[0], len(FREQUENCIES), 3)
+        assert 1e-6 < np.abs(felt).max() < 2e-2 * 2 * np.pi * FREQUENCIES[-1]
 
 
 def test_the_sensor_is_where_the_log_says(recorded):

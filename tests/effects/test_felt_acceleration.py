@@ -1,0 +1,78 @@
+"""What a tool on a swinging arm feels of a move."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from tactiledata.effects.felt_acceleration import DAMPING, FREQUENCIES, RATE, felt_accelerations, felt_at
+from tactiledata.errors import UsageError
+
+FRAMES = np.arange(1.02, 2.0, 0.013)
+
+
+def stream(seconds, way):
+    return seconds, np.outer(way, [0.6, 0.0, -0.8])
+
+
+def ringing(t, frequency):
+    """Acceleration of a mode whose base is set to a unit of speed at t = 0: w^2 / w_d e^(-d w t) sin(w_d t)."""
+    w = 2 * np.pi * frequency
+    damped = w * np.sqrt(1 - DAMPING**2)
+    return w * w / damped * np.exp(-DAMPING * w * t) * np.sin(damped * t)
+
+
+@pytest.mark.parametrize("rate", [125.0, 500.0])
+def test_a_start_and_a_stop_ring_as_the_closed_form_says(rate):
+    """3 mm/s from 0 to 1 s; where the clock begins is the same to it."""
+    seconds = np.arange(0.0, 2.5, 1.0 / rate)
+    way = 3e-3 * np.minimum(seconds, 1.0)
+    felt = felt_accelerations(FRAMES, *stream(seconds, way))
+    np.testing.assert_allclose(felt_accelerations(FRAMES + 1.0, *stream(seconds + 1.0, way)), felt, atol=1e-9)
+    for column, frequency in enumerate(FREQUENCIES[:20]):
+        expected = 3e-3 * (ringing(FRAMES, frequency) - ringing(FRAMES - 1.0, frequency))
+        largest = 3e-3 * 2 * np.pi * frequency
+        np.testing.assert_allclose(felt[:, column], np.outer(expected, [0.6, 0.0, -0.8]), atol=0.06 * largest)
+
+
+def test_a_steady_acceleration_is_felt_as_it_is_and_steady_speed_not_at_all():
+    """When the start has rung out, whatever the mode."""
+    seconds = np.arange(0.0, 6.0, 0.002)
+    late = np.array([4.0, 5.0, 5.5])
+    pushed = felt_accelerations(late, *stream(seconds, 0.5 * 0.2 * seconds**2))
+    np.testing.assert_allclose(pushed, np.broadcast_to(0.2 * np.array([0.6, 0.0, -0.8]), pushed.shape), rtol=0.03)
+    np.testing.assert_allclose(felt_accelerations(late, *stream(seconds, 2e-3 * seconds)), 0.0, atol=1e-6)
+
+
+def test_noise_of_the_places_grows_with_the_square_of_the_frequency_at_most():
+    seconds = np.arange(0.0, 4.0, 0.002)
+    noise = 1e-6 * np.random.default_rng(0).normal(size=(len(seconds), 3))
+    felt = felt_accelerations(np.arange(1.0, 4.0, 0.01), seconds, noise)
+    assert (felt.std(axis=(0, 2)) < 2e-6 * (2 * np.pi * np.array(FREQUENCIES)) ** 2).all()
+
+
+def test_between_neighbouring_frequencies_little_is_lost():
+    """Each column lies within a third of the mean of its neighbours, so that half as far away little is lost."""
+    seconds = np.arange(0.0, 2.5, 1.0 / RATE)
+    felt = felt_accelerations(FRAMES, *stream(seconds, 3e-3 * np.minimum(seconds, 1.0)))
+    between = 0.5 * (felt[:, :-2] + felt[:, 2:])
+    assert (np.abs(between - felt[:, 1:-1]).max(axis=(0, 2)) < 0.35 * np.abs(felt[:, 1:-1]).max(axis=(0, 2))).all()
+    for column, frequency in enumerate(FREQUENCIES):
+        np.testing.assert_allclose(felt_at(felt, frequency), felt[:, column], atol=1e-12)
+    middle = np.sqrt(FREQUENCIES[6] * FREQUENCIES[7])
+    np.testing.assert_allclose(felt_at(felt, middle), 0.5 * (felt[:, 6] + felt[:, 7]), atol=1e-12)
+
+
+def test_a_stream_of_no_positions_tells_of_no_acceleration():
+    assert not felt_accelerations(FRAMES, np.zeros(0), np.zeros((0, 3))).any()
+
+
+def test_inertia_is_what_is_felt_times_mass(touch, play):
+    """Not the frames' own differences, where the stream is known; a field of another shape is refused."""
+    felt = np.random.default_rng(1).normal(size=(len(touch), len(FREQUENCIES), 3))
+    told = dataclasses.replace(touch, felt_accelerations=felt)
+    change = play("inertia", on=told, mass=0.5, frequency=FREQUENCIES[5]).wrench - play(on=told).wrench
+    np.testing.assert_allclose(change[:, :3], -0.5 * felt[:, 5], atol=1e-12)
+    assert (change[:, 3:] == 0).all()
+    with pytest.raises(UsageError, match="felt_accelerations"):
+        dataclasses.replace(touch, felt_accelerations=felt[:, :3])
