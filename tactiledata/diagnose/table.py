@@ -74,8 +74,9 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     covariates.setdefault("index", Covariate(groups.astype(np.float64), "1"))
     observed, predicted, noise = _quantities(rows, columns)
     is_known = all(one.noise is not None for one in columns.quantities)
+    scatter = _own_scatter(observed, predicted, columns)
     if not is_known:
-        noise = np.broadcast_to(_own_scatter(observed, predicted, columns), observed.shape)
+        noise = np.broadcast_to(scatter, observed.shape)
     parameters, slopes = _offset_and_scale(columns, predicted, noise)
     residuals = Residuals(
         (observed - predicted) / noise,

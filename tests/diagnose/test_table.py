@@ -127,6 +127,9 @@ BAD = {
     "a perfect prediction": (
         lambda t: t.assign(fz_observed_N=2 * t.fz_predicted_N).drop(columns="fz_noise_N"), TactileDataError, "exactly",
     ),
+    "a perfect prediction, its noise stated": (
+        lambda t: t.assign(fz_observed_N=t.fz_predicted_N), TactileDataError, "exactly",
+    ),
     "words among numbers": (
         lambda t: t.assign(fz_observed_N=t.fz_observed_N.astype(object).where(t.index != 3, "broken")),
         TactileDataError, "'broken'",
