@@ -39,8 +39,8 @@ from tactiledata.diagnose.likeness_of_effects import cosines
 from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
 from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.play_touches import play_touches
+from tactiledata.diagnose.played_response import PlayedFamily
 from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.touch_plays import PlayedFamily
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.diagnose.zero_causes import zero_causes
 from tactiledata.effects import EFFECTS

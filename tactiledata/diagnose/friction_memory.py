@@ -8,6 +8,8 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.diagnose.played_columns import cubics_at
+
 Array = NDArray[np.float64]
 
 BEGINS_TO_SLIDE, ALL_SLIDES = 0.8, 0.95
@@ -33,11 +35,7 @@ class CubicsOverFriction:
 
     def at(self, frictions: Array) -> Array:
         """Columns (n, c), each frame at its own friction (n,)."""
-        wanted = np.clip(frictions, self.nodes[0], self.nodes[-1])
-        place = np.clip(np.searchsorted(self.nodes, wanted, side="right") - 1, 0, len(self.nodes) - 2)
-        third, second, first, none = self.coefficients[:, place, np.arange(len(wanted))]
-        x = (wanted - self.nodes[place])[:, None]
-        columns: Array = ((third * x + second) * x + first) * x + none
+        columns: Array = cubics_at(self.nodes, self.coefficients, frictions)
         return columns
 
 

@@ -16,7 +16,7 @@ def shear_change(path: Array, shift: Array, stiffness: Array, limit: Array, slid
     Both ways are followed by springs that slide at a limit (n,); a shift that stays the same changes nothing.
     Stiffness (n,) and limit are over one modulus, and 0 without contact.
     """
-    if not np.ptp(shift, axis=0).any():
+    if not (shift != shift[:1]).any():
         return np.zeros_like(path)
     change: Array = sliders.pull(path, stiffness, limit) - sliders.pull(path + shift, stiffness, limit)
     return change

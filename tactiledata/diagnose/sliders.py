@@ -39,28 +39,28 @@ class Sliders(NamedTuple):
 
     def pull(self, path: Array, stiffness: Array, limit: Array) -> Array:
         """Pull (n, 2) on the gel along a path (n, 2), m; stiffness (n,) and limit (n,) are 0 without contact."""
-        half = 0.5 * self.factor * (stiffness[1:] + stiffness[:-1])
-        parts = 1.0 + self.spread * ((2.0 * np.arange(PARTS) + 1.0) / PARTS - 1.0) if self.spread else np.ones(1)
-        pull: Array = _followed(np.diff(path, axis=0) * half[:, None], limit, parts)
+        pull: Array = _followed(path, stiffness, limit, self.factor, self.spread)
         return pull
 
 
 @njit(cache=True)
-def _followed(steps: Array, limit: Array, parts: Array) -> Array:
-    count = len(parts)
+def _followed(path: Array, stiffness: Array, limit: Array, factor: float, spread: float) -> Array:
+    count = PARTS if spread else 1
     held = np.zeros((count, 2))
     pull = np.zeros((len(limit), 2))
     for frame in range(len(limit)):
         if not limit[frame] > 0.0:
             held[:] = 0.0
             continue
+        step_x, step_y = 0.0, 0.0
+        if frame > 0:
+            spring = 0.5 * factor * (stiffness[frame] + stiffness[frame - 1])
+            step_x = (path[frame, 0] - path[frame - 1, 0]) * spring
+            step_y = (path[frame, 1] - path[frame - 1, 1]) * spring
         for part in range(count):
-            x, y = held[part, 0], held[part, 1]
-            if frame > 0:
-                x += steps[frame - 1, 0] / count
-                y += steps[frame - 1, 1] / count
+            x, y = held[part, 0] + step_x / count, held[part, 1] + step_y / count
             size = np.sqrt(x * x + y * y)
-            most = limit[frame] * parts[part] / count
+            most = limit[frame] * (1.0 + spread * ((2.0 * part + 1.0) / PARTS - 1.0)) / count
             if size > most:
                 x, y = x * most / size, y * most / size
             held[part, 0], held[part, 1] = x, y

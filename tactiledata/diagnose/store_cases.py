@@ -16,8 +16,9 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.play_touches import play_touches
+from tactiledata.diagnose.played_response import PlayedFamily
 from tactiledata.diagnose.touch_case import FEWEST_CASES, FEWEST_FRAMES, CaseSet, TouchCase
-from tactiledata.diagnose.touch_plays import PlayedFamily, TouchPlays
+from tactiledata.diagnose.touch_plays import TouchPlays
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import TactileDataError

@@ -1,8 +1,8 @@
-"""A touch as the gel answered it on a grid of plays, and the response to anything in between."""
+"""A touch as the gel answered it on a grid of plays, and what it answers in between."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
@@ -12,27 +12,18 @@ from scipy.interpolate import PchipInterpolator
 
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
-from tactiledata.diagnose.friction_memory import CubicsOverFriction, remembered_shear
-from tactiledata.diagnose.shear_memory import shear_change
+from tactiledata.diagnose.friction_memory import CubicsOverFriction
+from tactiledata.diagnose.played_columns import AREA, LEAST_FORCE
 from tactiledata.diagnose.sliders import Sliders, own_sliders
-from tactiledata.effects.response import BaseResponse, ContactResponse, GelVariant
+from tactiledata.effects.response import GelVariant
 from tactiledata.effects.shear_stiffness import shear_stiffness
-from tactiledata.effects.touch import Touch
-from tactiledata.errors import UsageError
-from tactiledata.gel.material import GelMaterial
 
 Array = NDArray[np.float64]
 Bend = tuple[Array, Array, Array]
 """What depends on the offset z as a parabola: level, slope and curvature."""
 
-AREA = 6
-"""Column of the contact's area; the wrench stands before it."""
 RECENT = 16
 """Answers that are kept."""
-SLIDES = 0.95
-"""Share of the sliding force from which the whole contact is taken to slide."""
-LEAST_FORCE = 1e-9
-"""m^2, over Young's modulus: less is no contact."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +83,7 @@ class TouchPlays:
         return self._recent[key]
 
     def _between(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
-        if np.ptp(frictions):
+        if (frictions != frictions[:1]).any():
             return self.over_friction(ratio, offset, shift).at(frictions)
         return _bent(self._of_pair(float(ratio), float(frictions[0])), offset[:, None]) + self._shifted(shift)
 
@@ -164,119 +155,3 @@ def _bent(bend: Bend, z: Array) -> Array:
     level, slope, curvature = bend
     bent: Array = level + z * (slope + z * curvature)
     return bent
-
-
-@dataclass(frozen=True)
-class PlayedResponse:
-    """`BaseResponse` of a touch from its plays.
-
-    Between plays the wrench is interpolated; the offset of a frame acts as if the whole path had had it. Where friction
-    differs from frame to frame, a frame answers as if the whole path had had its own, but shear that sticks remembers
-    the pull at which the contact slid last. A shift that differs from frame to frame lets springs and sliders that pull
-    as this touch does slide further or less far.
-
-    Parameters
-    ----------
-    touch : Touch
-    plays : TouchPlays
-    material : GelMaterial
-    """
-
-    touch: Touch
-    plays: TouchPlays
-    material: GelMaterial
-
-    def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
-        """As `BaseResponse.respond`."""
-        frictions = self.material.friction * friction
-        differs = (frictions != frictions[:1]).any()
-        over = self.plays.over_friction(self.material.poisson_ratio, offset, shift) if differs else None
-        columns = over.at(frictions) if over else self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
-        tips = self.touch.tips
-        depth = self.plays.height - tips[:, 2] + offset
-        touching = (columns[:, 2] > LEAST_FORCE) & (depth > 0)
-        unit = np.where(touching[:, None], columns[:, :6], 0.0)
-        normal = np.where(touching, columns[:, 2], 1.0)
-        # of the pressure on the surface: M = r x F with r at the height of the tip
-        centre = np.column_stack(
-            [(tips[:, 2] * unit[:, 0] - unit[:, 4]) / normal, (unit[:, 3] + tips[:, 2] * unit[:, 1]) / normal]
-        )
-        centre = np.where(touching[:, None], centre, tips[:, :2] + shift)
-        area = np.where(touching, np.maximum(columns[:, AREA], 0.0), 0.0)
-        load = np.where(touching, normal, 0.0)
-        limit = frictions * load
-        spring = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
-        if over:
-            reach = spring * self.touch.lateral_steps
-            unit = unit + self._force_at(remembered_shear(frictions, over, columns, touching, reach), centre)
-        unit = unit + self._sheared(unit, shift, spring, limit, centre)
-        sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
-        modulus = self.material.youngs_modulus
-        return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
-
-    def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
-        """Change (n, 6) of the wrench by a shift that differs from frame to frame."""
-        path = self.touch.tips[:, :2]
-        if not np.ptp(shift, axis=0).any():
-            return np.zeros_like(unit)
-        change = shear_change(path, shift, spring, limit, self.plays.sliders(path, self.touch.geometry.thickness))
-        shear, before = unit[:, :2] + change, np.hypot(unit[:, 0], unit[:, 1])
-        size = np.hypot(shear[:, 0], shear[:, 1])
-        # what slides already may be a little over the limit, by the interpolation
-        most = np.maximum(limit, before)
-        shear *= np.divide(most, size, out=np.ones_like(size), where=size > most)[:, None]
-        return self._force_at(shear - unit[:, :2], centre)
-
-    def _force_at(self, shear: Array, centre: Array) -> Array:
-        """Wrenches (n, 6) of forces (n, 2) along the gel, at the height of the tip."""
-        (fx, fy), (x, y), z = shear.T, centre.T, self.touch.tips[:, 2]
-        wrench = np.stack([fx, fy, np.zeros(len(shear)), -z * fy, z * fx, x * fy - y * fx], axis=1)
-        return np.where(np.isnan(wrench), 0.0, wrench)
-
-    def difference(self, variant: GelVariant) -> Array:
-        """As `BaseResponse.difference`.
-
-        Raises
-        ------
-        UsageError
-            A variant that was not played.
-        """
-        if variant == GelVariant():
-            return np.zeros((len(self.touch), 6))
-        if variant not in self.plays.variants:
-            raise UsageError(f"{variant} was not played", "a design point of an effect", "Play it first.")
-        return self.plays.variants[variant] * self.material.youngs_modulus
-
-
-@dataclass(frozen=True)
-class PlayedFamily:
-    """The gel at any material, for touches that were played.
-
-    Parameters
-    ----------
-    touches : sequence of Touch
-    plays : sequence of TouchPlays
-        In the same order.
-    """
-
-    touches: Sequence[Touch]
-    plays: Sequence[TouchPlays]
-
-    def __call__(self, material: GelMaterial) -> Callable[[Touch], BaseResponse]:
-        """What answers for the touches, told apart by their poses."""
-
-        def answer(touch: Touch) -> BaseResponse:
-            plays = self._by_pose.get(_key(touch))
-            if plays is None:
-                raise UsageError("a touch that was not played", "one of those played", "Play it first.")
-            return PlayedResponse(touch, plays, material)
-
-        return answer
-
-    @cached_property
-    def _by_pose(self) -> dict[tuple[str, bytes], TouchPlays]:
-        return {_key(touch): plays for touch, plays in zip(self.touches, self.plays, strict=True)}
-
-
-def _key(touch: Touch) -> tuple[str, bytes]:
-    return touch.indenter_name, np.ascontiguousarray(touch.poses).tobytes()

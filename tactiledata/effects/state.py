@@ -71,8 +71,9 @@ class TouchState:
     @cached_property
     def contact(self) -> ContactResponse:
         """The gel's answer to all that is asked so far."""
-        answer = self._answer
-        return replace(answer, wrench=(answer.wrench + self.elastic) * self.stiffness[:, None] + self.interface)
+        plain = self._answer
+        wrench = (plain.wrench + self.elastic) * self.stiffness[:, None] + self.interface
+        return ContactResponse(wrench, plain.area, plain.centre, plain.depth, plain.sliding, plain.spring)
 
     @property
     def wrench(self) -> Array:

@@ -8,7 +8,7 @@ from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.gel_variant_plays import variants_of
 from tactiledata.diagnose.play_touches import play_touches, solvable
-from tactiledata.diagnose.touch_plays import PlayedFamily
+from tactiledata.diagnose.played_response import PlayedFamily
 from tactiledata.effects.response import GelVariant
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.fem import FemEngine

@@ -5,7 +5,8 @@ import pytest
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.diagnose.touch_plays import PlayedFamily, TouchPlays
+from tactiledata.diagnose.played_response import PlayedFamily
+from tactiledata.diagnose.touch_plays import TouchPlays
 from tactiledata.effects.response import GelVariant
 from tactiledata.effects.touch import Touch
 from tactiledata.errors import UsageError
