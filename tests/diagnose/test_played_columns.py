@@ -20,7 +20,7 @@ def some(*shape):
 
 @given(some(COUNT, 7), some(COUNT), some(COUNT, 3), some(COUNT, 2))
 def test_a_contact_is_where_its_torques_say_and_nowhere_else(columns, depth, tips, shift):
-    """r x F of the centre, at the height of the tip, is the torque along the gel; nothing without contact."""
+    """Its lever times the force, at the height of the tip, is the torque along the gel; nothing without contact."""
     wrench, centre, area, load = pressed(columns, depth, tips, shift)
     for frame in range(COUNT):
         fx, fy, fz, tx, ty = columns[frame, :5]
