@@ -14,13 +14,16 @@ DAMPING = 0.1
 """Share of the critical damping of such a mode; an arm's lowest have 0.03 to 0.15, an estimate."""
 RATE = 500.0
 """Hz at which modes are followed, ten times a swing of the fastest."""
+GAP = 2.0
+"""s without a position, after which a mode has come to rest, wherever the tip is by then."""
 
 
 def felt_accelerations(frames: Array, seconds: Array, places: Array) -> Array:
     """Accelerations (n, f, 3), m/s^2, at frames of a mass that each mode of ``FREQUENCIES`` holds to the tip.
 
     u'' + 2 d w u' + w^2 u = w^2 x for the mass at u, the tip at x, and w = 2 pi f; given is u''. Nothing is
-    differentiated twice: noise of the places, s, becomes w^2 s at most. Between positions the tip moves evenly.
+    differentiated twice: noise of the places, s, becomes w^2 s at most. Between positions the tip moves evenly; after a
+    ``GAP`` it begins anew, at rest.
 
     Source: a harmonic oscillator on a moving base; D. J. Inman, Engineering Vibration, ch. 2.4.
 
@@ -32,8 +35,17 @@ def felt_accelerations(frames: Array, seconds: Array, places: Array) -> Array:
     places : (m, 3), m
     """
     felt = np.zeros((len(frames), len(FREQUENCIES), 3))
-    if len(seconds) < 2:
-        return felt
+    for rows in np.split(np.arange(len(seconds)), np.flatnonzero(np.diff(seconds) > GAP) + 1):
+        if len(rows) < 2:
+            continue
+        told = (frames >= seconds[rows[0]]) & (frames <= seconds[rows[-1]] + GAP)
+        felt[told] = _felt_in_one_go(frames[told], seconds[rows], places[rows])
+    return felt
+
+
+def _felt_in_one_go(frames: Array, seconds: Array, places: Array) -> Array:
+    """Of a stream without gaps, which begins before the frames and ends not long before them."""
+    felt = np.zeros((len(frames), len(FREQUENCIES), 3))
     even = np.arange(seconds[0], max(seconds[-1], frames.max(initial=-np.inf)) + 2.0 / RATE, 1.0 / RATE)
     way = np.stack([np.interp(even, seconds, column) for column in (places - places[0]).T], axis=1)
     for column, frequency in enumerate(FREQUENCIES):

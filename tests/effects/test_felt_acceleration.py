@@ -63,6 +63,18 @@ def test_between_neighbouring_frequencies_little_is_lost():
     np.testing.assert_allclose(felt_at(felt, middle), 0.5 * (felt[:, 6] + felt[:, 7]), atol=1e-12)
 
 
+def test_a_clock_that_jumps_is_a_new_start_and_costs_nothing():
+    """A day without positions, and frames a day after the last: at rest; beside the gap all is as without it."""
+    seconds = np.arange(0.0, 2.5, 1.0 / RATE)
+    way = 3e-3 * np.minimum(seconds, 1.0)
+    felt = felt_accelerations(FRAMES, *stream(seconds, way))
+    twice = np.concatenate([seconds, 86400.0 + seconds]), np.concatenate([way, way])
+    found = felt_accelerations(np.concatenate([FRAMES, [3600.0], 86400.0 + FRAMES, [2e5]]), *stream(*twice))
+    np.testing.assert_allclose(found[: len(FRAMES)], felt)
+    np.testing.assert_allclose(found[len(FRAMES) + 1 : -1], felt, atol=1e-6)
+    assert not found[[len(FRAMES), -1]].any()
+
+
 def test_a_stream_of_no_positions_tells_of_no_acceleration():
     assert not felt_accelerations(FRAMES, np.zeros(0), np.zeros((0, 3))).any()
 
