@@ -49,13 +49,14 @@ class PlayedResponse:
         """As `BaseResponse.respond`."""
         frictions = self.material.friction * friction
         differs = (frictions != frictions[:1]).any()
-        over = self.plays.over_friction(self.material.poisson_ratio, offset, shift) if differs else None
-        columns = over.at(frictions) if over else self.plays.at(self.material.poisson_ratio, frictions, offset, shift)
+        ratio = self.material.poisson_ratio
+        over = self.plays.over_friction(ratio, offset, shift) if differs else None
+        columns = over.at(frictions) if over else self.plays.at(ratio, frictions[0], offset, shift)
         tips = self.touch.tips
         depth = self.plays.height - tips[:, 2] + offset
         unit, centre, area, load = pressed(columns, depth, tips, shift)
         touching, limit = load > 0, frictions * load
-        spring = shear_stiffness(area, self.material.poisson_ratio, self.touch.geometry.thickness)
+        spring = shear_stiffness(area, ratio, self.touch.geometry.thickness)
         if over:
             reach = spring * self.touch.lateral_steps
             unit = unit + self._force_at(remembered_shear(frictions, over, columns, touching, reach), centre)

@@ -73,19 +73,15 @@ class TouchPlays:
             {variant: difference[rows] for variant, difference in self.variants.items()},
         )
 
-    def at(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
-        """Columns (n, 7) at one nu, and at a mu, an offset and a shift of each frame; not to be written to."""
-        key = b"".join(np.ascontiguousarray(one).tobytes() for one in (float(ratio), frictions, offset, shift))
+    def at(self, ratio: float, friction: float, offset: Array, shift: Array) -> Array:
+        """Columns (n, 7) at one nu and mu, and at an offset and a shift of each frame; not to be written to."""
+        pair = float(ratio), float(friction)
+        key = pair, *(np.ascontiguousarray(one).tobytes() for one in (offset, shift))
         if key not in self._recent:
             if len(self._recent) >= RECENT:
                 del self._recent[next(iter(self._recent))]
-            self._recent[key] = self._between(ratio, frictions, offset, shift)
+            self._recent[key] = _bent(self._of_pair(*pair), offset[:, None]) + self._shifted(shift)
         return self._recent[key]
-
-    def _between(self, ratio: float, frictions: Array, offset: Array, shift: Array) -> Array:
-        if (frictions != frictions[:1]).any():
-            return self.over_friction(ratio, offset, shift).at(frictions)
-        return _bent(self._of_pair(float(ratio), float(frictions[0])), offset[:, None]) + self._shifted(shift)
 
     def over_friction(self, ratio: float, offset: Array, shift: Array) -> CubicsOverFriction:
         """Columns (n, 7) as functions of the friction, at one nu, and at an offset and a shift of each frame."""
@@ -130,7 +126,7 @@ class TouchPlays:
         return []
 
     @cached_property
-    def _recent(self) -> dict[bytes, Array]:
+    def _recent(self) -> dict[tuple[object, ...], Array]:
         """Answers already given: effects of the sensor ask for the same one again and again."""
         return {}
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
@@ -39,6 +41,8 @@ def felt_accelerations(frames: Array, seconds: Array, places: Array) -> Array:
         if len(rows) < 2:
             continue
         told = (frames >= seconds[rows[0]]) & (frames <= seconds[rows[-1]] + GAP)
+        if not told.any():
+            continue
         felt[told] = _felt_in_one_go(frames[told], seconds[rows], places[rows])
     return felt
 
@@ -46,7 +50,7 @@ def felt_accelerations(frames: Array, seconds: Array, places: Array) -> Array:
 def _felt_in_one_go(frames: Array, seconds: Array, places: Array) -> Array:
     """Of a stream without gaps, which begins before the frames and ends not long before them."""
     felt = np.zeros((len(frames), len(FREQUENCIES), 3))
-    even = np.arange(seconds[0], max(seconds[-1], frames.max(initial=-np.inf)) + 2.0 / RATE, 1.0 / RATE)
+    even = np.arange(seconds[0], max(seconds[-1], frames.max()) + 2.0 / RATE, 1.0 / RATE)
     way = np.stack([np.interp(even, seconds, column) for column in (places - places[0]).T], axis=1)
     for column, frequency in enumerate(FREQUENCIES):
         swung = lfilter(*_mode(frequency), way, axis=0)
@@ -63,6 +67,7 @@ def felt_at(felt: Array, frequency: float) -> Array:
     return between
 
 
+@cache
 def _mode(frequency: float) -> tuple[Array, Array]:
     """Numerator and denominator, at ``RATE``, of w^2 s^2 / (s^2 + 2 d w s + w^2)."""
     w = 2.0 * np.pi * frequency
