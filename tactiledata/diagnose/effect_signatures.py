@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.diagnose.random_effects import RandomEffects
 from tactiledata.diagnose.strength import Strength, set_at
+from tactiledata.diagnose.touch_case import Played
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
@@ -131,7 +132,7 @@ def effect_signatures(
     offsets : (t,) m
         Of the trajectories: what slides, and what is beyond a limit, depends on them.
     """
-    before = cases.cases.play(material, settings, offsets)
+    before = cases.cases.played(material, settings, offsets)
     found = []
     for name in names:
         member: Effect = EFFECTS[name]()
@@ -186,7 +187,7 @@ def _playable_change(
     settings: list[EffectSetting],
     strength: str,
     offsets: Array | None,
-    before: Array,
+    before: Played,
 ) -> Array:
     """What the last setting changes (N, 6), in proportion from a smaller strength where gel and springs find no balance
     at the whole; nothing where they find none at all, as what cannot be played is no candidate.
@@ -199,21 +200,21 @@ def _playable_change(
             return _change(cases, material, [*settings[:-1], smaller], offsets, before) / part
         except UsageError:
             continue
-    return np.zeros_like(before)
+    return np.zeros_like(before.wrench)
 
 
 def _change(
-    cases: WhitenedCases, material: GelMaterial, settings: list[EffectSetting], offsets: Array | None, before: Array
+    cases: WhitenedCases, material: GelMaterial, settings: list[EffectSetting], offsets: Array | None, before: Played
 ) -> Array:
     """What the last setting changes (N, 6); without offsets where, with them, gel and springs find no balance."""
     last = settings[-1]
     try:
-        return cases.cases.play_where(last, before, material, settings, offsets) - before
+        return cases.cases.play_where(last, before, material, settings, offsets) - before.wrench
     except UsageError:
         if offsets is None:
             raise
-        without = cases.cases.play(material, settings[:-1])
-        return cases.cases.play_where(last, without, material, settings) - without
+        without = cases.cases.played(material, settings[:-1])
+        return cases.cases.play_where(last, without, material, settings) - without.wrench
 
 
 def material_steps(bounds: Bounds) -> Array:
@@ -222,7 +223,11 @@ def material_steps(bounds: Bounds) -> Array:
 
 
 def material_fields(
-    cases: WhitenedCases, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None, before: Array
+    cases: WhitenedCases,
+    material: GelMaterial,
+    settings: Sequence[EffectSetting],
+    offsets: Array | None,
+    before: Played,
 ) -> Array:
     """Whitened change (N, 6, 3) over ln E, nu and mu."""
     bounds = find_bounds("wide")
@@ -234,16 +239,17 @@ def material_fields(
         there = here.copy()
         there[place] += inward
         moved = GelMaterial(float(np.exp(there[0])), float(there[1]), float(there[2]))
-        fields.append(cases.white(cases.cases.play(moved, settings, offsets) - before) / inward)
+        changed = cases.cases.play(moved, settings, offsets, before) - before.wrench
+        fields.append(cases.white(changed) / inward)
     return np.stack(fields, axis=2)
 
 
 def own_field(
-    cases: WhitenedCases, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Array
+    cases: WhitenedCases, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
 ) -> Array:
     """Whitened change (N, 6) over one standard deviation of each trajectory's offset."""
-    moved = cases.cases.play(material, settings, offsets + OWN_STEP)
-    return cases.white(moved - before) * (PRIOR / OWN_STEP)
+    moved = cases.cases.play(material, settings, offsets + OWN_STEP, before)
+    return cases.white(moved - before.wrench) * (PRIOR / OWN_STEP)
 
 
 def material_precision() -> Array:
@@ -254,7 +260,7 @@ def material_precision() -> Array:
 
 def nuisance(cases: WhitenedCases, material: GelMaterial) -> RandomEffects:
     """What a refit of the plain simulation and its numerical errors could imitate."""
-    before = cases.cases.play(material, [])
+    before = cases.cases.played(material, [])
     own = own_field(cases, material, [], np.zeros(len(cases.starts)), before)
     errors = cases.numerical(material)
     shared = np.concatenate([material_fields(cases, material, [], None, before), errors], axis=2)

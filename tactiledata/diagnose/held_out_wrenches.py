@@ -65,9 +65,9 @@ def _with_own_offsets(part: WhitenedCases, model: JointModel, numerical: Array) 
     material, settings, errors = model.material, model.settings, numerical @ model.errors
     offsets = model.offsets
     for _ in range(ROUNDS):
-        played = part.cases.play(material, settings, offsets)
+        played = part.cases.played(material, settings, offsets)
         own = own_field(part, material, settings, offsets, played)
         squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", own, own), part.starts)
-        steps = offset_steps(own, part.residual(played + errors), part.starts, squares, offsets / PRIOR)
+        steps = offset_steps(own, part.residual(played.wrench + errors), part.starts, squares, offsets / PRIOR)
         offsets = np.clip(offsets + PRIOR * steps, -FARTHEST, FARTHEST)
     return part.cases.play(material, settings, offsets) + errors

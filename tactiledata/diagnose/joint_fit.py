@@ -20,6 +20,8 @@ ROUNDS = 8
 STILL = 0.05
 """Fall of the cost that ends a fit, in twice the log-likelihood: fits that zigzag are far from their end at 0.25."""
 MOST_DAMPING = 1e2
+BEHIND = 100.0
+"""Cost beyond that of another explanation, from which it is asked whether a fit can still reach it."""
 
 
 @dataclass(frozen=True)
@@ -115,31 +117,41 @@ class JointFit:
 
 
 def joint_fit(
-    cases: WhitenedCases, numerical: Array, start: JointModel, held: Iterable[int] = (), rounds: int = ROUNDS
+    cases: WhitenedCases,
+    numerical: Array,
+    start: JointModel,
+    held: Iterable[int] = (),
+    rounds: int = ROUNDS,
+    to_beat: float = np.inf,
 ) -> JointFit:
     """The model whose residual and priors are least, from a start.
+
+    It is left where it is when it is far behind another explanation, and would stay so if all rounds that are left
+    brought as much as the last one.
 
     Parameters
     ----------
     numerical : (N, 6, e)
         Whitened numerical errors, the same for all models that are compared.
     held : places of the vector that stay
+    to_beat : float
+        Cost of the other explanation.
     """
     work = Linearised(cases, numerical, frozenset(held))
     model, damping = start, 1e-3
     state = work.weighed(model)
     slopes = work.slopes(model, state)
-    for _ in range(rounds):
+    for left in range(rounds - 1, -1, -1):
         found = _stepped(work, model, state, slopes, damping)
         if found is None:
             break
         fell = state.cost - found[1].cost
         model, state, damping = found
         slopes = work.slopes(model, state)
-        if fell < STILL:
+        if fell < STILL or state.cost - left * fell > to_beat + BEHIND:
             break
     plain = cases.cases.play(model.material, [], model.offsets)
-    changed = cases.white(state.predicted - plain)
+    changed = cases.white(state.predicted.wrench - plain)
     return JointFit(
         model, state.cost, state.residual, slopes.shared, work.precision(model), work.centre(model), slopes.own,
         changed, cases.starts,

@@ -183,7 +183,7 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
         agreement(base.metric, fit.effect_change, residual).standard_errors
         for residual in (base.undone, _without(base, fit))
     )
-    implausible, at_bounds = _range_checks(fit)
+    implausible, at_bounds = range_checks(fit)
     return Judged(
         fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
         error_of_sum(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after,
@@ -208,7 +208,8 @@ def _without(base: JointFit, fit: JointFit) -> Array:
     return base.undone - fit.effect_change
 
 
-def _range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Numbers of a fit outside what can be believed, and those at the end of what was tried, for people."""
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[3:]
     implausible, at_bounds = [], []
     gel, box = fit.model.material, fit.model.box

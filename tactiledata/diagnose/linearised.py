@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.effect_signatures import material_fields, material_precision, own_field
 from tactiledata.diagnose.joint_model import JointModel
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.touch_case import Played
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.errors import UsageError
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
@@ -24,9 +25,9 @@ FARTHEST_STEP = 3.0
 
 @dataclass(frozen=True)
 class Weighed:
-    """What a model predicts (N, 6), N and N m, what is left of it (N, 6), whitened, and its cost with all priors."""
+    """What a model predicts, what is left of it (N, 6), whitened, and its cost with all priors."""
 
-    predicted: Array
+    predicted: Played
     residual: Array
     cost: float
 
@@ -69,8 +70,8 @@ class Linearised:
 
     def weighed(self, model: JointModel) -> Weighed:
         """Prediction, residual and cost."""
-        predicted = self.cases.cases.play(model.material, model.settings, model.offsets)
-        residual = self.cases.residual(predicted) - self.numerical @ model.errors
+        predicted = self.cases.cases.played(model.material, model.settings, model.offsets)
+        residual = self.cases.residual(predicted.wrench) - self.numerical @ model.errors
         off = model.vector - self.centre(model)
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
         return Weighed(predicted, residual, float((residual**2).sum() + priors))
@@ -96,7 +97,7 @@ class Linearised:
             moved = model.at(there, offsets)
             setting = moved.settings[model.coordinates[place - 3].place]
             changed = self.cases.cases.play_where(setting, state.predicted, moved.material, moved.settings, offsets)
-            fields.append(self.cases.white(changed - state.predicted) / step)
+            fields.append(self.cases.white(changed - state.predicted.wrench) / step)
         return Slopes(np.concatenate([gel, *(one[:, :, None] for one in fields), self.numerical], axis=2), own)
 
     def step(self, model: JointModel, state: Weighed, slopes: Slopes, damping: float) -> tuple[JointModel, float]:

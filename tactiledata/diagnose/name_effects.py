@@ -15,7 +15,7 @@ from tactiledata.diagnose.grouped_prediction import HeldOut, held_out
 from tactiledata.diagnose.identifiability import Identifiability, identifiability_of
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.judge import Judged, judge
+from tactiledata.diagnose.judge import Judged, judge, range_checks
 from tactiledata.diagnose.left_over import LeftOver
 from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.profiled_interval import Interval, intervals
@@ -202,12 +202,15 @@ class Refits:
                 start = (*first.model.settings, *second.starts[0])
                 if key not in promises or cost < promises[key][0]:
                     promises[key] = cost, first, start
-        found = []
+        found: list[JointFit] = []
         for _, first, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
             names = tuple(dict.fromkeys(setting.effect for setting in start))
             self.progress(f"refit {' with '.join(names)}")
-            found.append(self._fit(first, start, frozenset().union(*(kept[name] for name in names))))
-        return list(filter(None, found))
+            strengths = frozenset().union(*(kept[name] for name in names))
+            to_beat = min((fit.cost for fit in found if not range_checks(fit)[0]), default=np.inf)
+            fit = self._fit(first, start, strengths, to_beat)
+            found += [fit] if fit is not None else []
+        return found
 
     def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[Judged], Decision]:
         """All refits, judged, and the answer."""
@@ -257,12 +260,15 @@ class Refits:
             for name, other in scores.items():
                 if name == named or other.score < least:
                     continue
-                fit = self._fit(alone, (*model.settings, *other.starts[0]), model.strengths | other.strengths)
+                strengths = model.strengths | other.strengths
+                fit = self._fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
                 found += [(stays, fit)] if fit is not None else []
         return found
 
-    def _fit(self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength]) -> JointFit | None:
-        """From effects, and from all else as another fit has it.
+    def _fit(
+        self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
+    ) -> JointFit | None:
+        """From effects, and from all else as another fit has it; see `joint_fit`.
 
         None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate.
         """
@@ -272,6 +278,6 @@ class Refits:
         told = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([told, from_there.errors]), from_there.offsets)
         try:
-            return joint_fit(self.white, self.numerical, model)
+            return joint_fit(self.white, self.numerical, model, to_beat=to_beat)
         except UsageError:
             return None

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
+from tactiledata.effects.balance import Balance
 from tactiledata.effects.response import BaseResponse
 from tactiledata.effects.setting import EffectSetting
 from tactiledata.effects.simulator import Simulator, in_contact, with_effects
@@ -76,6 +77,30 @@ class TouchCase:
                 raise UsageError(f"{what} of shape {found} for trajectory {self.name!r}", f"{wanted}", "Align them.")
 
 
+class PlayedContact(NamedTuple):
+    """What was asked of the gel in a trajectory, from which balance on, the answer and the balance found."""
+
+    asked: tuple[GelMaterial, list[EffectSetting]]
+    begun: Balance | None
+    state: TouchState
+    balance: Balance | None
+
+
+@dataclass(frozen=True)
+class Played:
+    """Trajectories as they were played.
+
+    Parameters
+    ----------
+    wrench : (N, 6)
+        What the sensor would read.
+    contacts : dict, number of a trajectory -> PlayedContact
+    """
+
+    wrench: Array
+    contacts: Mapping[int, PlayedContact]
+
+
 @dataclass(frozen=True)
 class CaseSet:
     """Trajectories and the simulation that is to play them, all frames one after the other: N rows of t trajectories.
@@ -126,44 +151,67 @@ class CaseSet:
                     trajectory=case.name,
                 )
 
-    def play(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Array:
-        """What the sensor would read (N, 6), each trajectory deeper by an offset (t,), m, of its own."""
+    def play(
+        self,
+        material: GelMaterial,
+        settings: Sequence[EffectSetting],
+        offsets: Array | None = None,
+        near: Played | None = None,
+    ) -> Array:
+        """What the sensor would read (N, 6), each trajectory deeper by an offset (t,), m, of its own.
+
+        What bends under forces is looked for ``near`` what was played before, where that is given.
+        """
         simulator = with_effects(self.base(material), settings)
-        return np.concatenate([self._read(number, simulator, material, offsets) for number in range(len(self.cases))])
+        numbers = range(len(self.cases))
+        return np.concatenate([self._read(number, simulator, material, offsets, near) for number in numbers])
+
+    def played(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Played:
+        """The same, to play others near it."""
+        wrench = self.play(material, settings, offsets)
+        return Played(wrench, dict(self._contacts))
 
     def play_where(
         self,
         changed: EffectSetting,
-        before: Array,
+        before: Played,
         material: GelMaterial,
         settings: Sequence[EffectSetting],
         offsets: Array | None = None,
     ) -> Array:
-        """The same where one setting differs from what was played ``before`` (N, 6): only what it acts on is played."""
+        """The same where one setting differs from what was played ``before``: only what it acts on is played."""
         simulator = with_effects(self.base(material), settings)
         ends = np.cumsum(self.counts)
-        read = before.copy()
+        read = before.wrench.copy()
         for number, case in enumerate(self.cases):
             if changed.acts_on(case.touch):
                 rows = slice(ends[number] - len(case.touch), ends[number])
-                read[rows] = self._read(number, simulator, material, offsets)
+                read[rows] = self._read(number, simulator, material, offsets, before)
         return read
 
-    def _read(self, number: int, simulator: Simulator, material: GelMaterial, offsets: Array | None) -> Array:
+    def _read(
+        self, number: int, simulator: Simulator, material: GelMaterial, offsets: Array | None, near: Played | None
+    ) -> Array:
         if offsets is not None and offsets[number] != 0.0:
             simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
         asked = material, in_contact(simulator.active(self.cases[number].touch))
-        if number not in self._contacts or self._contacts[number][0] != asked:
-            self._contacts[number] = asked, simulator.contact(self._touch(number, material))
-        return simulator.read(self._contacts[number][1]).wrench
+        there = near.contacts[number] if near is not None else None
+        if there is not None and there.asked == asked:
+            return simulator.read(there.state).wrench
+        begun = there.balance if there is not None else None
+        last = self._contacts.get(number)
+        if last is None or last.asked != asked or last.begun is not begun:
+            last = PlayedContact(asked, begun, *simulator.contact_near(self._touch(number, material), begun))
+            self._contacts[number] = last
+        return simulator.read(last.state).wrench
 
     def _touch(self, number: int, material: GelMaterial) -> Touch:
         """A trajectory on a gel; as before, with what it has worked out, where the gel is that of the answer before."""
-        if number in self._contacts and self._contacts[number][0][0] == material:
-            return self._contacts[number][1].touch
+        if number in self._contacts and self._contacts[number].asked[0] == material:
+            return self._contacts[number].state.touch
         return replace(self.cases[number].touch, material=material)
 
     @cached_property
-    def _contacts(self) -> dict[int, tuple[tuple[GelMaterial, list[EffectSetting]], TouchState]]:
+    def _contacts(self) -> dict[int, PlayedContact]:
         """Of each trajectory the last answer of the gel: effects of time and sensor ask for the same one again."""
         return {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +31,17 @@ class Balance:
         self._step = np.ones_like(self.felt)
         self._last = self._miss = np.zeros_like(self.felt)
         self._has_missed = False
+
+    def resumed(self) -> Balance:
+        """Another search, for what is bent a little otherwise: from where this one ended, with its steps."""
+        other = copy(self)
+        other._last = other._miss = np.zeros_like(self.felt)
+        other._has_missed = False
+        return other
+
+    def knows(self, answer: Array) -> bool:
+        """Whether the gel answers in the frames in which it answered first."""
+        return np.array_equal(np.isfinite(answer), self._known)
 
     @property
     def missed(self) -> float:

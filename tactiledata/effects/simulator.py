@@ -23,6 +23,9 @@ EDGE = 1e-5
 MOST_ROUNDS = 30
 PATIENCE = 8
 """Rounds without a nearer answer after which one that is close enough is taken."""
+RESUMED_ROUNDS, RESUMED_CLOSE = 8, 1e-6
+"""From the balance of a touch bent alike: rounds after which it is looked for anew, and how near it is led on. Nearer
+than from the start, so that small changes of it are those of what bends."""
 CLOSE, CLOSE_ENOUGH = 1e-5, 5e-3
 """Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more. Between
 them lies what jumps: a contact that sticks heals at once, and there may be no balance on either side of it."""
@@ -66,7 +69,13 @@ class Simulator:
 
     def contact(self, touch: Touch) -> TouchState:
         """The touch after its effects in contact alone; as `play`, which goes on from here with `read`."""
-        return _in_balance(TouchState.start(touch, self.base(touch)), in_contact(self.active(touch)))
+        return self.contact_near(touch, None)[0]
+
+    def contact_near(self, touch: Touch, near: Balance | None) -> tuple[TouchState, Balance | None]:
+        """The same, looked for from the balance of a touch that was bent much alike; and the balance found, or
+        ``near`` where nothing bends.
+        """
+        return _in_balance(TouchState.start(touch, self.base(touch)), in_contact(self.active(touch)), near)
 
     def read(self, contact: TouchState) -> TouchState:
         """What time and sensor make of it."""
@@ -96,8 +105,10 @@ def as_read(state: TouchState, settings: Iterable[EffectSetting]) -> TouchState:
     return _zeroed(state)
 
 
-def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchState:
-    """The state after effects in contact, in which what is felt is what the gel answers."""
+def _in_balance(
+    start: TouchState, settings: Sequence[EffectSetting], near: Balance | None
+) -> tuple[TouchState, Balance | None]:
+    """The state after effects in contact, in which what is felt is what the gel answers, and the balance."""
 
     def after(felt: Array) -> TouchState:
         state = replace(start, felt=felt)
@@ -106,21 +117,35 @@ def _in_balance(start: TouchState, settings: Sequence[EffectSetting]) -> TouchSt
         return state
 
     if not any(setting.member.feeds_back for setting in settings):
-        return after(start.felt)
+        return after(start.felt), near
+    if near is not None:
+        balance = near.resumed()
+        found, least = _searched(balance, after, RESUMED_CLOSE, RESUMED_ROUNDS)
+        if least <= CLOSE * balance.largest and balance.knows(found.contact.wrench):
+            return found, balance
     balance = Balance(start.contact.wrench)
-    nearest, least, found = start, np.inf, 0
-    for number in range(MOST_ROUNDS):
+    found, least = _searched(balance, after, CLOSE, MOST_ROUNDS)
+    if min(least, _missed_beyond_edges(found)) > CLOSE_ENOUGH * balance.largest:
+        raise unbalanced(least, MOST_ROUNDS)
+    return found, balance
+
+
+def _searched(
+    balance: Balance, after: Callable[[Array], TouchState], close: float, rounds: int
+) -> tuple[TouchState, float]:
+    """The nearest state, and what it misses the balance by, N; ``close`` ends it, of the largest force."""
+    least, found = np.inf, 0
+    for number in range(rounds):
         state = after(balance.felt)
         balance.measure(state.contact.wrench)
-        if balance.missed < least:
+        if number == 0 or balance.missed < least:
             nearest, least, found = state, balance.missed, number
         is_stuck = number - found >= PATIENCE and least <= CLOSE_ENOUGH * balance.largest
-        if least <= CLOSE * balance.largest or is_stuck:
+        if least <= close * balance.largest or is_stuck:
             break
-        balance.move()
-    if min(least, _missed_beyond_edges(nearest)) > CLOSE_ENOUGH * balance.largest:
-        raise unbalanced(least, MOST_ROUNDS)
-    return nearest
+        if number + 1 < rounds:
+            balance.move()
+    return nearest, least
 
 
 def _missed_beyond_edges(state: TouchState) -> float:
@@ -149,4 +174,5 @@ def _zeroed(state: TouchState) -> TouchState:
         return state
     free = wrench[tare]
     free = free[np.isfinite(free).all(axis=1)]
-    return state.read(wrench - np.median(free, axis=0)) if len(free) else state
+    # most effects leave the air alone
+    return state.read(wrench - np.median(free, axis=0)) if free.any() else state

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.footprint import Footprint
+from tactiledata.rig.gel_cap import Cap
 from tactiledata.rig.motion import Path
 from tactiledata.rig.scenario import Material
 from tactiledata.rig.touch import Touch
@@ -40,6 +41,8 @@ class TouchSetup:
     material : Material
     plan : callable
         The path, from the depth (m) at which the normal force reaches a limit (N).
+    cap : Cap
+        The outer surface; ``thickness`` and ``offset`` are of the gel as high as it is at the touch's position.
     """
 
     touch: Touch
@@ -50,6 +53,7 @@ class TouchSetup:
     thickness: float
     material: Material
     plan: Callable[[Callable[[float], float]], Path]
+    cap: Cap = field(default_factory=Cap)
 
     @property
     def normal_limit(self) -> float:

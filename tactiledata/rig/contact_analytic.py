@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.rig.contact import CONTACT_RATE, DEEPEST, TouchSetup, contact_times, missed_at
+from tactiledata.rig.contact import CONTACT_RATE, DEEPEST, Contact, TouchSetup, contact_times, missed_at
+from tactiledata.rig.inclined_contact import touch_inclined
 from tactiledata.rig.layer_contact import ContactHistory, contact_law, press_along
 from tactiledata.rig.membrane import surface
 from tactiledata.rig.motion import Path
@@ -51,7 +52,7 @@ class AnalyticContact:
         return surface(print_, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
 
 
-def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: Array | None = None) -> AnalyticContact:
+def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: Array | None = None) -> Contact:
     """A touch, played.
 
     Parameters
@@ -62,6 +63,8 @@ def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: Array | 
     missed : (n, 3), m, optional
         See `Contact.missed`.
     """
+    if setup.cap.curvature:
+        return touch_inclined(setup, path, missed, touch_analytic)
     law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
     share = setup.normal_limit / setup.touch.force_limit
     path = path or setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))

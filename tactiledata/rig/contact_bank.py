@@ -113,12 +113,14 @@ class ContactBank:
         path = path or setup.plan(lambda _: DEEPEST * setup.thickness)
         times = contact_times(path)
         deeper = np.full(len(times), float(setup.offset[2])) + (0.0 if missed is None else missed[:, 2])
-        stated = replace(setup, thickness=gel.thickness, indenter=self.indenters[setup.touch.indenter])
+        # a dome is as thick as it is at the touch, in every recording
+        near = setup.thickness if setup.cap.curvature else gel.thickness
+        stated = replace(setup, thickness=near, indenter=self.indenters[setup.touch.indenter])
         plain, nearest = self._at(gel, stated, path, deeper)
         wrench = plain
-        thicker = setup.thickness / gel.thickness
+        thicker = setup.thickness / near
         for share, value in _between(thicker, THICKNESSES, "a thickness"):
-            other = self._at(gel, replace(stated, thickness=value * gel.thickness), path, deeper)[0]
+            other = self._at(gel, replace(stated, thickness=value * near), path, deeper)[0]
             wrench = wrench + share * (other - plain)
         radius = setup.indenter.sizes.get("radius", 1.0) / stated.indenter.sizes.get("radius", 1.0)
         for share, value in _between(radius, RADII, "a radius"):
@@ -254,6 +256,8 @@ def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array, 
 def _key(pitch: float, gel: Gel, setup: TouchSetup, material: Material, path: Path, offset: float) -> str:
     whole = hashlib.sha256()
     told = [pitch, gel.outline, setup.thickness, material.poisson_ratio, material.friction, offset]
+    if setup.cap.curvature:
+        told += [setup.cap.curvature, setup.touch.position]
     whole.update(json.dumps([*told, setup.indenter.document, _solver_digest()], sort_keys=True).encode())
     for part in (setup.rotation, path.times, path.positions):
         whole.update(np.ascontiguousarray(part, dtype=float).tobytes())

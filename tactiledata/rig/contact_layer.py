@@ -56,7 +56,9 @@ class LayerContact:
         first, second = self.surfaces[index], self.surfaces[index + 1]
         displacement = first + np.float32(place - index) * (second - first)
         moved = (float(x - setup.print_.position[0]), float(y - setup.print_.position[1]))
-        return drawn_surface(displacement, self.grid, setup.print_, moved, float(depth))
+        fine = setup.print_.grid
+        fall = setup.cap.fall_from(setup.touch.position, *np.meshgrid(fine.x, fine.y)).astype(np.float32)
+        return drawn_surface(displacement, self.grid, setup.print_, moved, float(depth), fall)
 
 
 def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, missed: Array | None = None) -> LayerContact:
@@ -71,6 +73,9 @@ def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, misse
     missed : (n, 3), m, optional
         See `Contact.missed`; between the solver's steps it is taken to follow the path.
     """
+    place = setup.touch.position
+    if setup.cap.curvature:
+        layer = layer.lowered(lambda x, y: setup.cap.fall_from(place, x, y))
     walk = _Walk(setup, layer)
     path = path or setup.plan(lambda _: _deepest(setup, walk))
     marks, positions = solver_steps(path, setup.offset)
@@ -79,6 +84,8 @@ def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, misse
         positions = positions + np.stack([np.interp(marks, at, column) for column in missed.T], axis=1)
     states = walk.along(positions)
     wrenches = np.array([state.wrench for state in states])
+    # solved as if the surface were at z = 0 there
+    wrenches[:, 3:] -= np.cross([0.0, 0.0, float(setup.cap.fall(*place))], wrenches[:, :3])
     slips = np.array([state.is_slipping for state in states])
     return LayerContact(
         setup,

@@ -11,6 +11,7 @@ import numpy as np
 from tactiledata.indenters import make_indenter
 from tactiledata.rig.contact import TouchSetup
 from tactiledata.rig.footprint import GelGrid, footprint
+from tactiledata.rig.gel_cap import Cap
 from tactiledata.rig.hidden_base import HiddenEffect, Parameters, TouchFacts, touch_random
 
 
@@ -43,7 +44,7 @@ class Thickness(HiddenEffect):
 @dataclass(frozen=True)
 class Dome(HiddenEffect):
     """The outer surface is a cap of a ball over a flat base: away from the middle by r the gel is lower, and thinner,
-    by R - sqrt(R² - r²). Taken at the place of the touch; the contact itself is solved on a flat gel.
+    by R - sqrt(R² - r²), and inclined. The gel is as thin everywhere as it is at the place of the touch.
 
     Parameters
     ----------
@@ -66,11 +67,11 @@ class Dome(HiddenEffect):
         """See `HiddenEffect.prepared`."""
         if self.curvature == 0:
             return setup
-        radius = 1 / self.curvature
-        square = min(float(np.dot(facts.touch.position, facts.touch.position)), 0.9 * radius**2)
+        cap = Cap(self.curvature)
         # never thinner than a third
-        sag = min(radius - float(np.sqrt(radius**2 - square)), 2 * setup.thickness / 3)
-        return replace(setup, thickness=setup.thickness - sag, offset=setup.offset - np.array([0.0, 0.0, sag]))
+        sag = min(float(cap.fall(*facts.touch.position)), 2 * setup.thickness / 3)
+        offset = setup.offset - np.array([0.0, 0.0, sag])
+        return replace(setup, thickness=setup.thickness - sag, offset=offset, cap=cap)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,7 @@ class TouchPoints:
 
     @classmethod
     def of(cls, grid: LayerGrid) -> TouchPoints:
-        """All touch points of a pad."""
+        """All touch points of a pad that is flat."""
         rows, columns = grid.shape
         inside = (np.arange(PER_SIDE) + 0.5) / PER_SIDE
         i, j, s, t = (
@@ -56,6 +56,10 @@ class TouchPoints:
         share = sparse.csr_array((weight.ravel(), index.ravel(), starts), shape=(len(i), rows * columns))
         places = np.stack([grid.x[j] + t * grid.pitch, grid.y[i] + s * grid.pitch, np.zeros(len(i))], axis=1)
         return cls(places, share, filling * (grid.pitch / PER_SIDE) ** 2)
+
+    def lowered(self, fall: Array) -> TouchPoints:
+        """The points of a surface that lies lower by (n,), m."""
+        return replace(self, places=self.places - fall[:, None] * np.array([0.0, 0.0, 1.0]))
 
     def chosen(self, index: NDArray[np.intp]) -> TouchPoints:
         """Some of the points."""

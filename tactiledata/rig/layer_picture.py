@@ -23,9 +23,9 @@ ROUNDS = 3
 
 
 def drawn_surface(
-    displacement: Map, grid: LayerGrid, print_: Footprint, moved: tuple[float, float], depth: float
+    displacement: Map, grid: LayerGrid, print_: Footprint, moved: tuple[float, float], depth: float, fall: Map
 ) -> Map:
-    """Height (n_y, n_x), m, of the deformed surface over the points of the footprint's grid.
+    """Height (n_y, n_x), m, of the deformed surface over that at rest, at the points of the footprint's grid.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def drawn_surface(
     moved : (2,), metres
         How far the indenter has moved over the gel since the footprint was taken.
     depth : metres
-        Of the indenter's lowest point below the undeformed surface.
+        Of the indenter's lowest point below the undeformed surface, which lies lower by ``fall`` (n_y, n_x), m.
     """
     fine = print_.grid
     if not displacement.any():
@@ -52,10 +52,10 @@ def drawn_surface(
     bed = -_read(displacement[2], from_column, from_row)
     # a rim runs across the coarse cells in steps that no gel has
     bed = cv2.GaussianBlur(bed, (0, 0), SMOOTH * grid.pitch / float(fine.x[1] - fine.x[0]))
-    if depth <= 0:
+    if depth <= fall.min():
         return -bed
     # on the coarse surface a touching face is only nearly touched: small gaps are closed, and none is pierced
-    sink = np.float32(depth) - moved_heights(print_, moved)
+    sink = np.float32(depth) - moved_heights(print_, moved) - fall
     gap = np.maximum(bed - sink, 0.0)
     told = np.clip(gap / np.float32(CLOSED * grid.pitch), 0.0, 1.0)
     return -(sink + gap * told * told * (3.0 - 2.0 * told))

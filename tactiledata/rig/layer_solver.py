@@ -10,6 +10,8 @@ Not to be confused with ``layer_contact``, the closed forms that the rig can use
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,6 +30,7 @@ from tactiledata.rig.layer_touch import Surface, Touching
 from tactiledata.rig.scenario import Material
 
 Array = NDArray[np.floating[Any]]
+Fall = Callable[[Array, Array], Array]
 
 SPRINGS = 30.0
 """Springs of the contact relative to the surface's own stiffness at the scale of a cell."""
@@ -116,8 +119,19 @@ class Layer:
         self._kernel = LayerKernel(grid, column, factors[0] * shear, factors[1] * lame)
         self._strain = LayerStrain(grid, column, shear, lame, is_linear)
         self._points = TouchPoints.of(grid)
+        self._heights = np.zeros(grid.shape)
         self._levels = len(column.slope[0])
         self._weighing = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
+
+    def lowered(self, fall: Fall) -> Layer:
+        """The same layer under a surface that lies lower by metres (n,), of places x, y (n,), m.
+
+        Contact is looked for there; what is inside is as thick as before everywhere.
+        """
+        other = copy(self)
+        other._points = self._points.lowered(fall(*self._points.places[:, :2].T))
+        other._heights = self._heights - fall(*np.meshgrid(self.grid.x, self.grid.y))
+        return other
 
     def at_rest(self, indenter: Indenter, pose: Array) -> PressState:
         """Before the first touch, with the indenter lifted from ``pose`` along gel z until it is clear of the pad."""
@@ -195,7 +209,7 @@ class Layer:
         traction[near] = found.tractions
         gap = np.full(len(points), np.inf)
         gap[near] = found.gap
-        places = np.stack([*np.meshgrid(self.grid.x, self.grid.y), np.zeros(self.grid.shape)]) + u[:, -1]
+        places = np.stack([*np.meshgrid(self.grid.x, self.grid.y), self._heights]) + u[:, -1]
         torque = np.cross(places, found.force, axis=0).sum(axis=(1, 2))
         wrench = -np.concatenate([found.force.sum(axis=(1, 2)), torque])
         return PressState(u, traction, gap, points, pose, wrench, found.is_slipping, is_settled)

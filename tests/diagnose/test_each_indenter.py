@@ -62,12 +62,12 @@ def test_only_what_a_setting_acts_on_is_played_again(quiet):
     """Rows of other indenters are those before; the others are those of a whole play."""
     name = quiet.indenters[0]
     setting = EffectSetting("mount_offset", {"deeper": 1e-4}, {"indenter_name": name})
-    before = quiet.play(START, [])
+    before = quiet.played(START, [])
     found = quiet.play_where(setting, before, START, [setting])
     assert found.tobytes() == quiet.play(START, [setting]).tobytes()
     owner = np.repeat(quiet.indenters, quiet.counts)
-    assert (found[owner != name] == before[owner != name]).all()
-    assert (found[owner == name] != before[owner == name]).any()
+    assert (found[owner != name] == before.wrench[owner != name]).all()
+    assert (found[owner == name] != before.wrench[owner == name]).any()
 
 
 def test_touches_that_do_not_tell_their_indenter_share_one_offset(quiet):

@@ -205,7 +205,7 @@ def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that
 def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     """Springs so soft that the gel finds no balance end the refit of one effect, not the diagnosis."""
 
-    def unbalanced(*_):
+    def unbalanced(*_, **options):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
     monkeypatch.setattr("tactiledata.diagnose.name_effects.joint_fit", unbalanced)
