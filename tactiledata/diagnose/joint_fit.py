@@ -127,7 +127,7 @@ def joint_fit(
     """The model whose residual and priors are least, from a start.
 
     It is left where it is when it is far behind another explanation, and would stay so if all rounds that are left
-    brought as much as the last one.
+    brought as much as the better of the last two: a round may stall on the way.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def joint_fit(
     work = Linearised(cases, numerical, frozenset(held))
     model, damping = start, 1e-3
     state = work.weighed(model)
-    slopes = work.slopes(model, state)
+    slopes, before = work.slopes(model, state), np.inf
     for left in range(rounds - 1, -1, -1):
         found = _stepped(work, model, state, slopes, damping)
         if found is None:
@@ -148,8 +148,9 @@ def joint_fit(
         fell = state.cost - found[1].cost
         model, state, damping = found
         slopes = work.slopes(model, state)
-        if fell < STILL or state.cost - left * fell > to_beat + BEHIND:
+        if fell < STILL or state.cost - left * max(fell, before) > to_beat + BEHIND:
             break
+        before = fell
     plain = cases.cases.play(model.material, [], model.offsets)
     changed = cases.white(state.predicted.wrench - plain)
     return JointFit(
