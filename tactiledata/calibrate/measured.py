@@ -22,6 +22,7 @@ from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noi
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
 from tactiledata.store.reader import Store
+from tactiledata.store.value_checks import need_sound_values
 
 Array = NDArray[np.float64]
 WRENCH = "contact_wrench"
@@ -163,6 +164,7 @@ class _WrenchReader:
         self._store = store
         named = [name for name in store.aligned_names if name.partition("@")[0] == WRENCH]
         self._names = [name for name in named if store.meaning("aligned", name).frame == "gel"]
+        need_sound_values(store, self._names)
         table = store.trajectories(["uid", "signal_rows"])
         self._spans = {
             uid: json.loads(spans)

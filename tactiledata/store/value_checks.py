@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 import google_crc32c
@@ -25,25 +25,56 @@ from tactiledata.store.rows import Rows
 BLOCK_ROWS = 65_536
 
 
-def value_findings(store: Store, said: Callable[[str], None]) -> Iterator[Finding]:
+def value_findings(
+    store: Store, said: Callable[[str], None], is_asked: Callable[[str], bool] = lambda path: True
+) -> Iterator[Finding]:
     """Numbers that are not those of their sources, and times that run backwards.
 
     Parameters
     ----------
     said : callable
         Told the name of each source that was checked.
+    is_asked : callable
+        Of an array's path: whether it is checked.
     """
     first_frame = 0
     rows: dict[str, Rows] = {}
     for source in store.sources(["key", "frames", "contents"]).to_pylist():
         frames = (first_frame, first_frame + source["frames"])
         first_frame = frames[1]
-        yield from source_value_findings(store, source["key"], source["contents"], frames, rows)
+        yield from source_value_findings(store, source["key"], source["contents"], frames, rows, is_asked)
         said(source["key"])
 
 
+def need_sound_values(store: Store, signals: Collection[str]) -> None:
+    """Nothing, where what frames tell, and these signals at their native rate, are the numbers of their sources.
+
+    A chunk that was lost reads as numbers that nobody recorded: whoever computes from a store asks this first.
+
+    Raises
+    ------
+    TactileDataError
+        They are not.
+    """
+    home = home_of(store.manifest)
+    needed = {signal_path(home, name, array) for name in signals for array in SIGNAL_ARRAYS}
+    needed |= {aligned_path(home, name, array) for name in store.aligned_names for array in ALIGNED_ARRAYS}
+    found = list(value_findings(store, lambda key: None, needed.__contains__))
+    if found:
+        raise TactileDataError(
+            f"a damaged store: {found[0].message}" + (f"; {len(found) - 1} more" if found[1:] else ""),
+            "the numbers that were ingested",
+            "`tactiledata check` lists all damage; ingest the recordings anew.",
+        )
+
+
 def source_value_findings(
-    store: Store, key: str, contents: str, frames: tuple[int, int], rows: dict[str, Rows] | None = None
+    store: Store,
+    key: str,
+    contents: str,
+    frames: tuple[int, int],
+    rows: dict[str, Rows] | None = None,
+    is_asked: Callable[[str], bool] = lambda path: True,
 ) -> Iterator[Finding]:
     """The same of one source.
 
@@ -55,6 +86,8 @@ def source_value_findings(
         Its rows in the table of frames.
     rows : dict, optional
         Arrays that are open already, by path.
+    is_asked : callable
+        See `value_findings`.
     """
     opened = {} if rows is None else rows
     try:
@@ -63,6 +96,8 @@ def source_value_findings(
         yield _damage(f"what the table of sources says of {key} cannot be read: {error}", "")
         return
     for path, start, stop, crc in spans:
+        if not is_asked(path):
+            continue
         fault = _span_fault(store, opened, path, start, stop, crc)
         if fault:
             yield _damage(f"{path}, rows {start} to {stop} of {key}: {fault}", path)

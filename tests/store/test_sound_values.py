@@ -1,0 +1,43 @@
+"""Whoever computes from a store's numbers asks first whether they are those of its sources."""
+
+import shutil
+
+import pytest
+
+from tactiledata.calibrate.measured import read_measured
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.errors import TactileDataError
+from tactiledata.store.reader import Store
+from tactiledata.store.value_checks import need_sound_values
+
+
+@pytest.fixture
+def copy(tiny_store, tmp_path):
+    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    return tmp_path / "ds.zarr"
+
+
+def lose_chunk(store, array):
+    (chunk, *_) = sorted(path for path in (store / array).iterdir() if path.name.startswith("c"))
+    chunk.unlink()
+
+
+def test_a_whole_store_is_sound(tiny_store):
+    store = Store.open(tiny_store)
+    need_sound_values(store, store.signal_names)
+
+
+@pytest.mark.parametrize("array", ["aligned/contact_wrench/value", "signals/contact_wrench/value"])
+def test_a_lost_chunk_is_no_recording_without_forces(copy, array):
+    """It reads as numbers that nobody recorded; calibration and diagnosis, which read touches alike, say so."""
+    lose_chunk(copy, array)
+    with pytest.raises(TactileDataError, match=rf"a damaged store: {array}, rows 0 to \d+ of .*mcap: .*CRC-32C"):
+        read_measured(Store.open(copy), CalibrationOptions())
+
+
+def test_what_is_not_asked_for_may_be_lost(copy):
+    """Forces do not need the arm's own wrench at its native rate."""
+    lose_chunk(copy, "signals/arm_wrench/value")
+    need_sound_values(Store.open(copy), ["contact_wrench"])
+    with pytest.raises(TactileDataError, match="arm_wrench"):
+        need_sound_values(Store.open(copy), ["arm_wrench"])
