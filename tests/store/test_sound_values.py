@@ -36,8 +36,8 @@ def test_a_lost_chunk_is_no_recording_without_forces(copy, array):
 
 
 def test_what_is_not_asked_for_may_be_lost(copy):
-    """Forces do not need the arm's own wrench at its native rate."""
-    lose_chunk(copy, "signals/arm_wrench/value")
+    """Forces do not need poses at their native rate."""
+    lose_chunk(copy, "signals/tcp/value")
     need_sound_values(Store.open(copy), ["contact_wrench"])
-    with pytest.raises(TactileDataError, match="arm_wrench"):
-        need_sound_values(Store.open(copy), ["arm_wrench"])
+    with pytest.raises(TactileDataError, match="tcp"):
+        need_sound_values(Store.open(copy), ["tcp"])
