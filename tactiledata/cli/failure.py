@@ -41,7 +41,7 @@ def report_failure(error: Exception, as_json: bool) -> int:
 
 def report_interruption(as_json: bool) -> None:
     """One line after Ctrl-C."""
-    found, remedy = "interrupted", "What is finished is kept; the same command goes on from there."
+    found, remedy = "interrupted", "Nothing is half written; the same command goes on from what is finished."
     if as_json:
         emit(_document(found, "", remedy, INTERRUPTED))
     else:

@@ -134,7 +134,7 @@ def test_ctrl_c_says_that_work_is_kept(folder, capsys, monkeypatch):
     monkeypatch.setattr("tactiledata.store.overview.overview", stop)
     code, out, err = run_command(capsys, "info", folder["ds.zarr"])
     assert (code, out) == (130, "")
-    assert err.splitlines() == ["interrupted: what is finished is kept; the same command goes on from there."]
+    assert err.splitlines() == ["interrupted: nothing is half written; the same command goes on from what is finished."]
     code, out, err = run_command(capsys, "info", folder["ds.zarr"], "--json")
     assert (code, json.loads(out)["code"], err) == (130, 130, "")
 
