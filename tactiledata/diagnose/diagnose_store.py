@@ -21,8 +21,11 @@ from tactiledata.diagnose.store_options import DiagnosisOptions
 from tactiledata.diagnose.whitened_cases import NumericalErrors
 from tactiledata.diagnose.zero_causes import ZeroCause, no_zeros, zero_causes
 from tactiledata.store.reader import Store
+from tactiledata.store.value_checks import need_sound_values
 
 Tell = Callable[..., None]
+READ = ("contact_wrench", "wrench", "tcp", "joints")
+"""Streams that are read at their native rate, whatever their source is called."""
 Verdict = Literal["nothing found", "explained", "partly explained", "not explained"]
 
 
@@ -97,9 +100,11 @@ def diagnose_store(
     Raises
     ------
     TactileDataError
-        Too few trajectories can be used, the message counts the reasons; or scikit-learn is not installed.
+        The store is damaged; too few trajectories can be used, the message counts the reasons; or scikit-learn is not
+        installed.
     """
     need_learning_library()
+    need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
     played = store_cases(store, options.calibration(), playing)
     wanted = tuple(name for name in played.effects if not options.effects or name in options.effects)
     errors = NumericalErrors.of(options.fidelity)

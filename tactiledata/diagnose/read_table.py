@@ -13,6 +13,8 @@ from tactiledata.errors import MissingFile, TactileDataError, UsageError
 
 SUFFIXES = (".csv", ".tsv", ".parquet")
 SEPARATORS = {".csv": ",", ".tsv": "\t"}
+GZIP = b"\x1f\x8b"
+"""How a compressed file begins."""
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 
 
@@ -39,7 +41,7 @@ def read_table(path: Path) -> pd.DataFrame:
         raise TactileDataError(
             f"{path} holds bytes that are no UTF-8: {error.reason} at {error.start}",
             "text in UTF-8",
-            "Save it as that.",
+            "It is compressed: unpack it." if error.object.startswith(GZIP) else "Save it as that.",
         ) from error
     except (ValueError, OSError, csv.Error) as error:
         raise TactileDataError(

@@ -114,7 +114,8 @@ def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.D
     sparse = [column for column in wanted if missing[column] > MOST_MISSING and column != columns.time]
     kept = numbers.drop(columns=sparse).notna().all(axis=1) & frame[columns.group].notna()
     for column in sparse:
-        notes.append(f"column {column} is left out: {100 * missing[column]:.0f} % of its rows are empty")
+        share = f"{100 * missing[column]:.0f} %"
+        notes.append(f"column {column} is left out: {share} of its rows are empty, or beyond {LARGEST:g}")
     if not kept.all():
         gaps = [column for column in [*needed, *wanted] if column not in sparse and numbers[column].isna().any()]
         gaps += [columns.group] if frame[columns.group].isna().any() else []

@@ -1,6 +1,7 @@
 """Tables: what columns mean, what is said of bad ones, and what a diagnosis of good ones finds."""
 
 import decimal
+import gzip
 import json
 import re
 
@@ -175,7 +176,7 @@ def test_gaps_are_left_out_and_said():
     assert len(read.residuals.values) == len(table) - 6
     assert "humidity" not in read.residuals.covariates
     notes = " ".join(read.notes)
-    for words in ("6 rows", "humidity is left out", "mass_kg"):
+    for words in ("6 rows", "humidity is left out: ", "rows are empty, or beyond", "mass_kg"):
         assert words in notes
 
 
@@ -330,3 +331,10 @@ def test_empty_tables_are_rarely_called_structured(tmp_path):
         for seed in range(100)
     ]
     assert sum(alarms) <= 5 + 7
+
+
+def test_a_compressed_file_is_to_be_unpacked(tmp_path):
+    """Not to be saved as UTF-8."""
+    (tmp_path / "presses.csv").write_bytes(gzip.compress(b"a,b\n1,2\n"))
+    with pytest.raises(TactileDataError, match="It is compressed: unpack it"):
+        read_table(tmp_path / "presses.csv")
