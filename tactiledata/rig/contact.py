@@ -89,6 +89,10 @@ class Contact(Protocol):
         """Height (n_y, n_x), m, of the gel's outer surface on the footprint's grid; zero where it is at rest."""
 
 
+Played = Callable[[TouchSetup, Path | None, Array | None], Contact]
+"""A touch, played along a path that may be planned already, and missed by (n, 3) m."""
+
+
 def missed_at(missed: Array | None, seconds: Array) -> Array:
     """What the arm adds (n, 3), m, at seconds (n,), from its history at ``CONTACT_RATE``; zero without one."""
     if missed is None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup, contact_times
+from tactiledata.rig.contact import CONTACT_RATE, Contact, Played, TouchSetup, contact_times
 from tactiledata.rig.contact_analytic import touch_analytic
 from tactiledata.rig.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden_base import Array, Felt, HiddenEffect, TouchFacts, Visit
@@ -17,9 +17,6 @@ from tactiledata.rig.hidden_history import elastic_work
 from tactiledata.rig.hidden_slider import areas_of, slide
 from tactiledata.rig.layer_contact import contact_law, stick_slip
 from tactiledata.rig.motion import Path
-
-Played = Callable[[TouchSetup, Path | None, Array | None], Contact]
-"""A touch, played along a path that is planned already, and missed by (n, 3) m."""
 
 ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 3
 """How often force and yielding are brought together: in closed form, then in the contact that is asked for."""

@@ -4,21 +4,18 @@ tangent plane at the touch, in which the dome is a flat gel under an indenter th
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.rig.contact import Contact, TouchSetup
+from tactiledata.rig.contact import Contact, Played, TouchSetup
 from tactiledata.rig.footprint import CEILING, footprint
 from tactiledata.rig.gel_cap import Cap
 from tactiledata.rig.motion import Path
 
 Array = NDArray[np.floating[Any]]
-Played = Callable[[TouchSetup, Path | None, Array | None], Contact]
-"""A touch of a flat gel, played along a path that may be planned already, and missed by (n, 3) m."""
 
 DEEPENING = np.array([1.0, 1.0, -1.0])
 """Turns x, y, depth into x, y, z, and back."""
@@ -55,14 +52,14 @@ def touch_inclined(setup: TouchSetup, path: Path | None, missed: Array | None, p
     """A touch of a domed gel.
 
     Pressed straight down, the indenter slides along the surface, and what presses on it is not vertical. The plane is
-    that at the touch's position, also when the indenter slides on.
+    that at the touch's position, also when the indenter slides on. ``play`` knows flat gels.
     """
     level = replace(setup, cap=Cap())
     # a plan follows forces along z, as a gel that is not inclined gives them
     path = path or play(level, None, None).path
     gel_from_plane = _turn(setup.cap.downhill(setup.touch.position))
     moves = DEEPENING[:, None] * gel_from_plane.T * DEEPENING
-    flat, led = _in_plane(setup, level, path, gel_from_plane)
+    flat, led = _in_plane(setup, level, path, gel_from_plane, moves)
     found = play(flat, led, None if missed is None else missed @ moves.T)
     return InclinedContact(found, path, missed, _in_gel(found.wrench, setup, gel_from_plane))
 
@@ -75,14 +72,18 @@ def _turn(downhill: Array) -> Array:
     return np.eye(3) + cross + cross @ cross / (1.0 + normal[2])
 
 
-def _in_plane(setup: TouchSetup, level: TouchSetup, path: Path, gel_from_plane: Array) -> tuple[TouchSetup, Path]:
-    """The touch and its path over the tangent plane, which meets the gel's surface at the touch's position."""
+def _in_plane(
+    setup: TouchSetup, level: TouchSetup, path: Path, gel_from_plane: Array, moves: Array
+) -> tuple[TouchSetup, Path]:
+    """The touch and its path over the tangent plane, which meets the gel's surface at the touch's position.
+
+    Moves (3, 3) turn x, y, depth over the gel into those over the plane.
+    """
     rotation = gel_from_plane.T @ setup.rotation
     grid = setup.print_.grid
     print_ = footprint(setup.indenter, rotation, setup.touch.position, grid)
     beside = (grid.x - setup.touch.position[0])[None, :], (grid.y - setup.touch.position[1])[:, None]
     print_ = replace(print_, heights=np.minimum(print_.heights + setup.cap.fall(*beside), CEILING))
-    moves = DEEPENING[:, None] * gel_from_plane.T * DEEPENING
     place = np.array([*setup.touch.position, 0.0])
     # depths are of the lowest point, which is another part of the body over the plane
     lowest = moves @ np.array([0.0, 0.0, setup.print_.lowest]) - np.array([0.0, 0.0, print_.lowest])

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig import motion
-from tactiledata.rig.contact import CONTACT_RATE, Contact, TouchSetup, missed_at
+from tactiledata.rig.contact import CONTACT_RATE, Contact, Played, TouchSetup, missed_at
 from tactiledata.rig.contact_layer import touch_layer
 from tactiledata.rig.footprint import GelGrid, footprint
 from tactiledata.rig.hidden_base import TouchFacts, Visit
-from tactiledata.rig.hidden_contact import Played, analytic, touch_hidden
+from tactiledata.rig.hidden_contact import analytic, touch_hidden
 from tactiledata.rig.layer_grid import LayerGrid
 from tactiledata.rig.layer_solver import Layer
 from tactiledata.rig.scenario import Gel, Scenario
