@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,12 @@ class Bounds:
     def shares(self, values: Array) -> Array:
         """Shares (3,) of the way from low to high."""
         return (np.asarray(values) - self.low) / self.span
+
+    @property
+    def with_free_modulus(self) -> Bounds:
+        """The same with E where the widest box has it: E only multiplies what is played."""
+        low, high = BOUNDS["wide"].low[0], BOUNDS["wide"].high[0]
+        return replace(self, low=(low, *self.low[1:]), high=(high, *self.high[1:]))
 
     def __iter__(self) -> Iterator[tuple[str, float, float]]:
         return zip(NAMES, self.low, self.high, strict=True)

@@ -15,8 +15,6 @@ from tactiledata.errors import TactileDataError
 
 TOUCHES = 14
 """That are played, linearly; a real diagnosis takes 60 at finite strain."""
-TOLD = ("Where:", "How:", "How much better:")
-"""What begins the sentences that are told beside the first one."""
 
 
 def diagnose_touches(
@@ -28,7 +26,7 @@ def diagnose_touches(
     from tactiledata.diagnose.store_options import DiagnosisOptions
     from tactiledata.store.reader import Store
 
-    tell(f"8. Diagnose: what physics does the simulation lack? ({TOUCHES} touches of balls, linear preview)")
+    tell(f"8. Diagnose: what physics does the simulation lack? (balls, at most {TOUCHES} touches, linear preview)")
     balls = balls_of(scenario)
     if not balls:
         tell("   left out: this world has no balls")
@@ -42,8 +40,8 @@ def diagnose_touches(
         return None, None
     document = store_document(done)
     written = write_store_diagnosis(out / "diagnosis", "the demo's world", done, document)
-    first, *others = document["sentences"]
-    for sentence in (first, *(one for one in others if one.startswith(TOLD))):
+    tell(f"   {document['source']['groups']} touches took part")
+    for sentence in document["sentences"]:
         tell(f"   {sentence}")
     tell(f"   The world was recorded with {_concealed(scenario)}, which only {out / 'recordings' / 'truth'} tells")
     return document, written[0]

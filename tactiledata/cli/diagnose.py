@@ -43,7 +43,7 @@ def diagnose(
     effects: str = typer.Option(None, "--effects", help="Store: only these candidates: lag,relaxation."),
     pairs: bool = typer.Option(True, "--pairs/--no-pairs", help="Store: whether two effects at once are tried."),
     fidelity: str = typer.Option("finite-strain", "--fidelity", help="Store: finite-strain, or linear: a preview."),
-    bounds: str = typer.Option("paper", "--bounds", help="Store: paper, or wide: E 200 to 4000 kPa, mu 0.2 to 1.5."),
+    bounds: str = typer.Option("paper", "--bounds", help="Store: mu from 0.5 to 0.99 (paper), or 0.2 to 1.5 (wide)."),
     shore_a: float = typer.Option(24.5, "--shore-a", help="Store: the gel's Shore A hardness: where fits start."),
     indenters: Path = typer.Option(None, "--indenters", help="Store: folder of the mesh files that recordings name."),
     workers: int = typer.Option(1, "--workers", min=1, help="Store: local processes that play touches."),

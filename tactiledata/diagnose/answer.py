@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.diagnose.answer_numbers import material_is_of, material_moved, numbers_told
+from tactiledata.diagnose.blamed_simulation import blamed_simulation, blamed_words
 from tactiledata.diagnose.decide import Tie
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.judge import Judged
@@ -64,7 +65,8 @@ class Answer:
             *numbers_told(self.naming.intervals),
             *material_moved(self.naming.intervals_before, self.naming.intervals),
         ]
-        return [*said, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best)]
+        blamed = blamed_words(blamed_simulation(self.naming.cases, decision.best.fit))
+        return [*said, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best), *blamed]
 
     @property
     def what(self) -> list[str]:
@@ -131,6 +133,10 @@ class Answer:
             "effects": effects_document(best.fit.model.settings, best.fit.model.material)
             if best is not None and self.names
             else None,
+            "simulation_errors": [
+                {"of": one.what, "deviations": one.deviations, "share": one.share}
+                for one in blamed_simulation(naming.cases, best.fit if best is not None and self.names else naming.base)
+            ],
             "screen": [{"effect": one.effect, "score": one.score, "evidence": one.evidence} for one in naming.screened],
             "candidates": [_judged(one) for one in sorted(naming.judged, key=lambda each: -each.gain)],
             "identifiability": naming.identifiable.document,

@@ -188,7 +188,8 @@ def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
         for role, other in ((OBSERVED, PREDICTED), (PREDICTED, OBSERVED)):
             if role in roles and other not in roles:
                 wanted = roles[role][0].replace(f"_{role}", f"_{other}")
-                raise UnknownName("column", wanted, names, f"{roles[role][0]} has no partner. {PAGE}")
+                others = [one for one in names if one != roles[role][0]]
+                raise UnknownName("column", wanted, others, f"{roles[role][0]} has no partner. {PAGE}")
         if OBSERVED not in roles:
             continue
         units = {unit for _, unit in roles.values()}

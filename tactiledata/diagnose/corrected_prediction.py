@@ -13,7 +13,7 @@ OFFSET_OF, SCALE_OF = "the offset of ", "the scale of "
 
 
 def corrected_words(form: OpenForm, components: Sequence[str], units: Sequence[str]) -> list[str]:
-    """``"corrected fz = fz × (1 - 0.0712 + 0.150 × depth/(0.90 mm)) + 0.0221 N"`` for each component with a term."""
+    """Of each component with a term: ``"corrected fz = predicted fz × (1 - 0.0712 + 0.150 × depth/(0.90 mm))"``."""
     beside = {one.parameter.name: one.value for one in form.beside}
     said = []
     for name, unit in zip(components, units, strict=True):
@@ -23,7 +23,7 @@ def corrected_words(form: OpenForm, components: Sequence[str], units: Sequence[s
             continue
         factor = "".join(_signed(*one) for one in [(beside.get(f"{SCALE_OF}{name}", 0.0), ""), *scaled])
         more = "".join(_signed(*one, unit=unit) for one in [*added, (beside.get(f"{OFFSET_OF}{name}", 0.0), "")])
-        said.append(f"corrected {name} = {name} × (1{factor}){more}")
+        said.append(f"corrected {name} = predicted {name} × (1{factor}){more}")
     return said
 
 

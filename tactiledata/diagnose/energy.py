@@ -6,7 +6,7 @@ A description, not a test: it says where to look once another test has found tha
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +70,11 @@ class EnergyShares:
     sharpest: Cell | None
     words: str
 
+    @property
+    def is_uneven(self) -> bool:
+        """Whether the sharpest cell surely holds more than an even spread would put there."""
+        return self.sharpest is not None and self.sharpest.interval[0] > self.sharpest.of_values
+
 
 @dataclass(frozen=True)
 class _Condition:
@@ -109,13 +114,17 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
 
     sharpest = cell(_sharpest(conditions, square, residuals)) if conditions else None
     what = "excess" if noise > 0 else "squared residual"
-    words = ""
-    if sharpest is not None:
+    found = EnergyShares(
+        total / size, tuple(cell((one,)) for one in conditions), sharpest,
+        f"The {what} is spread over all values, as far as these trajectories tell.",
+    )  # fmt: skip
+    if sharpest is not None and sharpest.factors and found.is_uneven:
         # where others hold less than noise, a cell may hold more than the whole
         share, low, high = (percent(min(end, 1.0)) for end in (sharpest.share, *sharpest.interval))
         part = f"all of the {what}" if low == "100 %" else f"{share} ({low} to {high}) of the {what}"
         words = f"{part} sits in {sharpest.words}, which is {percent(sharpest.of_values)} of the values"
-    return EnergyShares(total / size, tuple(cell((one,)) for one in conditions), sharpest, words)
+        return replace(found, words=words)
+    return found
 
 
 def _sharpest(conditions: list[_Condition], square: Array, residuals: Residuals) -> tuple[_Condition, ...]:

@@ -23,7 +23,7 @@ from tactiledata.diagnose.residuals import Residuals, joined_names
 from tactiledata.diagnose.scores import Contributions, contributions
 from tactiledata.diagnose.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.slopes import Change, change, over
-from tactiledata.diagnose.wording import p_words
+from tactiledata.diagnose.wording import p_words, quantity
 
 Array = NDArray[np.float64]
 
@@ -137,7 +137,12 @@ def _drift(
         instrument, low, high = slope(covariate.values, projection.information(pair.place))
         moved = change(projection, pair.place, instrument[:, 0])
         where = over(pair.covariate, low, high, covariate.unit)
-    words = f"{moved.words} {where} ({p_words(p)})"
+    said = f"{moved.words} {where}"
+    if at != ALL_ALONG and not pair.is_label and moved.sharpness <= 1.0:
+        # the score is large at a cut, and the slope is not told from none: no number of it is news
+        said = f"{parameter} differs below and above {pair.covariate} {quantity(float(at), covariate.unit)}"
+        said += ", without a steady trend"
+    words = f"{said} ({p_words(p)})"
     same = alike[pair.covariate]
     words += alike_words(pair.covariate, same)
     return Drift(parameter, pair.covariate, statistic, p, at, moved, words, same)

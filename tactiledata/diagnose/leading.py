@@ -34,13 +34,21 @@ def leading_drifts(
     found: list[Drift] = []
     fields = {}
     left = drifts
-    while left and left[0].p <= LEVEL and np.isfinite(left[0].change.half_width) and len(found) < MOST:
-        first = left[0]
+    while len(found) < MOST and (first := _strongest(left, bool(found))) is not None:
         found.append(first)
         fields[f"{first.parameter} over {first.covariate}, {len(found)}"] = _field(projection, first)
         refitted = project(projection.residuals.with_fields(fields))
         left = beyond_errors(instability(refitted, seed + len(found), draws, tested), errors)
     return tuple(found)
+
+
+def _strongest(drifts: Sequence[Drift], is_followed: bool) -> Drift | None:
+    """Of those that are certain, the first whose slope is told from none; without such a one, and none said yet, the
+    first: fitting a slope that is none would leave it as it is.
+    """
+    certain = [one for one in drifts if one.p <= LEVEL and np.isfinite(one.change.half_width)]
+    steady = [one for one in certain if one.change.sharpness > 1.0]
+    return next(iter(steady or ([] if is_followed else certain)), None)
 
 
 def _field(projection: Projection, drift: Drift) -> NDArray[np.float64]:

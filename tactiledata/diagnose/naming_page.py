@@ -97,7 +97,9 @@ def _what(naming: Naming) -> Section:
     text = (
         "Evidence is the logarithm of the Bayes factor against the plain simulation (what is left without the two "
         "trajectories that bring most). Gains are those of the log-likelihood where a candidate was not fitted, with "
-        "their standard errors; agreement is that of trajectories before and after, in standard errors."
+        "their standard errors; agreement is that of trajectories before and after, in standard errors. Simulators "
+        "that differ bring evidence, too: probabilities follow it on a scale that was fitted to worlds of known truth, "
+        "far more slowly than a Bayes factor would have it."
     )
     said = [("info", text), ("info", _probabilities(naming))]
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")

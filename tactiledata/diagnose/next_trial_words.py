@@ -23,8 +23,14 @@ WORTH = 0.01
 """Fall of a chance below which a trial is not worth a word."""
 
 
-def next_trial_sentences(proposals: Sequence[Proposal]) -> list[str]:
-    """What to record next, and what no trial would tell; the most telling first."""
+def next_trial_sentences(proposals: Sequence[Proposal], is_more_left: bool = False) -> list[str]:
+    """What to record next, and what no trial would tell; the most telling first.
+
+    Parameters
+    ----------
+    is_more_left : bool
+        Whether the best explanation leaves structure, which no trial between explanations is about.
+    """
     if not proposals:
         return ["No two explanations are left that a further trial could tell apart."]
     found: dict[str, list[str]] = {}
@@ -40,6 +46,8 @@ def next_trial_sentences(proposals: Sequence[Proposal]) -> list[str]:
         else:
             hopeless.append(_hopeless(best.separations[place], best.trial.title))
     said = [f"{title}: {'; '.join(parts)}." for title, parts in found.items()] + hopeless
+    if not said and is_more_left:
+        return ["What was recorded tells the explanations that were tried apart; what is left is none of them."]
     if not said:
         return ["What was recorded tells the explanations that are left apart; no further trial is needed for that."]
     if proposals[0].bench.base is closed_form:
@@ -48,7 +56,10 @@ def next_trial_sentences(proposals: Sequence[Proposal]) -> list[str]:
 
 
 def next_trials_document(
-    proposals: Sequence[Proposal], sensors: Entries | None = None, indenters: Entries | None = None
+    proposals: Sequence[Proposal],
+    sensors: Entries | None = None,
+    indenters: Entries | None = None,
+    is_more_left: bool = False,
 ) -> dict[str, Any]:
     """The part ``next_trials`` of ``schemas/diagnosis.json``; what changes nothing is left out.
 
@@ -56,10 +67,12 @@ def next_trials_document(
     ----------
     sensors, indenters : entries of a scenario, optional
         As `trial_scenario` takes them.
+    is_more_left : bool
+        As in `next_trial_sentences`.
     """
     worth = [one for one in proposals if one.gain >= WORTH or one.separates][:MOST]
     return {
-        "sentences": next_trial_sentences(proposals),
+        "sentences": next_trial_sentences(proposals, is_more_left),
         "in_closed_form": bool(proposals) and proposals[0].bench.base is closed_form,
         "proposals": [_document(one, sensors, indenters) for one in worth],
     }

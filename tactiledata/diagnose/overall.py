@@ -52,7 +52,7 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
     drawn = np.stack([np.abs(one.flipped(thrown)[:, 0]) for one in found], axis=1)
     p_values = family_wise(observed, drawn)
     listed = [
-        Offset(moved.parameter.name, float(p), moved, f"{moved.words} throughout ({p_words(float(p))})")
+        Offset(moved.parameter.name, float(p), moved, f"{moved.standing} throughout ({p_words(float(p))})")
         for moved, p in zip(refitted(projection)[: len(found)], p_values, strict=True)
     ]
     return tuple(sorted(listed, key=lambda one: (one.p, -one.change.sharpness)))

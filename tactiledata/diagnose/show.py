@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.black_box import BlackBox, black_box
+from tactiledata.diagnose.blamed_simulation import blamed_simulation
 from tactiledata.diagnose.case_residuals import known_rows, locate_touches
 from tactiledata.diagnose.held_out_errors import FORCE, HeldOutErrors, held_out_errors
 from tactiledata.diagnose.instability import Drift
@@ -154,7 +155,5 @@ def _ceiling_force(naming: Naming, errors: HeldOutErrors, ceiling: BlackBox) -> 
 
 
 def _stretched(naming: Naming, base: JointFit) -> dict[str, float]:
-    names = np.unique(naming.cases.cases.indenters)
-    words = [*(f"all forces of {name}" for name in names), "the growth of force with depth", "shear that sticks"]
-    found = dict(zip(words, base.model.errors.tolist(), strict=True))
-    return {name: size for name, size in found.items() if abs(size) >= STRETCHED}
+    found = blamed_simulation(naming.cases, base)
+    return {one.what: one.deviations for one in found if abs(one.deviations) >= STRETCHED}

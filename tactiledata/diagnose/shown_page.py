@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tactiledata.diagnose.case_residuals import COMPONENTS
+from tactiledata.diagnose.gap_words import gap_words
 from tactiledata.diagnose.held_out_errors import FORCE, HeldOutErrors
 from tactiledata.diagnose.instability import Drift
 from tactiledata.diagnose.locate import LEVEL, Located
 from tactiledata.diagnose.name_effects import Naming
 from tactiledata.diagnose.page_parts import dependence_panel, event_picture, map_picture
 from tactiledata.diagnose.show import Shown
-from tactiledata.diagnose.shown_words import gap_words, same_digits
+from tactiledata.diagnose.shown_words import same_digits
 from tactiledata.report.diagnosis_plots import draw_dependences
 from tactiledata.report.naming_plots import (
     ErrorPanel,

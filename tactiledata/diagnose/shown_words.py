@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from tactiledata.diagnose.gap import Gap
+from tactiledata.diagnose.gap_words import gap_words, share_words
 from tactiledata.diagnose.held_out_errors import HeldOutErrors
 from tactiledata.diagnose.locate import LEVEL
 from tactiledata.diagnose.residuals import joined_names
 from tactiledata.diagnose.show import Shown
-from tactiledata.diagnose.wording import p_words, percent, rounded
+from tactiledata.diagnose.wording import p_words, rounded
 from tactiledata.effects import EFFECTS
 
 FEW = 3
@@ -31,14 +31,6 @@ def shown_sentences(shown: Shown) -> list[str]:
             f"{joined_names(listed)}. A wrong radius, a wrong thickness or an effect may hide there."
         )
     return said
-
-
-def gap_words(gap: Gap, has_gap: bool) -> str:
-    """``"82 % (70 % to 90 %)"``, or a dash where there is nothing to close."""
-    if not has_gap or not math.isfinite(gap.closed):
-        return "-"
-    closed, low, high = (percent(min(end, 1.0)) for end in (gap.closed, *gap.interval))
-    return f"{closed} ({low} to {high})"
 
 
 def same_digits(*values: float, digits: int = 2) -> tuple[str, ...]:
@@ -73,7 +65,11 @@ def _changes(errors: HeldOutErrors) -> str:
 
 
 def _closed(errors: HeldOutErrors) -> str:
-    return f"{gap_words(errors.force, True)} of the gap is closed"
+    gap = errors.force
+    if gap.closed < 0:
+        low, high = gap.interval
+        return f"the gap to the noise grows by {share_words(-gap.closed, (-high, -low))}"
+    return f"{gap_words(gap, True)} of the gap is closed"
 
 
 def _unclaimed(shown: Shown) -> list[str]:

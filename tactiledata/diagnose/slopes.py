@@ -11,7 +11,7 @@ from scipy.stats import t as student
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Parameter
 from tactiledata.diagnose.scores import IMITATED
-from tactiledata.diagnose.wording import quantity, signed_change
+from tactiledata.diagnose.wording import TOO, quantity, signed_change, with_interval
 
 Array = NDArray[np.float64]
 
@@ -44,10 +44,20 @@ class Change:
     @property
     def words(self) -> str:
         """``"E falls by 11 ± 2 %"``."""
+        return signed_change(self.parameter.name, *self._told)
+
+    @property
+    def standing(self) -> str:
+        """Of a change that holds everywhere, ``"E is 11 ± 2 % too high"``."""
+        value, half_width, unit = self._told
+        return f"{self.parameter.name} is {with_interval(abs(value), half_width, unit)} {TOO[value > 0]}"
+
+    @property
+    def _told(self) -> tuple[float, float, str]:
         if self.is_relative:
             share = 100.0 / abs(self.parameter.value)
-            return signed_change(self.parameter.name, self.value * share, self.half_width * share, "%")
-        return signed_change(self.parameter.name, self.value, self.half_width, self.parameter.unit)
+            return self.value * share, self.half_width * share, "%"
+        return self.value, self.half_width, self.parameter.unit
 
 
 def change(projection: Projection, place: int, instrument: Array) -> Change:

@@ -33,7 +33,12 @@ def _of_zeros(done: StoreDiagnosis) -> list[str]:
 def _further(done: StoreDiagnosis) -> list[str]:
     form = None if done.formula is None else done.formula.form
     said = [f"A formula for it: {form.words}."] if form is not None and form.terms else []
-    return [*said, *done.limits, *next_trial_sentences(done.proposals)[:MOST_TRIALS]]
+    return [*said, *done.limits, *next_trial_sentences(done.proposals, _is_more_left(done))[:MOST_TRIALS]]
+
+
+def _is_more_left(done: StoreDiagnosis) -> bool:
+    left_over = done.shown.left_over
+    return done.naming.decision.is_more_left or (left_over is not None and left_over.is_structured)
 
 
 def notes_of(done: StoreDiagnosis) -> list[str]:
@@ -84,7 +89,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "sentences": sentences_of(done),
         "open_form": None if formula is None else form_document(formula),
         "ceiling": {"explained": done.shown.ceiling.explained},
-        "next_trials": next_trials_document(done.proposals),
+        "next_trials": next_trials_document(done.proposals, is_more_left=_is_more_left(done)),
         "zeros": [cause.document for cause in done.zeros],
         "notes": notes_of(done),
         "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),

@@ -25,7 +25,7 @@ class DiagnosisOptions:
         Drawn from the store, indenters in turn.
     fidelity : "finite-strain" or "linear"
     bounds : "paper" or "wide"
-        In which E, nu and mu are sought.
+        In which nu and mu are sought; E is free, as an effect may move it far.
     shore_a : durometer reading, for the start (Gent)
     sensor : str, optional
         Only trajectories of this sensor.

@@ -6,6 +6,8 @@ import math
 
 VERBS = {True: "rises", False: "falls"}
 ABOVE = {True: "above", False: "below"}
+TOO = {True: "too low", False: "too high"}
+"""Of what was predicted, where what was measured is more, or is not."""
 
 
 def rounded(value: float, digits: int = 2) -> str:
