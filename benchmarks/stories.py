@@ -34,6 +34,7 @@ from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.diagnose.name_effects import NamingOptions, name_effects
 from tactiledata.diagnose.naming_page import naming_page, naming_sentences
+from tactiledata.diagnose.profiled_interval import Interval
 from tactiledata.diagnose.show import show
 from tactiledata.effects.setting import write_settings
 from tactiledata.gel.material import GelMaterial
@@ -71,17 +72,22 @@ def tell(story: str, bench: Bench, maker: Maker, out: Path, pictures: Path | Non
     print(f"diagnosed in {time.process_time() - began:.0f} s of the processor")
     for sentence in naming_sentences(naming, shown.located, shown):
         print(f"- {sentence}")
-    numbers.append(Numbers("plain fit", tuple(one.value for one in naming.intervals_before[:3])))
+    numbers.append(_fitted("plain fit", naming.intervals_before))
     out.mkdir(parents=True, exist_ok=True)
     write_atomic(out / f"{story}.html", naming_page(f"A story: {story}", naming, shown.located, shown).encode())
     best = naming.decision.best
     if shown.names and best is not None:
-        numbers.append(Numbers("with the effect", tuple(one.value for one in naming.intervals[:3])))
+        numbers.append(_fitted("with the effect", naming.intervals))
         write_settings(best.fit.model.settings, out / f"{story}-effects.json", best.fit.model.material)
     if pictures is not None:
         pictures.mkdir(parents=True, exist_ok=True)
         picture = png_bytes(draw_story(numbers, known, naming, shown), 90)
         write_atomic(pictures / f"story-{story.replace('_', '-')}.png", picture)
+
+
+def _fitted(title: str, found: Sequence[Interval]) -> Numbers:
+    """E, nu and mu of a fit of whole wrenches."""
+    return Numbers(title, tuple(one.value for one in found[:3]), tuple((one.low, one.high) for one in found[:3]))
 
 
 def _experiment(plan: Plan, maker: Maker, truth: GelMaterial, story: str) -> Experiment:

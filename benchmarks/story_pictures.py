@@ -18,16 +18,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SCALES = (("E, kPa", 1e-3), ("nu", 1.0), ("mu", 1.0))
+SCALES = (("E, kPa", 1e-3, 0), ("nu", 1.0, 3), ("mu", 1.0, 3))
+"""Title, factor and decimals."""
 AXES = ("Fx", "Fy", "Fz")
 
 
 @dataclass(frozen=True)
 class Numbers:
-    """E (Pa), nu and mu as something found them."""
+    """E (Pa), nu and mu as something found them, with 95 % intervals (low, high) where it tells them."""
 
     title: str
     parameters: tuple[float, ...]
+    intervals: tuple[tuple[float, float], ...] = ()
 
 
 def draw_story(numbers: Sequence[Numbers], truth: Sequence[float], naming: Naming, shown: Shown) -> Figure:
@@ -36,27 +38,35 @@ def draw_story(numbers: Sequence[Numbers], truth: Sequence[float], naming: Namin
 
     figure = Figure(figsize=(11, 5.4), layout="constrained")
     rows = figure.add_gridspec(2, 6)
-    for place, (title, scale) in enumerate(SCALES):
-        _numbers(figure.add_subplot(rows[0, 2 * place : 2 * place + 2]), numbers, truth, place, title, scale)
+    for place in range(len(SCALES)):
+        _numbers(figure.add_subplot(rows[0, 2 * place : 2 * place + 2]), numbers, truth, place)
     _touch(figure.add_subplot(rows[1, :4]), naming, shown)
     _errors(figure.add_subplot(rows[1, 4:]), shown)
     return figure
 
 
-def _numbers(
-    axes: Axes, numbers: Sequence[Numbers], truth: Sequence[float], place: int, title: str, scale: float
-) -> None:
+def _numbers(axes: Axes, numbers: Sequence[Numbers], truth: Sequence[float], place: int) -> None:
+    title, scale, decimals = SCALES[place]
     heights = np.arange(len(numbers))[::-1]
     values = [scale * one.parameters[place] for one in numbers]
     colours = [AFTER if one.title.startswith("with") else BEFORE for one in numbers]
     axes.axvline(scale * truth[place], color=GREY, linewidth=1.0)
-    axes.text(scale * truth[place], len(numbers) - 0.5, "truth", color=GREY, fontsize=7, ha="center")
+    apart = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+    middle = {"ha": "center", "fontsize": 7, "bbox": apart}
+    axes.text(
+        scale * truth[place], len(numbers) - 0.4, f"truth {scale * truth[place]:.{decimals}f}", color=GREY, **middle
+    )
+    for one, height, colour in zip(numbers, heights, colours, strict=True):
+        if one.intervals:
+            low, high = one.intervals[place]
+            axes.hlines(height, scale * low, scale * high, color=colour, linewidth=1.5)
     axes.scatter(values, heights, c=colours, s=36, zorder=3)
     for value, height in zip(values, heights, strict=True):
-        axes.annotate(f"{value:.3g}", (value, height), (0, 6), textcoords="offset points", fontsize=7, ha="center")
+        axes.annotate(f"{value:.{decimals}f}", (value, height), (0, 7), textcoords="offset points", **middle)
     axes.set_yticks(heights, [one.title for one in numbers] if place == 0 else [""] * len(numbers), fontsize=8)
-    axes.set_ylim(-0.6, len(numbers) - 0.1)
+    axes.set_ylim(-0.6, len(numbers))
     axes.margins(x=0.2)
+    axes.locator_params(axis="x", nbins=5)
     axes.set_title(title, fontsize=9)
     axes.tick_params(axis="x", labelsize=7)
 
@@ -90,7 +100,7 @@ def _errors(axes: Axes, shown: Shown) -> None:
     bars.append(("noise alone", GREY, [one.force.floor for one in shown.errors]))
     for number, (title, colour, values) in enumerate(bars):
         drawn = axes.bar(places + (number - 1) * width, values, width, color=colour, label=title)
-        axes.bar_label(drawn, fmt="%.2f", fontsize=7)
+        axes.bar_label(drawn, fmt="%.3f", fontsize=6)
     axes.set_xticks(places, [one.unseen for one in shown.errors], fontsize=7)
     axes.set_title("Force error on what is unseen, N rms", fontsize=9)
     axes.margins(y=0.35)

@@ -188,7 +188,8 @@ def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
         for role, other in ((OBSERVED, PREDICTED), (PREDICTED, OBSERVED)):
             if role in roles and other not in roles:
                 wanted = roles[role][0].replace(f"_{role}", f"_{other}")
-                others = [one for one in names if one != roles[role][0]]
+                known = {column for each in found.values() for column, _ in each.values()}
+                others = [one for one in names if one not in known]
                 raise UnknownName("column", wanted, others, f"{roles[role][0]} has no partner. {PAGE}")
         if OBSERVED not in roles:
             continue

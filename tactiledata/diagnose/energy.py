@@ -72,8 +72,10 @@ class EnergyShares:
 
     @property
     def is_uneven(self) -> bool:
-        """Whether the sharpest cell surely holds more than an even spread would put there."""
-        return self.sharpest is not None and self.sharpest.interval[0] > self.sharpest.of_values
+        """Whether the sharpest cell surely holds more than an even spread would put there, and that by a margin: it is
+        the sharpest of many.
+        """
+        return self.sharpest is not None and self.sharpest.interval[0] > self.sharpest.of_values + FEWEST_GAIN
 
 
 @dataclass(frozen=True)

@@ -79,8 +79,8 @@ def _compared(store: Store, mesh: StoredMesh) -> list[tuple[str, str]]:
     strength = np.linalg.norm(measured[known], axis=1)
     text = (
         f"Over {counted(int(known.sum()), 'frame')} in contact the simulated force misses the measured one by "
-        f"{np.median(missed[known]):.2f} N in the median, {np.percentile(missed[known], 90):.2f} N in nine of ten "
-        f"(the median measured force is {np.median(strength):.2f} N)."
+        f"{np.median(missed[known]):.2f} N in the median, by {np.percentile(missed[known], 90):.2f} N at most in nine "
+        f"of ten (the median measured force is {np.median(strength):.2f} N)."
     )
     return [("", text)]
 

@@ -94,7 +94,7 @@ def draw_surfaces(surfaces: Sequence[LossSurface]) -> Figure:
         figure.colorbar(drawn, ax=axis)
         if np.isfinite(surface.contour) and surface.loss.min() < surface.contour < surface.loss.max():
             axis.contour(surface.x, surface.y, surface.loss, levels=[surface.contour], colors="white")
-        axis.plot(*surface.best, "x", color="red", markersize=8)
+        axis.plot(*surface.best, "x", color="red", markersize=8, clip_on=False, zorder=5)
         axis.set_title(surface.title, fontsize=9)
         axis.set_xlabel(surface.across, fontsize=8)
         axis.set_ylabel(surface.up, fontsize=8)

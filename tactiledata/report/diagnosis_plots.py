@@ -119,7 +119,7 @@ def draw_dependences(
             axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set_xlabel(literal(panel.covariate), fontsize=8)
         axis.set_ylabel(literal(panel.parameter), fontsize=8)
-        axis.legend(fontsize=7, frameon=False)
+        axis.legend(fontsize=7, ncols=2, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
         axis.tick_params(labelsize=7)
     return figure
 

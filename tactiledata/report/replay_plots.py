@@ -90,6 +90,6 @@ def _forces(axes: Axes, touch: ReplayedTouch, is_first: bool, is_last: bool) -> 
     axes.set_ylabel("N (gel frame)", fontsize=8)
     axes.tick_params(labelsize=8)
     if is_first:
-        axes.legend(fontsize=7, ncols=3, frameon=False)
+        axes.legend(fontsize=7, ncols=3, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
     if is_last:
         axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)

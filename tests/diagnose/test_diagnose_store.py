@@ -8,14 +8,18 @@ import pytest
 import yaml
 from recorded_touches import recorded_store
 
+from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.cli.main import run
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose import diagnose_store
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
+from tactiledata.diagnose.store_cases import store_cases
+from tactiledata.diagnose.store_options import DiagnosisOptions
 from tactiledata.diagnose.zero_causes import ZeroCause
 from tactiledata.effects import EFFECTS
 from tactiledata.gel import structured_pad
 from tactiledata.gel.structured_pad import GridPlan
+from tactiledata.store.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 
@@ -111,3 +115,23 @@ def test_variants_are_those_that_effects_ask_for():
     asked = variants_of(EFFECTS)
     assert len(asked) == len(set(asked)) == sum(len(design_variants(EFFECTS[name]())) for name in EFFECTS)
     assert variants_of(["lag", "relaxation"]) == ()
+
+
+@pytest.mark.parametrize("bounds", ["paper", "wide"])
+def test_bounds_are_those_of_what_is_played(bounds):
+    """E only multiplies plays: whatever the bounds of nu and mu, a diagnosis may move it as far as any gel goes."""
+    stated, free = find_bounds(bounds), find_bounds(bounds).with_free_modulus
+    assert (free.low[0], free.high[0]) == (find_bounds("wide").low[0], find_bounds("wide").high[0])
+    assert (free.low[1:], free.high[1:], free.friction_nodes) == (
+        stated.low[1:],
+        stated.high[1:],
+        stated.friction_nodes,
+    )
+
+
+@pytest.mark.slow
+def test_a_store_is_diagnosed_with_e_free(store):
+    """With the paper's bounds, a stiffness that no durometer reads is in reach."""
+    options = DiagnosisOptions(fidelity="linear", effects=("lag",), pairs=False)
+    box = store_cases(Store.open(store), options.calibration()).cases.box
+    assert box == find_bounds("paper").with_free_modulus

@@ -128,3 +128,29 @@ def test_changes_are_said_as_people_do():
     assert with_interval(2.0, float("inf"), "N") == "2.0 N"
     assert quantity(0.3, "mm") == "0.30 mm"
     assert quantity(0.3, "?") == "0.30"
+
+
+def test_what_is_said_to_drift_has_a_slope_that_is_told():
+    """An offset that goes with speed: nothing is said to change by less than its interval, echoes included."""
+    residuals = planted(2, 60, plant=lambda world: 0.4 * world.covariates["speed"].values[:, None] * np.ones(3))
+    located = locate(residuals, LocateOptions(draws=499))
+    assert located.is_structured
+    assert all(one.change.sharpness > 1.0 for one in located.leading[1:])
+    assert not [one for one in located.drifts if " by 0 ± " in one.words and one.p <= 0.05]
+
+
+def test_a_bump_without_a_trend_is_said_without_a_slope():
+    """E a third higher in the middle of the speeds: it is not the same below and above, and no slope is made up."""
+
+    def plant(world):
+        speed = world.covariates["speed"].values
+        low, high = np.quantile(speed, [0.4, 0.6])
+        inside = (speed > low) & (speed < high)
+        return world.slopes[:, :, 0] * (0.6 * MODULUS * (inside - inside.mean()))[:, None]
+
+    drifts = [one for one in instability(project(planted(3, 80, plant=plant)), draws=499) if one.covariate == "speed"]
+    bent = [one for one in drifts if one.at != "all along" and one.change.sharpness <= 1.0]
+    assert bent
+    for one in bent:
+        assert "without a steady trend" in one.words
+        assert "±" not in one.words

@@ -331,3 +331,11 @@ def test_offset_false_alarms(nulls):
     """5 % over all parameters."""
     smallest = [offsets(world, seed, draws=199)[0].p for seed, (world, _) in enumerate(nulls)]
     assert is_level(rate_of(smallest))
+
+
+def test_an_even_residual_sits_nowhere():
+    """Noise without a known size: the sharpest corner is no more than chance, and no sentence says where it sits."""
+    shares = energy_shares(project(planted(10, 40, random_effects=False, heavy=False)), noise=0.0)
+    assert shares.sharpest is not None
+    assert not shares.is_uneven
+    assert "spread over all values" in shares.words

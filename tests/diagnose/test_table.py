@@ -338,3 +338,11 @@ def test_a_compressed_file_is_to_be_unpacked(tmp_path):
     (tmp_path / "presses.csv").write_bytes(gzip.compress(b"a,b\n1,2\n"))
     with pytest.raises(TactileDataError, match="It is compressed: unpack it"):
         read_table(tmp_path / "presses.csv")
+
+
+def test_a_partner_that_is_missing_is_not_taken_from_the_other_side():
+    """What is observed is no near name of what was predicted; a typing error is."""
+    table = presses(3, 4).drop(columns="fz_predicted_N")
+    with pytest.raises(UnknownName, match="fz_observed_N has no partner") as told:
+        residuals_of(table)
+    assert "Did you mean" not in str(told.value)
