@@ -118,7 +118,7 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
     what = "excess" if noise > 0 else "squared residual"
     found = EnergyShares(
         total / size, tuple(cell((one,)) for one in conditions), sharpest,
-        f"The {what} is spread over all values, as far as these trajectories tell.",
+        f"No part of the data surely holds more of the {what} than an even spread would put there.",
     )  # fmt: skip
     if sharpest is not None and sharpest.factors and found.is_uneven:
         # where others hold less than noise, a cell may hold more than the whole

@@ -14,7 +14,7 @@ from tactiledata.diagnose.page_parts import locators_section, shares_section
 from tactiledata.diagnose.profiled_interval import Interval
 from tactiledata.diagnose.show import Shown
 from tactiledata.diagnose.shown_page import better_section, comparison_sections
-from tactiledata.diagnose.shown_words import shown_sentences
+from tactiledata.diagnose.shown_words import doubts, shown_sentences
 from tactiledata.diagnose.wording import percent, rounded, with_interval
 from tactiledata.effects import EFFECTS
 from tactiledata.report.naming_plots import Moved, draw_ladder, draw_movement
@@ -78,7 +78,13 @@ def naming_sentences(naming: Naming, located: Located, shown: Shown) -> list[str
             0, "Some structure stands out all the same, less than any effect that could be claimed would make:"
         )
     parts = {"Where": where, "How": answer.how, "How much better": shown_sentences(shown)}
-    return [*answer.what, *(sentence for title, said in parts.items() for sentence in _titled(title, said))]
+    claim, *more = answer.what
+    return [
+        claim,
+        *doubts(shown),
+        *more,
+        *(sentence for title, said in parts.items() for sentence in _titled(title, said)),
+    ]
 
 
 def _titled(title: str, said: Sequence[str]) -> list[str]:

@@ -26,7 +26,8 @@ def locators_section(located: Located, most: int = 10) -> Section:
     said = [("", f"{one['locator']}: {one['words']}") for one in findings(located, most)]
     text = (
         "p-values of the table hold for all locators together: where nothing is missing, one page in twenty says yes "
-        "anywhere. Those of single findings hold within their locator."
+        "anywhere. Those of single findings hold within their locator; a finding may be the echo of another, which the "
+        "sentences at the top leave out."
     )
     return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)
 

@@ -54,9 +54,24 @@ def _gained(shown: Shown) -> list[str]:
         by = "" if hardest.groups >= FEW else ", each told by the other alone,"
         closes = f": {_closed(hardest)}" if hardest.has_gap else ""
         said.append(f"On {hardest.groups} {hardest.unseen} that it has not seen{by} it {_changes(hardest)}{closes}.")
-    if any(one.change > 0 and one.groups >= FEW for one in (first, hardest)):
+    if any(_rises(one) for one in (first, hardest)):
         said.append("That it rises speaks against the claim.")
     return said
+
+
+def doubts(shown: Shown) -> list[str]:
+    """What speaks against taking a claim as it is, in a sentence beside the claim; nothing where nothing does."""
+    if not shown.names:
+        return []
+    against = [f"the error rises on {one.unseen} that were held out" for one in shown.errors if _rises(one)]
+    if shown.left_over is not None and shown.left_over.is_structured:
+        against.append("structure is left with it")
+    return [f"Take it with care: {joined_names(against)}."] if against else []
+
+
+def _rises(errors: HeldOutErrors) -> bool:
+    """Of few groups only where trajectories drawn anew agree on it."""
+    return errors.change > 0 and (errors.groups >= FEW or (errors.has_gap and errors.force.interval[1] < 0))
 
 
 def _changes(errors: HeldOutErrors) -> str:

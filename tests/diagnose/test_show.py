@@ -16,9 +16,9 @@ from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.name_effects import NamingOptions, name_effects
 from tactiledata.diagnose.naming_document import naming_document
-from tactiledata.diagnose.naming_page import naming_page
+from tactiledata.diagnose.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.show import show
-from tactiledata.diagnose.shown_words import same_digits, shown_sentences
+from tactiledata.diagnose.shown_words import doubts, same_digits, shown_sentences
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 
@@ -151,3 +151,22 @@ def test_numbers_beside_one_another_have_the_same_digits():
     assert same_digits(0.2134, 0.0931) == ("0.213", "0.093")
     assert same_digits(12.34, 3.21) == ("12.3", "3.2")
     assert same_digits(0.0, 0.0) == ("0.0", "0.0")
+
+
+def test_doubts_stand_beside_the_claim(relaxed):
+    """None of a claim that helps on all that is unseen and leaves nothing; of one that leaves structure, at once."""
+    naming, shown = relaxed
+    assert doubts(dataclasses.replace(shown, left_over=None)) == []
+    left = dataclasses.replace(shown, left_over=shown.located)
+    assert naming_sentences(naming, left.located, left)[1] == "Take it with care: structure is left with it."
+
+
+def test_a_rise_on_two_indenters_counts_where_trajectories_agree_on_it(relaxed):
+    """Each of two is told by the other alone: only an interval below nothing makes a rise news."""
+    _, shown = relaxed
+    (indenters,) = (one for one in shown.errors if one.unseen == "indenters")
+    gap = dataclasses.replace(indenters.force, after=1.1 * indenters.force.before, closed=-0.4)
+    for interval, said in (((-0.7, -0.1), True), ((-0.7, 0.2), False)):
+        worse = dataclasses.replace(indenters, groups=2, force=dataclasses.replace(gap, interval=interval))
+        found = doubts(dataclasses.replace(shown, errors=[worse]))
+        assert any("rises on indenters" in one for one in found) is said
