@@ -275,7 +275,7 @@ def test_a_planted_rate_is_explained(tmp_path):
     (said,) = (one for one in document["sentences"] if one.startswith("All refitted together: "))
     formula = re.sub(r"(\d) N", r"\1", said.split(" = ")[1].removesuffix(".")).replace("×", "*")
     words = {"fz": frame.fz_predicted_N, "log10": np.log10, "speed": frame.speed_mm_per_s}
-    formula = formula.replace("speed/(1.0 mm/s)", "speed")
+    formula = formula.replace("speed/(1.0 mm/s)", "speed").replace("predicted fz", "fz")
     assert np.std(frame.fz_observed_N - eval(formula, {"__builtins__": {}}, words)) < 1.1 * 0.1
     page, kept = write_diagnosis(tmp_path / "out" / "deep", "table.csv", table, explanation, document)
     assert json.loads(kept.read_text()) == document
