@@ -25,7 +25,10 @@ def blocks(page):
 
 @pytest.fixture(scope="session")
 def prepared(tmp_path_factory):
-    """A folder as the pages assume it: recordings/ of a tiny recorded world, and ds.zarr made of them, with a split."""
+    """A folder as the pages assume it: recordings/ of a tiny recorded world, and ds.zarr made of them, with a split.
+
+    Eight touches: of four, chance, which another processor draws anew, leaves a half without any one time in eight.
+    """
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.rig.record import record
     from tactiledata.rig.scenario import load_scenario
@@ -34,7 +37,9 @@ def prepared(tmp_path_factory):
     from tactiledata.store.reader import Store
 
     folder = tmp_path_factory.mktemp("pages")
-    record(load_scenario(find_scenario("tiny")), folder / "recordings", "mcap")
+    world = dict(find_scenario("tiny"))
+    world["generate"] = {**world["generate"], "count": 8}
+    record(load_scenario(world), folder / "recordings", "mcap")
     ingest([folder / "recordings"], folder / "ds.zarr")
     make_split(Store.open(folder / "ds.zarr"), hold_out="none")
     return folder
