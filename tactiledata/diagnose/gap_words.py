@@ -14,10 +14,13 @@ def gap_words(gap: Gap, has_gap: bool) -> str:
         return "-"
     if gap.interval[0] >= 1.0:
         return "all"
-    return share_words(gap.closed, gap.interval)
-
-
-def share_words(share: float, interval: tuple[float, float]) -> str:
-    """A share of the whole with its interval; beyond the whole is the whole."""
-    closed, low, high = (percent(min(end, 1.0)) for end in (share, *interval))
+    closed, low, high = (percent(min(end, 1.0)) for end in (gap.closed, *gap.interval))
     return f"{closed} ({low} to {high})"
+
+
+def change_words(gap: Gap) -> str:
+    """``"82 % (70 % to 90 %) of the gap is closed"``, or by how much it grows."""
+    if gap.closed < 0:
+        grown, low, high = (percent(-end) for end in (gap.closed, *reversed(gap.interval)))
+        return f"the gap to the noise grows by {grown} ({low} to {high})"
+    return f"{gap_words(gap, True)} of the gap is closed"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from tactiledata.diagnose.gap_words import gap_words, share_words
+from tactiledata.diagnose.gap_words import change_words
 from tactiledata.diagnose.held_out_errors import HeldOutErrors
 from tactiledata.diagnose.locate import LEVEL
 from tactiledata.diagnose.residuals import joined_names
@@ -45,14 +45,14 @@ def _gained(shown: Shown) -> list[str]:
     said = [f"On {first.unseen} that it has not seen the force error {_changes(first)}"]
     noise = f"noise alone gives {same_digits(first.force.floor, digits=3)[0]} N"
     said[0] += f"; {noise}" + (
-        f": {_closed(first)}." if first.has_gap else ", so that there was hardly a gap to close."
+        f": {change_words(first.force)}." if first.has_gap else ", so that there was hardly a gap to close."
     )
     if first.has_gap and first.force.interval[0] > 1.0:
         said[0] += " Less is left than free air tells of the noise."
     hardest = shown.hardest
     if hardest is not first:
         by = "" if hardest.groups >= FEW else ", each told by the other alone,"
-        closes = f": {_closed(hardest)}" if hardest.has_gap else ""
+        closes = f": {change_words(hardest.force)}" if hardest.has_gap else ""
         said.append(f"On {hardest.groups} {hardest.unseen} that it has not seen{by} it {_changes(hardest)}{closes}.")
     if any(_rises(one) for one in (first, hardest)):
         said.append("That it rises speaks against the claim.")
@@ -77,14 +77,6 @@ def _rises(errors: HeldOutErrors) -> bool:
 def _changes(errors: HeldOutErrors) -> str:
     before, after = same_digits(errors.force.before, errors.force.after, digits=3)
     return f"{'rises' if errors.change > 0 else 'falls'} from {before} to {after} N"
-
-
-def _closed(errors: HeldOutErrors) -> str:
-    gap = errors.force
-    if gap.closed < 0:
-        low, high = gap.interval
-        return f"the gap to the noise grows by {share_words(-gap.closed, (-high, -low))}"
-    return f"{gap_words(gap, True)} of the gap is closed"
 
 
 def _unclaimed(shown: Shown) -> list[str]:

@@ -3,7 +3,7 @@
 import pytest
 
 from tactiledata.diagnose.gap import Gap
-from tactiledata.diagnose.gap_words import gap_words, share_words
+from tactiledata.diagnose.gap_words import change_words, gap_words
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,9 @@ def test_without_a_gap_there_is_no_share():
     assert gap_words(Gap(0.1, 0.1, 0.1, 5.0, (1.5, 9.0)), False) == "-"
 
 
-def test_a_share_of_the_whole_with_its_interval():
-    """As in "the gap grows by"."""
-    assert share_words(0.38, (0.12, 0.67)) == "38 % (12 % to 67 %)"
+def test_a_gap_that_grows_is_not_closed_by_less_than_nothing():
+    """By more than the whole, too; the interval from the smaller to the larger."""
+    assert (
+        change_words(Gap(0.12, 0.2, 0.1, -1.5, (-2.5, -0.5))) == "the gap to the noise grows by 150 % (50 % to 250 %)"
+    )
+    assert change_words(Gap(0.2, 0.1, 0.1, 1.7, (1.2, 2.8))) == "all of the gap is closed"
