@@ -120,7 +120,7 @@ def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> 
         total / size, tuple(cell((one,)) for one in conditions), sharpest,
         f"No part of the data surely holds more of the {what} than an even spread would put there.",
     )  # fmt: skip
-    if sharpest is not None and sharpest.factors and found.is_uneven:
+    if sharpest is not None and found.is_uneven:
         # where others hold less than noise, a cell may hold more than the whole
         share, low, high = (percent(min(end, 1.0)) for end in (sharpest.share, *sharpest.interval))
         part = f"all of the {what}" if low == "100 %" else f"{share} ({low} to {high}) of the {what}"

@@ -136,7 +136,7 @@ class Located:
             said += [_sentence(one.words) for one in self.maps if one.p <= LEVEL][:1]
         if self.is_certain("the tree"):
             said += [_sentence(one.words) for one in self.leaves if one.p <= LEVEL][:1]
-        if self.energy.is_uneven and self.energy.sharpest is not None and self.energy.sharpest.factors:
+        if self.energy.is_uneven:
             said.append(_sentence(self.energy.words))
         return said
 
