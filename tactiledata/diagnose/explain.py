@@ -13,7 +13,7 @@ from tactiledata.diagnose.black_box import BlackBox, black_box
 from tactiledata.diagnose.corrected_prediction import corrected_words
 from tactiledata.diagnose.empirical import Empirical, empirical
 from tactiledata.diagnose.gap import Gap, gap_closed, scatter
-from tactiledata.diagnose.gap_words import gap_words
+from tactiledata.diagnose.gap_words import gap_words, growth_words
 from tactiledata.diagnose.held_out import HeldOut, held_out
 from tactiledata.diagnose.learning_library import need_learning_library
 from tactiledata.diagnose.locate import Located, LocateOptions, locate
@@ -162,6 +162,11 @@ def _surface(located: Located, seed: int) -> Empirical | None:
 def _gap(gap: Gap, floor_is: str) -> str:
     if not np.isfinite(gap.closed):
         return f"On groups that had no part in it the error is already at its floor, {floor_is}."
+    if gap.closed < 0:
+        return (
+            f"On groups that had no part in it the formula does not hold: the gap between the error and {floor_is}"
+            f" grows by {growth_words(gap)}."
+        )
     return (
         f"On groups that had no part in it the formula closes {gap_words(gap, True)} of the gap between the error and"
         f" {floor_is}."

@@ -18,9 +18,14 @@ def gap_words(gap: Gap, has_gap: bool) -> str:
     return f"{closed} ({low} to {high})"
 
 
+def growth_words(gap: Gap) -> str:
+    """By how much of itself a gap grows: ``"150 % (50 % to 250 %)"``."""
+    grown, low, high = (percent(-end) for end in (gap.closed, *reversed(gap.interval)))
+    return f"{grown} ({low} to {high})"
+
+
 def change_words(gap: Gap) -> str:
     """``"82 % (70 % to 90 %) of the gap is closed"``, or by how much it grows."""
     if gap.closed < 0:
-        grown, low, high = (percent(-end) for end in (gap.closed, *reversed(gap.interval)))
-        return f"the gap to the noise grows by {grown} ({low} to {high})"
+        return f"the gap to the noise grows by {growth_words(gap)}"
     return f"{gap_words(gap, True)} of the gap is closed"

@@ -1,11 +1,14 @@
 """The whole diagnosis on arrays: one error rate over all locators, and answers in words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planted import MODULUS, modulus_over, planted
 
 from tactiledata.diagnose.dependence import dependence
 from tactiledata.diagnose.explain import explain
+from tactiledata.diagnose.gap import Gap
 from tactiledata.diagnose.gate import NoiseModel
 from tactiledata.diagnose.instability import instability
 from tactiledata.diagnose.leading import leading_drifts
@@ -55,6 +58,11 @@ def test_what_is_planted_is_explained_and_what_is_left_is_quiet():
     assert sentences[0].startswith("Something is missing, and a formula explains it: E (1 + (0.3")
     assert "behaves like rate" in sentences[0]
     assert sentences[-1] == "After the formula no structure is left."
+    grown = replace(found, gap=Gap(0.12, 0.2, 0.1, -1.5, (-2.5, -0.5))).sentences()
+    assert (
+        "On groups that had no part in it the formula does not hold: the gap between the error and the scatter from row"
+        " to row grows by 150 % (50 % to 250 %)."
+    ) in grown
 
 
 @pytest.mark.slow
