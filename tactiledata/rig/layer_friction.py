@@ -17,8 +17,9 @@ class Grip:
 
     Parameters
     ----------
-    stiffness : Pa/m
-        Of the springs, normal and tangential: far above the gel's own, so that neither penetration nor creep counts.
+    stiffness, hold : Pa/m
+        Of the springs along the normal and across it: far above the gel's own, so that neither penetration nor creep
+        counts.
     weighing : Pa/m
         The gel's own: weighs distances against tractions where touch and slip are decided.
     friction : Coulomb's coefficient
@@ -31,6 +32,7 @@ class Grip:
     """
 
     stiffness: float
+    hold: float
     weighing: float
     friction: float
     held: Array
@@ -102,14 +104,14 @@ def linearised(grip: Grip, points: Array, gap: Array, normal: Array, now: Array)
     slipping = touching & (size > cone)
     sticking = touching & ~slipping
     direction = np.where((size > 0)[:, None], trial / np.maximum(size, 1e-30)[:, None], 0.0)
-    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - grip.weighing / grip.stiffness)
+    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - grip.weighing / grip.hold)
     # in slip the traction turns with the move across it
     turning = np.where(slipping, grip.weighing * share / (1.0 - share), 0.0)
     move_across = move - np.einsum("ij,ij->i", move, direction)[:, None] * direction
     push = np.where(touching, -grip.stiffness * gap, 0.0)
     values = push[:, None] * normal
-    values += np.where(sticking[:, None], held - grip.stiffness * move, 0.0)
+    values += np.where(sticking[:, None], held - grip.hold * move, 0.0)
     values += np.where(slipping[:, None], cone[:, None] * direction - turning[:, None] * move_across, 0.0)
-    along = np.where(sticking, grip.stiffness, 0.0)
+    along = np.where(sticking, grip.hold, 0.0)
     springs = np.stack([np.where(touching, grip.stiffness, 0.0), along, along + turning])
     return Tractions(values, Springs(normal, direction, springs), touching, slipping)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.floating[Any]]
 
-MEMORY = 12
+MEMORY = 4
 """Differences that are kept."""
 RIDGE = 1e-9
 """Of the least squares, relative."""

@@ -18,7 +18,7 @@ Yield = Callable[[Array], Array]
 Body = Callable[[Array], tuple[Array, Array]]
 """Gaps (n,) and normals (n, 3) at points (n, 3)."""
 
-ROUNDS = 2
+ROUNDS = 10
 """Newton's steps a call: the outer rounds go on where these end."""
 CONJUGATE_STEPS = 60
 TOLERANCE = 3e-2
