@@ -34,7 +34,7 @@ from tactiledata.diagnose.case_residuals import COMPONENTS, case_noise, case_res
 from tactiledata.diagnose.contrasts import Sizes, instruments_of, sizes_of
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.locate import LEVEL, Located
-from tactiledata.diagnose.name_effects import NamingOptions
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.simulation_errors import OF_THE_GEL, scatter_beyond_noise

@@ -36,7 +36,8 @@ from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
 from tactiledata.diagnose.joint_fit import JointFit
 from tactiledata.diagnose.likeness_of_effects import cosines
-from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import Naming, name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.plain_fit import plain_fit
 from tactiledata.diagnose.play_touches import play_touches
 from tactiledata.diagnose.played_response import PlayedFamily

@@ -21,7 +21,8 @@ from tactiledata.diagnose.grouped_prediction import folds_of
 from tactiledata.diagnose.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.likeness_of_effects import best_imitation
-from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.screen import Screened, screen
 from tactiledata.diagnose.strength import Strength
 from tactiledata.diagnose.touch_case import CaseSet

@@ -32,7 +32,8 @@ from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.player import play_nodes
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.profiled_interval import Interval
 from tactiledata.diagnose.show import show

@@ -12,7 +12,8 @@ from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.explain import Explanation, explain
 from tactiledata.diagnose.force_zeros import read_zeros
 from tactiledata.diagnose.learning_library import need_learning_library
-from tactiledata.diagnose.name_effects import Naming, NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import Naming, name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.next_trial import Proposal, propose_trials
 from tactiledata.diagnose.recording_limits import limits
 from tactiledata.diagnose.show import Shown, show

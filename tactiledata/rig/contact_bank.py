@@ -10,23 +10,17 @@ stiff and as spread as the solution's own pull asks for, say that it changes. No
 
 from __future__ import annotations
 
-import hashlib
-import io
-import json
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from importlib import resources
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_atomic
 from tactiledata.errors import UsageError
 from tactiledata.indenters.base import Indenter
+from tactiledata.rig.bank_solution import Solution, keep_solution, key_of, load_solution
 from tactiledata.rig.contact import DEEPEST, TouchSetup, contact_times
 from tactiledata.rig.contact_layer import touch_layer
 from tactiledata.rig.coulomb_limit import beyond_coulomb
@@ -70,15 +64,6 @@ class BankedContact:
             Always.
         """
         raise UsageError("a picture of a contact from a bank", "forces only", "Record with contact: layer.")
-
-
-@dataclass(frozen=True)
-class Solution:
-    """A touch at `CONTACT_RATE`: wrench (n, 6) over the modulus, m² and m³, whether all slides, steps not solved."""
-
-    wrench: Array
-    slipping: NDArray[np.bool_]
-    unsettled: int
 
 
 @dataclass
@@ -153,7 +138,7 @@ class ContactBank:
         """Of the solution nearest to an offset."""
         offset = min(OFFSETS, key=lambda one: abs(one - deeper))
         material = replace(setup.material, youngs_modulus=MODULUS)
-        key = _key(self.pitch, gel, setup, material, path, offset)
+        key = key_of(self.pitch, gel, setup, material, path, offset)
         if key not in self._springs:
             wrench = MODULUS * self._solution(gel, setup, path, offset).wrench
             positions = path.at(contact_times(path)) + np.array([0.0, 0.0, offset])
@@ -164,13 +149,13 @@ class ContactBank:
 
     def _solution(self, gel: Gel, setup: TouchSetup, path: Path, offset: float) -> Solution:
         material = replace(setup.material, youngs_modulus=MODULUS)
-        key = _key(self.pitch, gel, setup, material, path, offset)
+        key = key_of(self.pitch, gel, setup, material, path, offset)
         if key not in self._known:
             file = self.folder / key[:2] / f"{key}.npz"
-            found = _load(file, len(contact_times(path)))
+            found = load_solution(file, len(contact_times(path)))
             if found is None:
                 found = self._solved(gel, setup, material, path, offset)
-                _keep(file, found)
+                keep_solution(file, found)
             self._known[key] = found
         return self._known[key]
 
@@ -251,41 +236,3 @@ def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array, 
         beside[:, :2] += missed[:, :2]
     out[:, 3:] += np.cross(beside, out[:, :3])
     return out
-
-
-def _key(pitch: float, gel: Gel, setup: TouchSetup, material: Material, path: Path, offset: float) -> str:
-    whole = hashlib.sha256()
-    told = [pitch, gel.outline, setup.thickness, material.poisson_ratio, material.friction, offset]
-    if setup.cap.curvature:
-        told += [setup.cap.curvature, setup.touch.position]
-    whole.update(json.dumps([*told, setup.indenter.document, _solver_digest()], sort_keys=True).encode())
-    for part in (setup.rotation, path.times, path.positions):
-        whole.update(np.ascontiguousarray(part, dtype=float).tobytes())
-    return whole.hexdigest()
-
-
-@cache
-def _solver_digest() -> str:
-    """Of the programs that a solution depends on."""
-    whole = hashlib.sha256()
-    for source in sorted(resources.files("tactiledata.rig").iterdir(), key=lambda entry: entry.name):
-        if source.name.startswith(("layer_", "contact_layer")):
-            whole.update(source.name.encode() + source.read_bytes())
-    return whole.hexdigest()
-
-
-def _load(file: FilePath, count: int) -> Solution | None:
-    try:
-        with np.load(io.BytesIO(file.read_bytes()), allow_pickle=False) as kept:
-            found = Solution(kept["wrench"].astype(float), kept["slipping"], int(kept["unsettled"]))
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        return None
-    return found if found.wrench.shape == (count, 6) else None
-
-
-def _keep(file: FilePath, solution: Solution) -> None:
-    content = io.BytesIO()
-    np.savez_compressed(
-        content, wrench=solution.wrench.astype(np.float32), slipping=solution.slipping, unsettled=solution.unsettled
-    )
-    write_atomic(file, content.getvalue())

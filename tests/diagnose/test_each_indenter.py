@@ -8,7 +8,8 @@ from touch_worlds import START, null
 
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.effect_signatures import effect_signatures
-from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import WhitenedCases
 from tactiledata.effects.setting import EffectSetting

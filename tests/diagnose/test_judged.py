@@ -12,8 +12,9 @@ from tactiledata.diagnose.identifiability import Identifiability
 from tactiledata.diagnose.joint_model import joint_model
 from tactiledata.diagnose.judge import Judged
 from tactiledata.diagnose.left_over import LeftOver
-from tactiledata.diagnose.name_effects import NamingOptions, Refits
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.refits import Refits
 from tactiledata.diagnose.screen import Screened
 from tactiledata.diagnose.strength import Strength
 from tactiledata.effects import EFFECTS
@@ -208,7 +209,7 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     def unbalanced(*_, **options):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
-    monkeypatch.setattr("tactiledata.diagnose.name_effects.joint_fit", unbalanced)
+    monkeypatch.setattr("tactiledata.diagnose.refits.joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
     fits = Refits(SimpleNamespace(starts=[0]), np.zeros((1, 6, 0)), plain, NamingOptions(), lambda text: None)
     start = EffectSetting("arm_compliance", {"translation": 1e-4})

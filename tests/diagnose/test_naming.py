@@ -14,7 +14,8 @@ from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.identifiability import identifiability_of
 from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.touch_case import CaseSet
 from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
 from tactiledata.effects.setting import EffectSetting

@@ -9,7 +9,8 @@ import pytest
 from tied_worlds import START, effect, fitted, recorded
 
 from tactiledata.contract.schema import load_schema
-from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import name_effects
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.next_trial import SEPARATED, propose_trials, ranked_trials
 from tactiledata.diagnose.next_trial_words import next_trial_sentences, next_trials_document
 from tactiledata.diagnose.rivals import NOTHING, Pair, Rival, Rivals, rivals_of

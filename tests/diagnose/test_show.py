@@ -14,8 +14,9 @@ from tactiledata.diagnose.held_out_errors import held_out_errors
 from tactiledata.diagnose.held_out_wrenches import held_out_wrenches
 from tactiledata.diagnose.joint_fit import joint_fit
 from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.name_effects import NamingOptions, name_effects
+from tactiledata.diagnose.name_effects import name_effects
 from tactiledata.diagnose.naming_document import naming_document
+from tactiledata.diagnose.naming_options import NamingOptions
 from tactiledata.diagnose.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.show import show
 from tactiledata.diagnose.shown_words import doubts, same_digits, shown_sentences
