@@ -17,9 +17,8 @@ class Grip:
 
     Parameters
     ----------
-    stiffness, hold : Pa/m
-        Of the springs along the normal and across it: far above the gel's own, so that neither penetration nor creep
-        counts.
+    stiffness : Pa/m
+        Of the springs, normal and tangential: far above the gel's own, so that neither penetration nor creep counts.
     weighing : Pa/m
         The gel's own: weighs distances against tractions where touch and slip are decided.
     friction : Coulomb's coefficient
@@ -32,7 +31,6 @@ class Grip:
     """
 
     stiffness: float
-    hold: float
     weighing: float
     friction: float
     held: Array
@@ -42,7 +40,8 @@ class Grip:
 
 @dataclass(frozen=True)
 class Springs:
-    """At each point a symmetric matrix: one value along the normal, one along a direction in the plane, one across.
+    """At each point a matrix: one value along the normal, one along a direction in the plane, one across, and what a
+    move along the normal does in that direction, as friction follows pressure.
 
     Parameters
     ----------
@@ -50,17 +49,21 @@ class Springs:
         Unit vectors, at right angles to one another.
     values : (3, n)
         Along the normal, along the direction, across both.
+    dragged : (n,)
+        In the direction, of a move along the normal.
     """
 
     normal: Array
     direction: Array
     values: Array
+    dragged: Array
 
     def __matmul__(self, vectors: Array) -> Array:
         """The matrices times vectors (n, 3)."""
         up, along, across = self.values
-        on_normal = (up - across) * np.einsum("ij,ij->i", self.normal, vectors)
-        on_direction = (along - across) * np.einsum("ij,ij->i", self.direction, vectors)
+        raised = np.einsum("ij,ij->i", self.normal, vectors)
+        on_normal = (up - across) * raised
+        on_direction = (along - across) * np.einsum("ij,ij->i", self.direction, vectors) + self.dragged * raised
         return across[:, None] * vectors + on_normal[:, None] * self.normal + on_direction[:, None] * self.direction
 
 
@@ -73,7 +76,7 @@ class Tractions:
     values : (n, 3), Pa
         On the gel, at the points' present places.
     springs : Springs
-        Minus their derivative by the place; in slip with the cone held fixed.
+        Minus their derivative by the place.
     touching, slipping : (n,) bool
     """
 
@@ -104,14 +107,17 @@ def linearised(grip: Grip, points: Array, gap: Array, normal: Array, now: Array)
     slipping = touching & (size > cone)
     sticking = touching & ~slipping
     direction = np.where((size > 0)[:, None], trial / np.maximum(size, 1e-30)[:, None], 0.0)
-    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - grip.weighing / grip.hold)
+    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - grip.weighing / grip.stiffness)
     # in slip the traction turns with the move across it
     turning = np.where(slipping, grip.weighing * share / (1.0 - share), 0.0)
     move_across = move - np.einsum("ij,ij->i", move, direction)[:, None] * direction
     push = np.where(touching, -grip.stiffness * gap, 0.0)
+    dragging = slipping & ~grip.fresh & (push > 0)
+    pull = np.where(dragging, grip.friction * push, 0.0)
     values = push[:, None] * normal
-    values += np.where(sticking[:, None], held - grip.hold * move, 0.0)
-    values += np.where(slipping[:, None], cone[:, None] * direction - turning[:, None] * move_across, 0.0)
-    along = np.where(sticking, grip.hold, 0.0)
+    values += np.where(sticking[:, None], held - grip.stiffness * move, 0.0)
+    values += np.where(slipping[:, None], pull[:, None] * direction - turning[:, None] * move_across, 0.0)
+    along = np.where(sticking, grip.stiffness, 0.0)
     springs = np.stack([np.where(touching, grip.stiffness, 0.0), along, along + turning])
-    return Tractions(values, Springs(normal, direction, springs), touching, slipping)
+    dragged = np.where(dragging, grip.friction * grip.stiffness, 0.0)
+    return Tractions(values, Springs(normal, direction, springs, dragged), touching, slipping)

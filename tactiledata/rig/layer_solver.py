@@ -32,9 +32,8 @@ from tactiledata.rig.scenario import Material
 Array = NDArray[np.floating[Any]]
 Fall = Callable[[Array, Array], Array]
 
-SPRINGS, HOLD = 20.0, 5.0
-"""Springs of the contact along the normal and across it, relative to the surface's own stiffness at the scale of a
-cell: stiffer ones do not come to rest under an edge that slides, docs/decisions/0007."""
+SPRINGS = 20.0
+"""Springs of the contact relative to the surface's own stiffness at the scale of a cell."""
 REACH = 4e-4
 """m ahead of the indenter where touch points are watched."""
 TOUCHED = 1e-6
@@ -201,8 +200,7 @@ class Layer:
         carried = (before.points[near] - before.pose[:3, 3]) @ turn.T + pose[:3, 3]
         held = before.traction[near] @ turn.T
         fresh = before.gap[near] > TOUCHED
-        stiffness, hold = SPRINGS * self._weighing, HOLD * self._weighing
-        return Grip(stiffness, hold, self._weighing, self.material.friction, held, carried, fresh)
+        return Grip(SPRINGS * self._weighing, self._weighing, self.material.friction, held, carried, fresh)
 
     def _state(self, u: Array, found: Touching, near: NDArray[np.intp], pose: Array, is_settled: bool) -> PressState:
         points = self._points_at(u)

@@ -18,11 +18,11 @@ Yield = Callable[[Array], Array]
 Body = Callable[[Array], tuple[Array, Array]]
 """Gaps (n,) and normals (n, 3) at points (n, 3)."""
 
-ROUNDS = 10
+ROUNDS = 6
 """Newton's steps a call: the outer rounds go on where these end."""
-CONJUGATE_STEPS = 60
+KRYLOV_STEPS = 60
 TOLERANCE = 3e-2
-"""Of the conjugate gradients, relative to what is left to correct."""
+"""Of GMRES, relative to what is left to correct."""
 
 
 @dataclass(frozen=True)
@@ -88,27 +88,38 @@ class Surface:
         """Forces, and the moves they make, both (3, rows, columns), that bring law and surface together.
 
         Forces f on the grid obey f + G C f = ``missing``, with C the surface's compliance and G the springs, seen from
-        the grid. That is symmetric in the product weighed by C: conjugate gradients in it need one C a step.
+        the grid: GMRES in the product weighed by C, which needs one C a step.
         """
-        residual = missing
-        move = self._yields(residual)
-        search, pushed = residual, move
-        energy = np.sum(residual * move)
-        goal = TOLERANCE * TOLERANCE * energy
-        forces, moves = np.zeros_like(residual), np.zeros_like(residual)
-        for _ in range(CONJUGATE_STEPS):
-            if energy <= goal:
+        move = self._yields(missing)
+        size = np.sqrt(np.sum(missing * move))
+        if size == 0.0:
+            return np.zeros_like(missing), np.zeros_like(missing)
+        forces, moves = [missing / size], [move / size]
+        shares = np.zeros((KRYLOV_STEPS + 1, KRYLOV_STEPS))
+        for step in range(KRYLOV_STEPS):
+            image = forces[step] + self.on_grid(state.springs @ self.at_points(moves[step]))
+            for place, other in enumerate(moves):
+                shares[place, step] = np.sum(image * other)
+                image = image - shares[place, step] * forces[place]
+            move = self._yields(image)
+            left = np.sqrt(max(np.sum(image * move), 0.0))
+            shares[step + 1, step] = left
+            weights, missed = _least(shares[: step + 2, : step + 1], size)
+            if missed <= TOLERANCE * size or left == 0.0:
                 break
-            image = search + self.on_grid(state.springs @ self.at_points(pushed))
-            length = energy / np.sum(pushed * image)
-            forces += length * search
-            moves += length * pushed
-            residual = residual - length * image
-            move = self._yields(residual)
-            energy, last = np.sum(residual * move), energy
-            search = residual + energy / last * search
-            pushed = move + energy / last * pushed
-        return forces, moves
+            forces.append(image / left)
+            moves.append(move / left)
+        # not a library product: those differ with the number of threads
+        found, made = (np.einsum("k,kcij->cij", weights, np.stack(parts[: len(weights)])) for parts in (forces, moves))
+        return found, made
+
+
+def _least(shares: Array, size: float) -> tuple[Array, float]:
+    """Weights of GMRES's basis, and what they miss."""
+    goal = np.zeros(len(shares))
+    goal[0] = size
+    weights = np.linalg.lstsq(shares, goal, rcond=None)[0]
+    return weights, float(np.linalg.norm(goal - shares @ weights))
 
 
 def _is_near(values: Array, others: Array) -> bool:

@@ -49,7 +49,7 @@ def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
     domed = last([DOME], "press", (0.0, 0.0), **form)
     smaller = {"ball": {"shape": "sphere", "radius": 1 / (1 / 0.004 + 1 / RADIUS)}}
     flat = last((), "press", (0.0, 0.0), indenters=smaller, **form)
-    np.testing.assert_allclose(domed[2], flat[2], rtol=7e-3)
+    np.testing.assert_allclose(domed[2], flat[2], rtol=1e-2)
     plain = last((), "press", (0.0, 0.0), **form)
     assert domed[2] < 0.98 * plain[2]
     assert np.abs(domed[:2]).max() < 1e-2 * domed[2]

@@ -12,7 +12,7 @@ from tactiledata.rig.layer_gap import TouchPoints, gaps, gaps_and_normals
 from tactiledata.rig.layer_grid import Column, LayerGrid
 from tactiledata.rig.layer_kernel import LayerKernel
 from tactiledata.rig.layer_press import solve_press
-from tactiledata.rig.layer_solver import HOLD, SPRINGS, Layer, lame_constants
+from tactiledata.rig.layer_solver import SPRINGS, Layer, lame_constants
 from tactiledata.rig.layer_touch import Surface
 from tactiledata.rig.scenario import Material
 
@@ -51,7 +51,7 @@ def linear_contact(indenter, depth, thickness, grid, material):
     surface = Surface(points.chosen(near), kernel.displace_surface, grid.shape)
     weighing = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
     zero, fresh = np.zeros((len(near), 3)), np.ones(len(near), bool)
-    grip = Grip(SPRINGS * weighing, HOLD * weighing, weighing, 0.0, zero, points.places[near], fresh)
+    grip = Grip(SPRINGS * weighing, weighing, 0.0, zero, points.places[near], fresh)
     values, force, flat = zero, np.zeros((3, *grid.shape)), np.zeros((3, *grid.shape))
     for _ in range(8):
         found = surface.settle(flat, values, force, grip, lambda at: gaps_and_normals(indenter, pose, at))
