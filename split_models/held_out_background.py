@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.errors import UsageError
+from tactiledata.sensors.same_sensor import is_same_sensor
 from tactiledata.store.reader import Store
 
 Picture = NDArray[np.uint8]
-SAME = 3.0
-"""Grey levels on average; two pictures without contact that differ by less are of one unit."""
 
 
 def refuse_held_out(name: str, picture: Picture, store: Store, known: Collection[str], remedy: str) -> None:
@@ -29,9 +27,7 @@ def refuse_held_out(name: str, picture: Picture, store: Store, known: Collection
     for sensor, reference in store.references().items():
         if sensor in known:
             continue
-        size = picture.shape[1::-1]
-        other = np.asarray(cv2.resize(reference.image, size, interpolation=cv2.INTER_AREA), np.float64)
-        if np.abs(other - picture).mean() < SAME:
+        if is_same_sensor(reference.image, picture):
             raise UsageError(
                 f"the background {name!r} is that of sensor {sensor}, which is held out of training",
                 "backgrounds of sensors that are not tested on",

@@ -13,8 +13,8 @@ from tactiledata.diagnose.trial_path import FREE_FRAMES
 
 FORMAT = "tactiledata-scenario/1"
 Entries = Mapping[str, Mapping[str, Any]]
-BACKGROUND = "digit-bg-0"
-"""A bundled one, where nobody names the sensor's own."""
+BACKGROUND = "digit-bg-5"
+"""A bundled one, where nobody names the sensor's own; none that pictures are transferred to."""
 
 
 def trial_scenario(

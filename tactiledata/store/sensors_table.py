@@ -16,6 +16,7 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError
+from tactiledata.sensors.same_sensor import SAME_GEL_LEVELS, levels_apart
 from tactiledata.store.arrays import open_rows, write_image
 from tactiledata.store.batch import Batch
 from tactiledata.store.layout import home_of, reference_path, sensors_path
@@ -24,12 +25,6 @@ from tactiledata.store.writer import StagedTake
 
 PASSING = ("power_on_ns",)
 """Facts that belong to a recording, not to a sensor; they stay in the source's description."""
-
-SAME_GEL_LEVELS = 6.0
-"""Mean absolute difference, of 255 levels, up to which two pictures show the same sensor.
-
-The two most alike of 18 DIGITs (the backgrounds of data/NOTICE.md) differ by 7.2, the median pair by 17.7; one sensor's
-exposure drifts by a few levels."""
 
 Facts = dict[str, dict[str, Any]]
 
@@ -58,7 +53,7 @@ def reference_conflict(sensor: str, known: NDArray[np.uint8], stated: NDArray[np
         return _conflict(
             sensor, f"the picture without contact is {stated.shape[:2]} here and {known.shape[:2]} in the store"
         )
-    difference = float(np.abs(known.astype(np.int16) - stated).mean())
+    difference = levels_apart(known, stated)
     if difference <= SAME_GEL_LEVELS:
         return None
     return _conflict(
