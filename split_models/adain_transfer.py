@@ -19,6 +19,7 @@ from split_models.adaptive_instance_norm import adaptive_instance_norm
 from split_models.image_vae import ImageVae, as_input
 from split_models.latent import CHUNK, decode_pictures
 from split_models.latent_transfer import scaled
+from split_models.learned_backgrounds import Learned
 
 Pictures = NDArray[np.uint8]
 
@@ -47,6 +48,11 @@ class AdainTransfer:
     model: str = ""
     recipe: str = ""
     scales: bool = True
+
+    @property
+    def learned_from(self) -> Learned:
+        """Sensors that the VAE was trained on, with their pictures without contact; empty where that is not known."""
+        return self.vae.learned_from
 
     def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
         """The touches (n, H, W, 3) uint8 with the target background's statistics, in that background's size."""

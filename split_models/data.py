@@ -117,6 +117,11 @@ class TouchFrames:
         """The sensor's picture (h, w, 3) without contact."""
         return self._sized(self.arrays.store.reference(sensor).image[None])[0]
 
+    def backgrounds(self) -> dict[str, Pictures]:
+        """Pictures (h, w, 3) without contact of the sensors that frames are of, where the store has them."""
+        held = self.arrays.store.manifest["references"]
+        return {name: self.background(name) for name in self.sensor_names if name in held}
+
     @property
     def sensor_names(self) -> list[str]:
         """Sensors that frames are of, sorted."""

@@ -16,6 +16,7 @@ from split_models.image_vae import ImageVae
 from split_models.items import Batch, frame_of
 from split_models.latent import decode_pictures, encode_pictures
 from split_models.latent_transfer import scaled
+from split_models.learned_backgrounds import kept_small
 from split_models.objectives import ImageVaeObjective
 from split_models.train import BEST, train
 from split_models.train_options import TrainOptions
@@ -115,6 +116,8 @@ def fine_tune(
     before = reconstruction_error(vae, held)
     recipe = digest_of({"fine-tuned from": parent, "augmentation": vars(AUGMENTATION), "options": vars(options)})
     stamps = Stamps(recipe, train_frames.split_digest, digest_of([items.fingerprint, held.fingerprint]), "")
+    if vae.learned_from:  # of a parent that does not say, nobody knows all
+        vae.learned_from += kept_small(list(train_frames.backgrounds().items()))
     objective = ImageVaeObjective(vae, DIVERGENCE_WEIGHT, 0, AUGMENTATION)
     train(objective, items, held, options, folder, stamps, torch.device("cpu"), tell=tell)
     return FineTuned(folder / BEST, len(train_frames), before, reconstruction_error(vae, held))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Self
 
 import torch
 from torch import Tensor, nn
 
 from split_models.latent_normal import draw
+from split_models.learned_backgrounds import Learned, as_extras, of_extras
 from split_models.network import Network
 from tactiledata.errors import UsageError
 
@@ -141,6 +142,11 @@ class ImageVae(Network):
         the divergence of the first steps has no bound. Pictures are always bounded.
     upsampling : "nearest" or "sub_pixel"
 
+    Attributes
+    ----------
+    learned_from : tuple of (str, (40, 30, 3) uint8)
+        Sensors that it was trained on, with their pictures without contact; empty where that is not known.
+
     Raises
     ------
     UsageError
@@ -177,10 +183,22 @@ class ImageVae(Network):
         self.encoder = ImageEncoder(blocks, down, channels, activation)
         self.decoder = ImageDecoder(blocks, down, channels, activation, upsampling)
         self.latent = latent
+        self.learned_from: Learned = ()
         self.to_mean = nn.Linear(_product(self.inner), latent)
         self.to_log_variance = nn.Linear(_product(self.inner), latent)
         self.from_latent = nn.Linear(latent, _product(self.inner))
         self.to(memory_format=LAYOUT)  # type: ignore[call-overload]
+
+    def extras(self) -> dict[str, Tensor]:
+        """Pictures without contact of the sensors that it was trained on, by number and name."""
+        return as_extras(self.learned_from)
+
+    @classmethod
+    def rebuilt(cls, settings: Mapping[str, Any], extras: Mapping[str, Tensor], topology: str) -> Self:
+        """The network of a checkpoint, before its weights are loaded."""
+        vae = cls(**settings)
+        vae.learned_from = of_extras(extras)
+        return vae
 
     def features(self, pictures: Tensor) -> Tensor:
         """The encoder's features (n, f) of pictures (n, 3, h, w) in [-1, 1]."""

@@ -13,6 +13,7 @@ from split_models.augment import Augmentation
 from split_models.data import TouchFrames
 from split_models.held_out_background import refuse_held_out
 from split_models.image_vae import ImageVae
+from split_models.learned_backgrounds import kept_small
 from split_models.objectives import ImageVaeObjective, Objective
 from split_models.relighting import ArithmeticVaeObjective
 from tactiledata.store.targets import find_target
@@ -21,7 +22,9 @@ SIZES = ("blocks", "down", "channels", "latent", "activation", "upsampling")
 """What of a recipe's section shapes the network."""
 
 
-def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: ImageVae | None = None) -> Objective:
+def image_vae_objective(
+    section: Mapping[str, Any], frames: TouchFrames, start: ImageVae | None = None, extra: Sequence[TouchFrames] = ()
+) -> Objective:
     """The objective of a recipe's section ``image_vae``.
 
     Parameters
@@ -31,6 +34,8 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: 
         Of the train part.
     start : ImageVae, optional
         Whose weights it learns on from.
+    extra : list of TouchFrames
+        Pictures of other corpora that it learns from.
 
     Raises
     ------
@@ -43,18 +48,20 @@ def image_vae_objective(section: Mapping[str, Any], frames: TouchFrames, start: 
     vae = ImageVae(frames.size, **{name: section[name] for name in SIZES})
     if start is not None:
         vae.load_state_dict(start.state_dict())
+    own = [(name, background) for part in (frames, *extra) for name, background in part.backgrounds().items()]
+    vae.learned_from = kept_small([*(start.learned_from if start is not None else ()), *own])
     augmentation = Augmentation(**section["augmentation"])
     relighting = section["relighting"]
     if not (relighting["relit"] or relighting["exchanged"] or relighting["contact_weight"]):
         return ImageVaeObjective(vae, section["divergence_weight"], section["anneal"], augmentation)
-    own = [frames.background(name) for name in frames.sensor_names]
-    others = [_background(name, frames) for name in relighting["backgrounds"]]
+    others = [(name, _background(name, frames)) for name in relighting["backgrounds"]]
+    vae.learned_from += kept_small(others)
     return ArithmeticVaeObjective(
         vae,
         section["divergence_weight"],
         section["anneal"],
         augmentation,
-        np.stack([*own, *others]),
+        np.stack([*frames.backgrounds().values(), *(picture for _, picture in others)]),
         relighting["relit"],
         relighting["exchanged"],
         relighting["contact_weight"],

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from split_models.checkpoint import load_checkpoint
 from split_models.image_vae import ImageVae
 from split_models.latent import add, decode_pictures, encode_pictures, subtract
+from split_models.learned_backgrounds import Learned
 from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import CheckpointError
 
@@ -48,6 +49,11 @@ class LatentTransfer:
     model: str = ""
     recipe: str = ""
     scales: bool = True
+
+    @property
+    def learned_from(self) -> Learned:
+        """Sensors that the VAE was trained on, with their pictures without contact; empty where that is not known."""
+        return self.vae.learned_from
 
     def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
         """The touches (n, H, W, 3) uint8 as the target sensor might have seen them, in its background's size."""

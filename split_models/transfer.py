@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from split_models.transfer_methods import TransferMethod
 from split_models.transfer_take import Transfer, crc_of, stage_transfer
 from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.average_background import refuse_swapped_channels
@@ -23,6 +24,7 @@ from tactiledata.store.lock import writing_lock
 from tactiledata.store.manifest import settings_of
 from tactiledata.store.pieces import Origin, Piece, pieces_of
 from tactiledata.store.reader import Store
+from tactiledata.store.seen_target import target_findings
 from tactiledata.store.targets import Target
 from tactiledata.store.writer import StagedTake, find_staged
 
@@ -48,6 +50,8 @@ class TransferReport:
     left_out : int
         Frames of the source store that were not transferred: other cameras, no whole image, in no trajectory.
     notes : tuple of str
+    findings : tuple of Finding
+        Where the target is no unseen sensor.
     """
 
     out: str
@@ -59,12 +63,13 @@ class TransferReport:
     added: int
     left_out: int
     notes: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
 
     def document(self) -> dict[str, Any]:
         """The report as JSON."""
-        facts = {name: value for name, value in vars(self).items() if name != "target"}
+        facts = {name: value for name, value in vars(self).items() if name not in ("target", "findings")}
         target = {name: value for name, value in vars(self.target).items() if name != "background"}
-        return {**facts, "target": target}
+        return {**facts, "target": target, "findings": [vars(finding) for finding in self.findings]}
 
 
 def transfer_store(
@@ -132,6 +137,7 @@ def transfer_store(
         added,
         store.n_frames - sum(counts),
         tuple(notes),
+        tuple(target_findings(target, store, backgrounds, getattr(method, "learned_from", None))),
     )
 
 

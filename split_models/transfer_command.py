@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
 
@@ -90,5 +90,6 @@ def _tell(report: TransferReport, to: str, way: TransferMethod, location: str, p
         )
     for note in report.notes:
         say(note)
+    findings((report.target.name, finding) for finding in report.findings)
     say(f"wrote {report.out} and {picture}: look at the picture before you train on them")
     say(f"to train on both: tactiledata merge {location} {report.out} --into with-children/both.zarr, then split that")

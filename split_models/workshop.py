@@ -102,7 +102,8 @@ class Workshop(RecipeData):
         def build() -> tuple[Objective, Items, Items]:
             train, val = self.frames("train"), self.frames("val")
             items = PictureItems([train, *self.extra_frames], section["background_copies"])
-            return image_vae_objective(section, train, start), items, PictureItems([val], 0, train.sensor_names)
+            objective = image_vae_objective(section, train, start, self.extra_frames)
+            return objective, items, PictureItems([val], 0, train.sensor_names)
 
         fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self.extra_frames]])
         options = self.recipe.training("image_vae", settle=section["anneal"])

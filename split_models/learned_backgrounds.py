@@ -1,0 +1,42 @@
+"""Pictures without contact of the sensors that an image VAE was trained on, as its checkpoint keeps them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+Picture = NDArray[np.uint8]
+Learned = tuple[tuple[str, Picture], ...]
+"""Names of sensors with their pictures without contact; empty where nobody said what a model was trained on."""
+PREFIX = "background/"
+LONG, SHORT = 40, 30
+"""px of a kept picture: enough to tell one sensor from another (`tactiledata.sensors.same_sensor`)."""
+
+
+def kept_small(pictures: Sequence[tuple[str, Picture]]) -> Learned:
+    """The named pictures (h, w, 3), each scaled to 40 x 30 px, or 30 x 40 where it is wider than high."""
+    return tuple((name, _small(picture)) for name, picture in pictures)
+
+
+def as_extras(learned: Learned) -> dict[str, Tensor]:
+    """The pictures as extras of a checkpoint."""
+    return {
+        f"{PREFIX}{number}/{name}": torch.from_numpy(np.ascontiguousarray(picture))
+        for number, (name, picture) in enumerate(learned)
+    }
+
+
+def of_extras(extras: Mapping[str, Tensor]) -> Learned:
+    """The pictures in the extras of a checkpoint, in the order in which they were kept."""
+    keys = sorted((key for key in extras if key.startswith(PREFIX)), key=lambda key: int(key.split("/", 2)[1]))
+    return tuple((key.split("/", 2)[2], extras[key].numpy()) for key in keys)
+
+
+def _small(picture: Picture) -> Picture:
+    size = (SHORT, LONG) if picture.shape[0] >= picture.shape[1] else (LONG, SHORT)
+    return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
