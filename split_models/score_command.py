@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -10,6 +12,12 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UnknownName
+
+if TYPE_CHECKING:
+    from tactiledata.scoring.sensor_pairs import PairScore
+    from tactiledata.scoring.sensor_sets import SensorSet
+    from tactiledata.store.reader import Store
+    from tactiledata.store.targets import Target
 
 MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE whose latent vectors t-SNE looks at.")
 WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
@@ -25,7 +33,10 @@ def score(
     store: str = STORE_ARGUMENT,
     metric: str = typer.Option(..., "--metric", help="histogram_intersection, gram_style, tsne, … with commas."),
     against: str = typer.Option(
-        None, "--against", help="Sensors that all others are scored against, with commas [default: every pair]."
+        None,
+        "--against",
+        help="Sensors that all others are scored against, with commas: sets of the store, or names that `tactiledata "
+        "sensors` lists [default: every pair].",
     ),
     model: Path = MODEL,
     weights: Path = WEIGHTS,
@@ -33,15 +44,18 @@ def score(
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Score the pictures of sensors against each other. Transferred ones apart, with intervals over trajectories.
+    """Score the pictures of sensors against each other. Synthetic ones apart, with intervals over trajectories.
+
+    A sensor of --against that is known by its picture without contact alone is compared outside the contact.
 
     Example: tactiledata score both.zarr --metric histogram_intersection,gram_style,tsne --against ycb-sensorA
     """
     from split_models.latent_vectors import picture_vectors, vectors_by_model
+    from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
     from tactiledata.scoring.chosen_scores import TSNE, chosen_scores
     from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
     from tactiledata.scoring.sensor_pairs import score_pairs
-    from tactiledata.scoring.sensor_sets import sensor_sets
+    from tactiledata.scoring.sensor_sets import require_sets, sensor_sets
     from tactiledata.store.reader import Store
 
     location = working_store(store)
@@ -49,29 +63,65 @@ def score(
     with damage_explains(location):
         opened = Store.open(location)
         scores = chosen_scores(names, weights)
-        sets = sensor_sets(opened, most)
-        named = None if against is None else _listed(against)
-        for name in named or ():
-            if name not in (known := [one.name for one in sets]):
-                raise UnknownName("set of pictures", name, known)
+        sets = sensor_sets(opened, most, least=1)
+        named, targets = (None, []) if against is None else _against(_listed(against), sets, opened)
+        if not targets:
+            require_sets(opened, sets, 2)
         encode = vectors_by_model(model) if model is not None else picture_vectors
         with progress("scoring", quiet=as_json) as tell:
             found = list(score_pairs(opened, scores, sets, named, encode, tell))
-        picture = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png") if TSNE in names else None
+        if targets:
+            found += score_backgrounds(opened, scores, sets, targets)
+        notes = sentences(targets, unlocated(opened, sets) if targets else [])
+        kinds = {one.name: one.kind for one in sets}
+        drawn = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", kinds) if TSNE in names else None
     if as_json:
-        drawn = str(picture) if picture else None
-        emit({"store": location, "scores": [one.document() for one in found], "tsne": drawn})
+        facts = {"tsne": str(drawn) if drawn else None, "notes": notes}
+        emit({"store": location, "scores": [one.document() for one in found], **facts})
         return
-    columns = ("score", "of", "against", "column", "looked at", "mean and 95 % interval")
-    kinds = {True: "Synth.", False: "Real"}
-    table(
-        "",
-        columns,
-        [(o.score.title, o.first, o.second, kinds[o.is_synthetic], o.looked_at, o.interval) for o in found],
-    )
-    say("; ".join(dict.fromkeys(f"{one.score.title}: {one.score.better} is closer" for one in found)))
-    if picture is not None:
-        say(f"wrote {picture}")
+    _tell(found, notes)
+    if drawn is not None:
+        say(f"wrote {drawn}")
+
+
+def _against(names: Sequence[str], sets: Sequence[SensorSet], store: Store) -> tuple[list[str], list[Target]]:
+    """The names that are sets of a store, and the targets that are known by a picture alone.
+
+    Raises
+    ------
+    UnknownName
+        A name that is neither.
+    """
+    from tactiledata.store.targets import find_target
+
+    known = [one.name for one in sets]
+    touched, targets = [], []
+    for name in names:
+        if name in known:
+            touched.append(name)
+            continue
+        try:
+            target = find_target(name, store)
+        except UnknownName as error:
+            raise UnknownName("set of pictures or sensor", name, [*known, *error.facts["known"]]) from error
+        if target.name in known:
+            touched.append(target.name)
+        else:
+            targets.append(target)
+    return touched, targets
+
+
+def _tell(found: Sequence[PairScore], notes: Sequence[str]) -> None:
+    """The table for people, and what it cannot say."""
+    columns = ("score", "of", "which is", "against", "which is", "looked at", "mean and 95 % interval")
+    rows = [
+        (pair.score.title, pair.first, pair.first_kind, pair.second, pair.second_kind, pair.looked_at, pair.interval)
+        for pair in found
+    ]
+    table("", columns, rows)
+    say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in found)))
+    for note in notes:
+        say(note)
 
 
 def _listed(words: str) -> list[str]:

@@ -39,8 +39,17 @@ def embed_vectors(
     return drawn
 
 
-def draw_embedding(drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path: Path) -> Path:
+def draw_embedding(
+    drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path: Path, kinds: Mapping[str, str] | None = None
+) -> Path:
     """A PNG with a panel for each kind of vector, a colour for each set.
+
+    Parameters
+    ----------
+    drawn : by kind of vector, then by set: (n, 2)
+    path : Path
+    kinds : set -> str, optional
+        What the pictures of a set are, for the legend.
 
     Raises
     ------
@@ -58,7 +67,7 @@ def draw_embedding(drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path:
     FigureCanvasAgg(figure)
     for axes, (kind, sets) in zip(np.atleast_1d(figure.subplots(1, len(drawn))), drawn.items(), strict=True):
         for name, places in sets.items():
-            axes.scatter(places[:, 0], places[:, 1], s=9, alpha=0.7, label=name)
+            axes.scatter(places[:, 0], places[:, 1], s=9, alpha=0.7, label=f"{name} ({kinds[name]})" if kinds else name)
         axes.set(title=f"t-SNE of {kind}", xticks=[], yticks=[])
         axes.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.01))
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -35,22 +35,24 @@ class Touches:
 class PairScore:
     """One score of one pair.
 
-    ``first`` was scored against ``second``; the interval draws the trajectories of ``first``. ``is_synthetic`` says
-    whether ``first`` was made by a transfer: the paper's column Synth., else its column Real. ``looked_at``: the whole
-    ``frame``, the ``contact``, or the name of the latent vectors.
+    ``first`` was scored against ``second``; the interval draws the trajectories of ``first``. ``first_kind`` and
+    ``second_kind`` say what each is: recorded, a simulated recording, synthetic, or a picture without contact.
+    ``looked_at``: the whole ``frame``, the ``contact``, all ``outside the contact``, or the name of the latent vectors.
     """
 
     metric: str
     score: Score
     first: str
     second: str
-    is_synthetic: bool
+    first_kind: str
+    second_kind: str
     looked_at: str
     interval: Interval
 
     def document(self) -> dict[str, Any]:
         """As JSON."""
-        facts = {name: getattr(self, name) for name in ("metric", "first", "second", "is_synthetic", "looked_at")}
+        names = ("metric", "first", "second", "first_kind", "second_kind", "looked_at")
+        facts = {name: getattr(self, name) for name in names}
         about = {name: getattr(self.score, name) for name in ("name", "title", "unit", "better")}
         numbers = {name: _finite(value) for name, value in vars(self.interval).items()}
         return {**facts, "score": about, **numbers}
@@ -92,7 +94,8 @@ def score_pairs(
         for metric, score in scores:
             for looked_at, values in _values(metric, score, loaded[first.name], loaded[second.name]):
                 interval = bootstrap(values, first.trajectories)
-                yield PairScore(metric, score, first.name, second.name, first.is_derived, looked_at, interval)
+                kinds = first.kind, second.kind
+                yield PairScore(metric, score, first.name, second.name, *kinds, looked_at, interval)
         if progress is not None:
             progress(done, len(pairs), f"{first.name} and {second.name}")
 

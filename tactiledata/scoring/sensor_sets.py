@@ -1,9 +1,11 @@
-"""Pictures of touches by sensor, recorded ones apart from those that were made of others."""
+"""Pictures of touches by sensor: recorded, simulated and synthetic ones apart."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,9 @@ class SensorSet:
         The sensor; of derived frames ``SENSOR of PARENT by METHOD``.
     sensor : str
     is_derived : bool
+        Made of another sensor's frames.
+    is_simulated : bool
+        The touches, its own or those that it was made of, are of recordings that state that they are simulated.
     rows : (n,) int64
         Of the store.
     trajectories : (n,) int64
@@ -36,17 +41,33 @@ class SensorSet:
     name: str
     sensor: str
     is_derived: bool
+    is_simulated: bool
     rows: NDArray[np.int64]
     trajectories: NDArray[np.int64]
 
+    @property
+    def kind(self) -> str:
+        """What the pictures are, for people: recorded, a simulated recording, or synthetic."""
+        if self.is_derived:
+            return "synthetic, of a simulated recording" if self.is_simulated else "synthetic"
+        return "simulated recording" if self.is_simulated else "recorded"
 
-def sensor_sets(store: Store, most: int) -> list[SensorSet]:
-    """The sets of a store, with at most so many frames each, spread evenly over each set's frames.
+
+def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
+    """The sets of a store, sorted by name; those of one name that are recorded and simulated are two.
+
+    Parameters
+    ----------
+    store : Store
+    most : int
+        Frames of each set, spread evenly over those that it has.
+    least : int
+        Sets that there must be: one is enough where its target is known without touches.
 
     Raises
     ------
     StoreError
-        Fewer than two sets.
+        Fewer sets.
     """
     frames = store.frames(["trajectory", "flags", "contact_force", "camera"])
     owner = np.asarray(frames["trajectory"])
@@ -54,20 +75,37 @@ def sensor_sets(store: Store, most: int) -> list[SensorSet]:
     force = np.asarray(frames["contact_force"].to_numpy(), np.float64)
     in_contact = np.isnan(force).all() | ((force >= CONTACT_FORCE[0]) & (force <= CONTACT_FORCE[1]))
     usable = np.flatnonzero(whole & in_contact & (owner >= 0) & _own_camera(store))
-    labels = [_label(row) for row in store.trajectories(["sensor", "parent", "extra"]).to_pylist()]
+    labels = _labels(store)
     found = []
     for label in sorted(set(labels)):
         rows = usable[np.isin(owner[usable], [row for row, one in enumerate(labels) if one == label])]
         if len(rows):
             kept = rows[np.unique(np.linspace(0, len(rows) - 1, most).astype(int))]
-            found.append(SensorSet(label[0], label[1], label[2], kept, owner[kept].astype(np.int64)))
-    if len(found) < 2:
+            found.append(SensorSet(*label, kept, owner[kept].astype(np.int64)))
+    require_sets(store, found, least)
+    return found
+
+
+def require_sets(store: Store, sets: Sequence[SensorSet], least: int) -> None:
+    """Nothing, where a store has so many sets.
+
+    Parameters
+    ----------
+    store : Store
+    sets : list of SensorSet
+    least : int
+
+    Raises
+    ------
+    StoreError
+        Fewer.
+    """
+    if len(sets) < least:
         raise StoreError(
-            f"{store.location} holds touches of {', '.join(one.name for one in found) or 'no sensor'}",
-            "two sensors to compare, or one and what was transferred to it",
+            f"{store.location} holds touches of {', '.join(some.name for some in sets) or 'no sensor'}",
+            "two sensors to compare, or one and what was transferred to it" if least > 1 else "frames in contact",
             "Merge stores first: `tactiledata merge S1 S2 --into both.zarr`.",
         )
-    return found
 
 
 def _own_camera(store: Store) -> NDArray[np.bool_]:
@@ -77,12 +115,34 @@ def _own_camera(store: Store) -> NDArray[np.bool_]:
     return np.array(frames["sensor"].to_pylist(), object) == sensors[np.asarray(frames["trajectory"])]
 
 
-def _label(row: dict[str, str]) -> tuple[str, str, bool]:
+Label = tuple[str, str, bool, bool]
+"""Name, sensor, whether derived, whether simulated, of a set."""
+
+
+def _labels(store: Store) -> list[Label]:
+    """The set that each trajectory belongs to; a name says what tells sets apart that would have the same."""
+    descriptions = [json.loads(text) for text in store.sources(["description"])["description"].to_pylist()]
+    simulated = [_is_simulated(description) for description in descriptions]
+    rows = store.trajectories(["sensor", "parent", "extra", "source"]).to_pylist()
+    labels = [(_name(row), row["sensor"], bool(row["parent"]), simulated[row["source"]]) for row in rows]
+    recorded = {name for name, _, _, is_simulated in labels if not is_simulated}
+    return [
+        (f"{name}, simulated" if is_simulated and name in recorded else name, sensor, is_derived, is_simulated)
+        for name, sensor, is_derived, is_simulated in labels
+    ]
+
+
+def _is_simulated(description: Mapping[str, Any]) -> bool:
+    """Whether a recording's description states that its contacts are simulated."""
+    recorder = description.get("recorded_by")
+    return isinstance(recorder, Mapping) and recorder.get("contact") == "simulated"
+
+
+def _name(row: Mapping[str, str]) -> str:
     if not row["parent"]:
-        return row["sensor"], row["sensor"], False
+        return row["sensor"]
     extra = json.loads(row["extra"])
-    made = f"{row['sensor']} of {extra.get('parent_sensor', '?')} by {extra.get('transfer', '?')}"
-    return made, row["sensor"], True
+    return f"{row['sensor']} of {extra.get('parent_sensor', '?')} by {extra.get('transfer', '?')}"
 
 
 def load_pictures(store: Store, one: SensorSet) -> NDArray[np.uint8]:

@@ -40,7 +40,7 @@ TRUTH = metric("truth", "needs truths", "images", [Score("l1", "l1", "", "lower"
 
 @pytest.fixture(autouse=True)
 def _a_metric_of_sets(monkeypatch):
-    for module in ("sensor_pairs", "chosen_scores"):
+    for module in ("sensor_pairs", "chosen_scores", "background_targets"):
         known = {"shade": SHADE, "truth": TRUTH, "embedding": METRICS["embedding"], "gram_style": METRICS["gram_style"]}
         monkeypatch.setattr(f"tactiledata.scoring.{module}.METRICS", known)
 
@@ -85,10 +85,13 @@ def test_all_pairs_or_all_against_one(store):
         frozenset(pair) for pair in (("D1", "D2"), ("D1", CHILDREN), ("D2", CHILDREN))
     }
     against = [one for one in score_pairs(store, scores, sets, ["D2"]) if one.looked_at == "frame"]
-    assert [(one.first, one.second, one.is_synthetic) for one in against] == [
-        ("D1", "D2", False),
-        (CHILDREN, "D2", True),
+    assert [(one.first, one.second, one.first_kind, one.second_kind) for one in against] == [
+        ("D1", "D2", "recorded", "recorded"),
+        (CHILDREN, "D2", "synthetic", "recorded"),
     ]
+    # whichever stands second says what it is
+    kinds = {(one.first, one.second): (one.first_kind, one.second_kind) for one in every}
+    assert kinds["D1", CHILDREN] == ("recorded", "synthetic")
 
 
 def test_values_are_the_scores_own(store):
@@ -159,8 +162,8 @@ def test_command(store, capsys):
     words = ("score", store.location, "--metric", "shade", "--against", "D2")
     code, out, _ = run_command(capsys, *words)
     assert code == 0
-    assert "Synth." in out
-    assert "Real" in out
+    assert "synthetic" in out
+    assert "recorded" in out
     code, out, _ = run_command(capsys, *words, "--json")
     found = json.loads(out)["scores"]
     assert {(one["first"], one["second"], one["looked_at"]) for one in found} >= {(CHILDREN, "D2", "frame")}

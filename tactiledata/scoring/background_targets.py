@@ -1,0 +1,125 @@
+"""Scores against a sensor that is known by its picture without contact alone: what lies outside the contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.errors import StoreError, UsageError
+from tactiledata.metrics import METRICS
+from tactiledata.metrics.base import Score
+from tactiledata.metrics.bootstrap import bootstrap
+from tactiledata.scoring.sensor_pairs import PairScore
+from tactiledata.scoring.sensor_sets import SensorSet, background_of, contact_masks, load_pictures
+from tactiledata.sensors.image_checks import CONTACT_BLUR
+from tactiledata.store.reader import Store
+from tactiledata.store.targets import Target
+
+Picture = NDArray[np.uint8]
+KIND = "picture without contact"
+OUTSIDE = "outside the contact"
+FRINGE = 3.0
+"""Widths of the blur of `shows_contact` by which its contact is widened: beyond them the blur carries nothing."""
+
+
+def score_backgrounds(
+    store: Store, scores: Sequence[tuple[str, Score]], sets: Sequence[SensorSet], targets: Sequence[Target]
+) -> Iterator[PairScore]:
+    """Scores of the pictures of sets, outside their contacts, against pictures without contact of targets.
+
+    One set is in memory at once. Sets whose sensor has no picture without contact have no scores: where their contact
+    is is not known (`unlocated` names them).
+
+    Parameters
+    ----------
+    store : Store
+    scores : list of (metric, Score)
+        Those of latent vectors are of touches and left out.
+    sets : list of SensorSet
+    targets : list of Target
+
+    Raises
+    ------
+    UsageError
+        No score is one of pictures.
+    StoreError
+        The contact is known in no set, or is everywhere in one.
+    """
+    of_pictures = [(metric, score) for metric, score in scores if METRICS[metric].takes == "image sets"]
+    names = ", ".join(target.name for target in targets)
+    if not of_pictures:
+        raise UsageError(
+            f"{', '.join(score.name for _, score in scores)} against {names}, of which no touch is known",
+            "a score of pictures, such as histogram_intersection or gram_style",
+            "Latent vectors are of touches: they need touches of the target.",
+        )
+    missing = unlocated(store, sets)
+    if len(missing) == len(sets):
+        raise StoreError(
+            f"no sensor of {store.location} has a picture without contact of its frames' size",
+            f"one of each sensor that is scored against {names}: it tells where the contact is",
+            f"`tactiledata sensors add {sets[0].sensor} --background FILE...` adds one.",
+        )
+    for one in (one for one in sets if one.name not in missing):
+        pictures = load_pictures(store, one)
+        outside = outside_contact(contact_masks(pictures, background_of(store, one)))
+        if not outside.any():
+            raise StoreError(
+                f"all of every picture of {one.name} differs from the picture of {one.sensor} without contact",
+                "pictures with something outside the contact",
+                f"If that picture is of another sensor: `tactiledata sensors add {one.sensor} --background FILE... "
+                "--replace`.",
+            )
+        for target in targets:
+            untouched, there = _compared(target.background, outside)
+            for metric, score in of_pictures:
+                values = score.compute(pictures, untouched, outside, there)
+                interval = bootstrap(values, one.trajectories)
+                yield PairScore(metric, score, one.name, target.name, one.kind, KIND, OUTSIDE, interval)
+
+
+def _compared(background: Picture, outside: NDArray[np.bool_]) -> tuple[Picture, NDArray[np.bool_]]:
+    """A background as the other set, and its masks: where the pictures are free of touch, if sizes let them be laid."""
+    if background.shape[:2] == outside.shape[1:]:
+        return np.repeat(background[None], len(outside), axis=0), outside
+    return background[None], np.ones((1, *background.shape[:2]), bool)
+
+
+def unlocated(store: Store, sets: Sequence[SensorSet]) -> list[str]:
+    """Names of the sets whose sensor has no picture without contact of their pictures' size."""
+    lacking = []
+    for one in sets:
+        background = background_of(store, one)
+        first = np.asarray(store.images(one.rows[:1])[0])
+        if background is None or background.shape != first.shape:
+            lacking.append(one.name)
+    return lacking
+
+
+def outside_contact(masks: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    """Where (n, H, W) pictures show nothing of the touch: the masks of their contacts, widened and turned round."""
+    assert masks is not None  # sets without are left out
+    reach = int(np.ceil(FRINGE * CONTACT_BLUR * max(masks.shape[1:])))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    return np.stack([cv2.dilate(mask.astype(np.uint8), disc) == 0 for mask in masks])
+
+
+def sentences(targets: Sequence[Target], missing: Sequence[str]) -> list[str]:
+    """What scores against targets that are known by a picture alone can and cannot say, for people."""
+    told = []
+    for target in targets:
+        told += [
+            f"{target.name} is known by its picture without contact alone: {target.resolved}.",
+            "Scores against it compare light and colours outside the contact. A method that lays its change on this "
+            "picture agrees with it there by construction.",
+            f"Whether a touch looks as it would on {target.name} cannot be said: that needs recorded touches of it.",
+        ]
+    if missing:
+        told.append(
+            f"Not scored: {', '.join(missing)}. Without a picture of that sensor without contact it is not known where "
+            "the contact is."
+        )
+    return told
