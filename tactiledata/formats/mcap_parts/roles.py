@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -127,11 +127,14 @@ class Roles:
     findings: tuple[Finding, ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
 
-    def label(self, topic: str) -> str:
-        """What a topic is read as: ``wrench``, ``image:digit``; empty where it is not read."""
-        names = [role.name for role in self.signals if role.topic == topic]
+    def label(self, topic: str, empty: Container[str] = ()) -> str:
+        """What a topic is read as: ``wrench``, ``image:digit``; empty where it is not read.
+
+        ``empty`` are names of its signals and cameras that got no message: it is not read as these.
+        """
+        names = [role.name for role in self.signals if role.topic == topic and role.name not in empty]
         names += [f"{role.name} (fixed transforms)" for role in self.signals if role.static_topic == topic]
-        names += [f"image:{role.camera}" for role in self.images if role.topic == topic]
+        names += [f"image:{role.camera}" for role in self.images if role.topic == topic and role.camera not in empty]
         return ", ".join(names)
 
     @property

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from mcap.records import Channel, Schema
 
+from tactiledata.contract.wording import counted
 from tactiledata.formats.base import TopicInfo
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, encoding_of, frame_of, kind_of, value_at
 from tactiledata.formats.mcap_parts.mapping_draft import Glimpse
@@ -36,6 +37,11 @@ class _Row:
     frame: str = ""
     joints: tuple[str, ...] = ()
     parents: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def rate(self) -> float | None:
+        """Hz, from the first message to the last; ``None`` where that is no span of time."""
+        return (self.messages - 1) * 1e9 / (self.end_ns - self.start_ns) if self.end_ns > self.start_ns else None
 
     def look(self, message: Any) -> None:
         """Note what a mapping would need of a decoded message."""
@@ -112,21 +118,36 @@ class Tally:
         """What a draft of a mapping needs of each topic."""
         return {name: Glimpse(row.frame, row.joints, row.parents) for name, row in self._rows.items()}
 
-    def topics(self, roles: Roles) -> tuple[TopicInfo, ...]:
-        """The rows, in natural order of their topics."""
+    def topics(self, roles: Roles, counts: Mapping[tuple[str, str], int]) -> tuple[TopicInfo, ...]:
+        """The rows, in natural order of their topics.
+
+        Parameters
+        ----------
+        roles : Roles
+        counts : dict, (topic, name of a signal or camera) -> samples or pictures that were read of it
+        """
         return tuple(
             TopicInfo(
                 name,
                 row.kind,
                 row.encoding,
                 row.messages,
-                (row.messages - 1) * 1e9 / (row.end_ns - row.start_ns) if row.end_ns > row.start_ns else None,
-                roles.label(name),
-                row.note or roles.notes.get(name, ""),
+                row.rate,
+                roles.label(name, {role for (topic, role), count in counts.items() if topic == name and not count}),
+                "; ".join(filter(None, (*_shortfalls(name, row, counts), row.note or roles.notes.get(name, "")))),
                 row.example,
             )
             for name, row in sorted(self._rows.items(), key=lambda item: natural_key(item[0]))
         )
+
+
+def _shortfalls(topic: str, row: _Row, counts: Mapping[tuple[str, str], int]) -> Iterator[str]:
+    """What a topic was named as and did not give, in full or in part."""
+    for (named, role), count in counts.items():
+        if named == topic and not count and row.messages:
+            yield f"named as {role}, and not one of its messages can be read"
+        elif named == topic and row.kind != TF_KIND and count < row.messages:
+            yield f"{counted(count, 'message')} of {row.messages:,} can be read as {role}"
 
 
 def shortened(message: Any) -> str:
