@@ -18,12 +18,13 @@ from tactiledata.formats.mcap_parts.bags import bag_sources, files_of, is_bag_fi
 from tactiledata.formats.mcap_parts.decode import kind_of
 from tactiledata.formats.mcap_parts.describe import backgrounds_of, description_of
 from tactiledata.formats.mcap_parts.images import stated_serials
-from tactiledata.formats.mcap_parts.mapping_draft import Draft, Glimpse, draft_mapping
+from tactiledata.formats.mcap_parts.mapping_draft import Draft, draft_mapping
 from tactiledata.formats.mcap_parts.playback import Handler, HandlerFor, Playback
 from tactiledata.formats.mcap_parts.reading import Decoders, Reading, spread
 from tactiledata.formats.mcap_parts.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
 from tactiledata.formats.mcap_parts.survey import Survey, survey
 from tactiledata.formats.mcap_parts.tally import Tally
+from tactiledata.formats.mcap_parts.unread_topics import Glimpse
 
 HostClock = Literal["log", "publish", "header", "auto"]
 

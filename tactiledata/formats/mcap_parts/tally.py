@@ -10,11 +10,12 @@ from mcap.records import Channel, Schema
 
 from tactiledata.contract.wording import counted
 from tactiledata.formats.base import TopicInfo
+from tactiledata.formats.mcap_parts.contents import Contents, contents_of
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, encoding_of, frame_of, kind_of, value_at
-from tactiledata.formats.mcap_parts.mapping_draft import Glimpse
 from tactiledata.formats.mcap_parts.playback import Handler
 from tactiledata.formats.mcap_parts.roles import TF_KIND, Roles
 from tactiledata.formats.mcap_parts.survey import Survey
+from tactiledata.formats.mcap_parts.unread_topics import Glimpse
 from tactiledata.formats.natural_order import natural_key
 
 EXAMPLE_LENGTH = 240
@@ -37,6 +38,7 @@ class _Row:
     frame: str = ""
     joints: tuple[str, ...] = ()
     parents: dict[str, str] = field(default_factory=dict)
+    contents: Contents | None = None
 
     @property
     def rate(self) -> float | None:
@@ -45,6 +47,7 @@ class _Row:
 
     def look(self, message: Any) -> None:
         """Note what a mapping would need of a decoded message."""
+        self.contents = self.contents or contents_of(message)
         self.example = self.example or shortened(message)
         self.frame = self.frame or frame_of(message)
         if self.kind == "sensor_msgs/JointState" and not self.joints:
@@ -116,7 +119,12 @@ class Tally:
 
     def glimpses(self) -> dict[str, Glimpse]:
         """What a draft of a mapping needs of each topic."""
-        return {name: Glimpse(row.frame, row.joints, row.parents) for name, row in self._rows.items()}
+        return {
+            name: Glimpse(
+                row.frame, row.joints, row.parents, row.encoding, row.note, row.messages, row.rate, row.contents
+            )
+            for name, row in self._rows.items()
+        }
 
     def topics(self, roles: Roles, counts: Mapping[tuple[str, str], int]) -> tuple[TopicInfo, ...]:
         """The rows, in natural order of their topics.
