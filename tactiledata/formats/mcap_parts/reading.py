@@ -123,7 +123,7 @@ class Reading:
 
     def findings(self) -> list[Finding]:
         """What was wrong with the messages that were read."""
-        parts = (*self._signals, *self._cameras, *self._trees.values())
+        parts: list[Buffer | TransformTree] = [*self._signals, *self._cameras, *self._trees.values()]
         found = [finding for part in parts for finding in part.findings()]
         empty = [
             Finding("empty-stream", "warning", f"{topic} holds no message that could be read as {name}", name)

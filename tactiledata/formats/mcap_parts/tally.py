@@ -17,6 +17,7 @@ from tactiledata.formats.mcap_parts.roles import TF_KIND, Roles
 from tactiledata.formats.mcap_parts.survey import Survey
 from tactiledata.formats.mcap_parts.unread_topics import Glimpse
 from tactiledata.formats.natural_order import natural_key
+from tactiledata.formats.stream_rate import has_times, rate_of
 
 EXAMPLE_LENGTH = 240
 DEPTH = 6
@@ -42,8 +43,8 @@ class _Row:
 
     @property
     def rate(self) -> float | None:
-        """Hz, from the first message to the last; ``None`` where that is no span of time."""
-        return (self.messages - 1) * 1e9 / (self.end_ns - self.start_ns) if self.end_ns > self.start_ns else None
+        """Hz, from the first message to the last; ``None`` where their log times are no times."""
+        return rate_of(self.messages, self.start_ns, self.end_ns)
 
     def look(self, message: Any) -> None:
         """Note what a mapping would need of a decoded message."""
@@ -144,6 +145,7 @@ class Tally:
                 roles.label(name, {role for (topic, role), count in counts.items() if topic == name and not count}),
                 "; ".join(filter(None, (*_shortfalls(name, row, counts), row.note or roles.notes.get(name, "")))),
                 row.example,
+                has_times(row.messages, row.start_ns, row.end_ns),
             )
             for name, row in sorted(self._rows.items(), key=lambda item: natural_key(item[0]))
         )
