@@ -27,6 +27,7 @@ from hypothesis import strategies as st
 from rosbags.typesys import get_types_from_msg
 
 from tactiledata.contract.schema import check_document, parse_document
+from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap import McapFormat
 from tactiledata.formats.mcap_parts.contents import contents_of
 from tactiledata.formats.mcap_parts.likely_fields import proposal_for
@@ -211,6 +212,42 @@ def test_odd_topics_are_listed_and_cannot_break_the_draft(tmp_path):
     assert len(sink.images) == 2
 
 
+def test_a_pose_with_a_rotation_vector_becomes_one_with_a_quaternion(tmp_path):
+    """Six numbers of a pose, in mm and rad: a quarter turn about z by hand; its re-drafted mapping reads the same."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        payload = json.dumps({"actual": [100, 200, -300, 0, 0, np.pi / 2]}).encode()
+        tape.raw("/tool_pose", START, payload, "P", "jsonschema", "json", b"{}")
+        tape.raw("/other_pose", START, payload, "P", "jsonschema", "json", b"{}")
+    text = uncommented(draft(tmp_path / "run.mcap")).replace("[m, m, m, rad,", "[mm, mm, mm, rad,")
+    mapping = parse_document(text, "the draft")
+    assert sorted(mapping["signals"]) == ["tcp", "tool_pose"]
+    [source] = FORMAT.sources(tmp_path / "run.mcap")
+    for document in (mapping, FORMAT.inspect(source, mapping).suggested_mapping):
+        [(recording, _)] = read(FORMAT, tmp_path / "run.mcap", document)
+        pose = recording.signals["tcp"]
+        np.testing.assert_allclose(pose.values, [[0.1, 0.2, -0.3, 0, 0, 0.5**0.5, 0.5**0.5]], atol=1e-15)
+        assert pose.units == ("m", "m", "m", "1", "1", "1", "1")
+
+
+@pytest.mark.parametrize(
+    ("name", "entry", "words"),
+    [
+        ("wrench", {"fields": ["v[0]"] * 6, "rotation": "rotation_vector"}, "states a rotation"),
+        ("tcp", {"fields": ["v[0]"] * 7, "rotation": "rotation_vector"}, "has 7 fields; expected 6: x, y, z, rx"),
+        ("tcp", {"fields": ["v[0]"] * 6}, "rotation: rotation_vector"),
+        ("tcp", {"fields": ["v[0]"] * 6, "rotation": "rotation_vector", "units": ["m"] * 7}, "has 7 units; expected 6"),
+        ("tcp", {"fields": ["v[0]"] * 6, "rotation": "rotation_vector", "units": ["m"] * 6}, "states 'm' for v"),
+    ],
+)
+def test_a_rotation_that_does_not_fit_is_refused(tmp_path, name, entry, words):
+    """A rotation belongs to a tcp with six fields; what does not fit is said."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.raw("/p", START, b'{"v": [1, 2, 3, 4, 5, 6]}', "P", "jsonschema", "json", b"{}")
+    mapping = {"format": "tactiledata-mapping/1", "signals": {name: {"topic": "/p", **entry}}}
+    with pytest.raises(SchemaError, match=re.escape(words)):
+        read(FORMAT, tmp_path / "run.mcap", mapping)
+
+
 NAMES = st.text("abfqtxyz", min_size=1, max_size=4)
 VALUES = st.recursive(
     st.floats(-100, 100) | st.integers(-9, 9) | st.booleans() | st.text(max_size=3) | st.lists(st.floats(-9, 9)),
@@ -255,7 +292,7 @@ def eval_path(message, path):
         ("/a", {"quat": dict.fromkeys("wxyz", 1), "pos": dict.fromkeys("xyz", 1)}, "tcp", "pos.x"),
         ("/a", {"time": 3.5, "v": [0] * 7}, "tcp", "v[0]"),
         ("/arm/joint_angles", {"v": [0] * 6}, "joints", "v[0]"),
-        ("/tool_pose", {"v": [0] * 6}, None, None),
+        ("/tool_pose", {"v": [0] * 6}, "tcp", "v[0]"),
         ("/arm/joint_angles", {"v": [0] * 7}, None, None),
         ("/a", {"v": [0] * 5}, None, None),
         ("/a", {"fx": 1, "b": {"fx": 1}, "fy": 1, "fz": 1, "tx": 1, "ty": 1, "tz": 1}, None, None),

@@ -38,12 +38,16 @@ column's names that occurs is taken."""
 
 @dataclass(frozen=True)
 class Proposal:
-    """Fields that could be a signal, and why; ``is_named`` where the fields' own names say so."""
+    """Fields that could be a signal, and why; ``is_named`` where the fields' own names say so.
+
+    With ``is_rotation_vector`` they are six of a tcp, the last three a rotation vector.
+    """
 
     signal: str
     fields: tuple[str, ...]
     reason: str
     is_named: bool = False
+    is_rotation_vector: bool = False
 
 
 def proposal_for(topic: str, places: Sequence[Place]) -> Proposal | None:
@@ -108,7 +112,8 @@ def _counted(text: str, fields: tuple[str, ...]) -> Proposal | None:
     if speaks_for("joints", text):
         return Proposal("joints", fields, "six numbers, as six joints have (base to wrist)")
     if speaks_for("tcp", text) and not speaks_for("wrench", text):
-        return None
+        reason = "six numbers, as a position and a rotation vector have (x, y, z, rx, ry, rz; other angles are no tcp)"
+        return Proposal("tcp", fields, reason, is_rotation_vector=True)
     columns = ", ".join(SIGNAL_COLUMNS["wrench"])
     return Proposal(
         "wrench", fields, f"six numbers, as a wrench has ({columns}); six joints would be called joints, in rad"

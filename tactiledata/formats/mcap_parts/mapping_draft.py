@@ -128,6 +128,8 @@ def _role_entry(role: SignalRole, glimpses: Mapping[str, Glimpse]) -> dict[str, 
     for key in ("fields", "units", "joint_names"):
         if getattr(role, key):
             entry[key] = list(getattr(role, key))
+    if role.is_rotation_vector:
+        entry["rotation"] = "rotation_vector"
     if role.name == "joints" and not (role.joint_names or role.fields):
         entry |= _joint_names(glimpses.get(role.topic))[0]
     return entry

@@ -15,7 +15,7 @@ from tactiledata.formats.mcap_parts.decode import Decoder, decoder_for
 from tactiledata.formats.mcap_parts.images import CameraBuffer, image_taker
 from tactiledata.formats.mcap_parts.playback import Handler
 from tactiledata.formats.mcap_parts.readers import signal_taker
-from tactiledata.formats.mcap_parts.roles import Roles
+from tactiledata.formats.mcap_parts.roles import Roles, SignalRole
 from tactiledata.formats.mcap_parts.transform_tree import TransformTree
 
 Buffer = SignalBuffer | CameraBuffer
@@ -112,9 +112,7 @@ class Reading:
         """
         roles = {role.name: role for role in self._roles.signals}
         return {
-            buffer.name: _with_units(buffer.signal(), roles[buffer.name].units)
-            for buffer in self._signals
-            if len(buffer.log)
+            buffer.name: _with_units(buffer.signal(), roles[buffer.name]) for buffer in self._signals if len(buffer.log)
         }
 
     def counts(self) -> dict[tuple[str, str], int]:
@@ -162,11 +160,12 @@ def _refusing(buffer: Buffer, reason: str) -> Handler:
     return refuse
 
 
-def _with_units(signal: Signal, stated: Sequence[str]) -> Signal:
+def _with_units(signal: Signal, role: SignalRole) -> Signal:
     """The signal; units that a mapping states stay only with columns whose unit nobody else knows."""
+    if not role.units or role.is_rotation_vector:
+        return signal
     units = tuple(
-        named if known == "?" and named else known
-        for known, named in zip(signal.units, stated or ("",) * len(signal.units), strict=True)
+        stated if known == "?" and stated else known for known, stated in zip(signal.units, role.units, strict=True)
     )
     return replace(signal, units=units)
 

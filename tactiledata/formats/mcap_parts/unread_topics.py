@@ -13,7 +13,14 @@ from tactiledata.contract.description import PLACEHOLDER
 from tactiledata.contract.wording import counted
 from tactiledata.formats.mcap_parts.contents import Contents, Place
 from tactiledata.formats.mcap_parts.likely_fields import Proposal, measured, proposal_for, speaks_for
-from tactiledata.formats.mcap_parts.roles import COLUMNS_OF, IMAGE_KINDS, TF_KIND, Topic, is_fixed_tree
+from tactiledata.formats.mcap_parts.roles import (
+    COLUMNS_OF,
+    IMAGE_KINDS,
+    ROTATION_VECTOR_UNITS,
+    TF_KIND,
+    Topic,
+    is_fixed_tree,
+)
 from tactiledata.units import signal_units
 
 MAX_FIELDS = 16
@@ -171,15 +178,23 @@ def _numbers(
     name = own or _free_name(topic.name, taken, "signal")
     if proposal and not own:
         remarks.append(f"if this is the {proposal.signal}, call it {proposal.signal}, and only this one")
-    if not proposal and speaks_for("tcp", topic.name) and len(fields) == 6:
-        remarks.append("six numbers are no tcp: that takes x, y, z and a quaternion")
+        if proposal.is_rotation_vector:
+            remarks.append("beside topic then stands `rotation: rotation_vector`")
     if len(fields) > MAX_FIELDS:
         remarks.append(f"the first {MAX_FIELDS} of {len(fields):,} numbers; name the ones that you need")
         fields = fields[:MAX_FIELDS]
-    columns = COLUMNS_OF[proposal.signal] if proposal else ("?",) * len(fields)
     if proposal and proposal.signal != "joints" and not contents.frame:
         remarks.append("it states no frame: `frame: NAME` beside topic says which one its numbers are in")
-    return {name: {"topic": topic.name, "fields": list(fields), "units": list(signal_units(columns))}}
+    entry: dict[str, Any] = {"topic": topic.name, "fields": list(fields), "units": _units(proposal, len(fields))}
+    if proposal and proposal.is_rotation_vector and name == "tcp":
+        entry["rotation"] = "rotation_vector"
+    return {name: entry}
+
+
+def _units(proposal: Proposal | None, count: int) -> list[str]:
+    if proposal is None:
+        return ["?"] * count
+    return list(ROTATION_VECTOR_UNITS if proposal.is_rotation_vector else signal_units(COLUMNS_OF[proposal.signal]))
 
 
 def _all_fields(places: Sequence[Place]) -> tuple[str, ...]:
