@@ -248,6 +248,15 @@ def test_a_rotation_that_does_not_fit_is_refused(tmp_path, name, entry, words):
         read(FORMAT, tmp_path / "run.mcap", mapping)
 
 
+def test_a_mapping_under_the_name_of_a_description_is_told_so(tmp_path):
+    """run.yaml beside run.mcap is its description; a mapping that was saved there is named as one."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, range(6))
+    (tmp_path / "run.yaml").write_text(draft(tmp_path / "run.mcap"), encoding="utf-8")
+    with pytest.raises(SchemaError, match=r"run.yaml is a mapping.*Give the mapping another name"):
+        read(FORMAT, tmp_path / "run.mcap")
+
+
 NAMES = st.text("abfqtxyz", min_size=1, max_size=4)
 VALUES = st.recursive(
     st.floats(-100, 100) | st.integers(-9, 9) | st.booleans() | st.text(max_size=3) | st.lists(st.floats(-9, 9)),
