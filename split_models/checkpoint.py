@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from torch import Tensor
 from split_models.network import Network
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.tensor_files import read_tensors
 from tactiledata.errors import CheckpointError, MissingFile
 from tactiledata.registry import Registry
 
@@ -158,16 +158,15 @@ def load_checkpoint(path: Path) -> Checkpoint:
     """
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
+    whole = read_tensors(path, "cannot be read as a checkpoint", CheckpointError)
     try:
-        whole = torch.load(path, map_location="cpu", weights_only=True)
         document = json.loads(whole["document"])
         parts = whole["weights"], whole["extras"], whole["optimiser"]
-    except (OSError, RuntimeError, pickle.UnpicklingError, EOFError, KeyError, TypeError, ValueError) as error:
-        why = (str(error) or type(error).__name__).splitlines()[0][:200]
+    except (LookupError, TypeError, ValueError, RecursionError) as error:
         raise CheckpointError(
-            f"{path} cannot be read as a checkpoint: {why}",
+            f"{path} cannot be read as a checkpoint: it lacks a part, or its document is no JSON",
             f"a file of format {FORMAT}",
-            "Remove it and train again.",
+            "It is of another program, or damaged. Remove it and train again.",
             path=str(path),
         ) from error
     if not isinstance(document, dict) or document.get("format") != FORMAT:

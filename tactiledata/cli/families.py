@@ -176,7 +176,7 @@ def _print_inspection(one: Any) -> None:
     for name, value in one.facts.items():
         say(f"  {name}: {value}")
     rows = [
-        (topic.name, topic.kind, topic.encoding, topic.messages, _rate(topic.rate), topic.role or "-", topic.note)
+        (topic.name, topic.kind, topic.encoding, topic.messages, _rate(topic), topic.role or "-", topic.note)
         for topic in one.topics
     ]
     if rows:
@@ -187,5 +187,7 @@ def _print_inspection(one: Any) -> None:
     findings(("", finding) for finding in one.findings)
 
 
-def _rate(rate: float | None) -> str:
-    return "-" if rate is None else f"{rate:.1f}"
+def _rate(topic: Any) -> str:
+    if not topic.has_times:
+        return "no times"
+    return "-" if topic.rate is None else f"{topic.rate:.1f}"

@@ -25,13 +25,15 @@ class TopicInfo:
         How messages are encoded, for example ``"cdr/ros2msg"``.
     messages : int
     rate : float, optional
-        Hz, from first to last message.
+        Hz, from first to last message; ``None`` of a single message, and where there are no times.
     role : str
         What the toolkit would read it as: ``wrench``, ``tcp``, ``joints``, ``image:<camera>`` or empty.
     note : str
         Why it cannot be read, or what stands out.
     example : str
         A decoded message, shortened.
+    has_times : bool
+        Whether its stamps are times; of pictures without times they are mere numbers.
     """
 
     name: str
@@ -42,6 +44,7 @@ class TopicInfo:
     role: str = ""
     note: str = ""
     example: str = ""
+    has_times: bool = True
 
 
 @dataclass(frozen=True)

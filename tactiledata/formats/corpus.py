@@ -20,6 +20,7 @@ from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.formats.base import Format, Inspection, TopicInfo
 from tactiledata.formats.intake import Intake, Payload
 from tactiledata.formats.natural_order import natural_key
+from tactiledata.formats.stream_rate import has_times, rate_of
 
 SECOND = 10**9
 """Nanoseconds."""
@@ -170,10 +171,7 @@ class CorpusFormat(Format):
         """What the source holds; image files are counted, the first of each camera is opened."""
         intake = Intake(None)
         recording = self.record(source, intake, mapping)
-        cameras = [
-            TopicInfo(name, "images", "", count, _rate(count, first, last), f"image:{name}", "", example)
-            for name, (count, first, last, example) in intake.cameras.items()
-        ]
+        cameras = [_camera_info(name, *facts) for name, facts in intake.cameras.items()]
         signals = [_signal_info(signal) for signal in recording.signals.values()]
         values = [
             TopicInfo(name, "values of images", "", int(np.isfinite(kept.values).any(axis=1).sum()), note=kept.note)
@@ -226,11 +224,13 @@ class CorpusFormat(Format):
             raise UsageError(f"{path} is not of format {self.name}", self.layout.strip(), path=str(path))
 
 
-def _rate(count: int, first: int, last: int) -> float | None:
-    return (count - 1) * SECOND / (last - first) if count > 1 and last > first else None
+def _camera_info(name: str, count: int, first: int, last: int, example: str) -> TopicInfo:
+    rate, timed = rate_of(count, first, last), has_times(count, first, last)
+    return TopicInfo(name, "images", "", count, rate, f"image:{name}", "", example, timed)
 
 
 def _signal_info(signal: Signal) -> TopicInfo:
     stamps = signal.stamps.log
-    rate = _rate(len(stamps), int(stamps[0]), int(stamps[-1])) if len(stamps) else None
-    return TopicInfo(signal.name, ", ".join(signal.columns), "", len(stamps), rate, signal.name)
+    first, last = (int(stamps[0]), int(stamps[-1])) if len(stamps) else (0, 0)
+    rate, timed = rate_of(len(stamps), first, last), has_times(len(stamps), first, last)
+    return TopicInfo(signal.name, ", ".join(signal.columns), "", len(stamps), rate, signal.name, has_times=timed)

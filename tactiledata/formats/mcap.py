@@ -3,33 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 from mcap.records import Channel, Schema
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Finding, ImageSink, Recording, Source
+from tactiledata.contract.records import Finding, Image, ImageSink, Recording, Source
 from tactiledata.contract.schema import check_document
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.base import Format, Inspection
 from tactiledata.formats.described import described_trajectories
 from tactiledata.formats.mcap_parts.bags import bag_sources, files_of, is_bag_file, is_bag_folder
-from tactiledata.formats.mcap_parts.collect import SignalBuffer
-from tactiledata.formats.mcap_parts.decode import Decoder, decoder_for, kind_of
+from tactiledata.formats.mcap_parts.decode import kind_of
 from tactiledata.formats.mcap_parts.describe import backgrounds_of, description_of
-from tactiledata.formats.mcap_parts.images import CameraBuffer, image_taker, stated_serials
-from tactiledata.formats.mcap_parts.mapping_draft import Draft, Glimpse, draft_mapping
-from tactiledata.formats.mcap_parts.playback import Handler, Playback
-from tactiledata.formats.mcap_parts.readers import signal_taker
+from tactiledata.formats.mcap_parts.images import stated_serials
+from tactiledata.formats.mcap_parts.mapping_draft import Draft, draft_mapping
+from tactiledata.formats.mcap_parts.playback import Handler, HandlerFor, Playback
+from tactiledata.formats.mcap_parts.reading import Decoders, Reading, spread
 from tactiledata.formats.mcap_parts.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
 from tactiledata.formats.mcap_parts.survey import Survey, survey
 from tactiledata.formats.mcap_parts.tally import Tally
-from tactiledata.formats.mcap_parts.transform_tree import TransformTree
+from tactiledata.formats.mcap_parts.unread_topics import Glimpse
 
 HostClock = Literal["log", "publish", "header", "auto"]
-Buffer = SignalBuffer | CameraBuffer
 
 
 class McapFormat(Format):
@@ -68,32 +65,23 @@ bag/bag_0.mcap, bag_1.mcap …"""
         inventories, findings = _surveys(source, mapping)
         path = Path(source.path)
         description, said = description_of(path, inventories, mapping)
-        decoders = _Decoders()
+        decoders = Decoders()
         roles = roles_of(_topics(inventories, decoders), mapping)
         findings += [*said, *roles.findings]
-        signals = [SignalBuffer(r.name, r.topic, r.columns, (), r.frame) for r in roles.signals]
-        cameras = _cameras(roles, sink, description)
-        if not (signals or cameras):
+        reading = Reading(roles, decoders, sink, description)
+        if reading.is_idle:
             raise _nothing_to_read(source, inventories, decoders, roles)
-        trees = {
-            role.name: TransformTree(role.frame or "", role.child_frame, buffer)
-            for role, buffer in zip(roles.signals, signals, strict=True)
-            if role.is_tree
-        }
-        handler_for = _handlers(roles, signals, cameras, decoders, trees)
         for inventory in inventories:
-            findings += Playback(inventory, handler_for).run()
-        buffers: list[Buffer] = [*signals, *cameras]
-        findings += [finding for part in (*buffers, *trees.values()) for finding in part.findings()]
-        findings += [*_empty(signals, cameras), *_foreign_wrench(signals, description)]
-        if not (any(len(buffer.log) for buffer in signals) or any(camera.images for camera in cameras)):
+            findings += Playback(inventory, reading.handler_for).run()
+        findings += reading.findings()
+        if reading.is_empty:
             raise _nothing_read(source, findings)
         backgrounds = backgrounds_of(path, inventories, description)
         clock: HostClock = (mapping or {}).get("clock", "auto")
         return Recording(
             source,
             description,
-            {buffer.name: _with_units(buffer, roles) for buffer in signals if len(buffer.log)},
+            reading.signals(),
             tuple(described_trajectories(description)),
             (*findings, *backgrounds.findings),
             clock,
@@ -102,53 +90,57 @@ bag/bag_0.mcap, bag_1.mcap …"""
         )
 
     def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
-        """All topics with a message of each, whether they have a role or not; reads the whole bag."""
+        """All topics with a message of each, and what `read` would take of them; reads the whole bag."""
         inventories, findings = _surveys(source, mapping)
-        description, said = description_of(Path(source.path), inventories, mapping)
-        decoders = _Decoders()
-        tally = Tally(decoders.reason)
+        path = Path(source.path)
+        description, said = description_of(path, inventories, mapping)
+        decoders = Decoders()
+        roles = roles_of(_topics(inventories, decoders), mapping)
+        reading, tally = Reading(roles, decoders, _NoSink(), description), Tally(decoders.reason)
         for inventory in inventories:
-            findings += Playback(inventory, tally.handler_for(inventory, decoders.get)).run()
-        topics = _topics(inventories, decoders)
-        roles = roles_of(topics, mapping)
-        draft = _draft(topics, roles, tally.glimpses(), description)
+            findings += Playback(inventory, _both(tally.handler_for(inventory, decoders.get), reading)).run()
+        draft = _draft(_topics(inventories, decoders), roles, tally.glimpses(), description)
         return Inspection(
             source,
-            tally.topics(roles),
-            (*findings, *said, *roles.findings),
+            tally.topics(roles, reading.counts()),
+            (
+                *findings,
+                *said,
+                *roles.findings,
+                *reading.findings(),
+                *_mixed_frames(reading),
+                *backgrounds_of(path, inventories, description).findings,
+            ),
             _facts(inventories, tally, description),
             draft.document,
             draft.text,
         )
 
 
-class _Decoders:
-    """Decoders of channels, made once each, and the reasons where there is none."""
+class _NoSink:
+    """Takes pictures that nobody wants to keep."""
 
-    def __init__(self) -> None:
-        self._known: dict[tuple[str, str, str, bytes], Decoder | BrokenLog] = {}
+    def add(self, image: Image) -> None:
+        """Let it go."""
 
-    def _look_up(self, channel: Channel, schema: Schema | None) -> Decoder | BrokenLog:
-        key = (
-            channel.message_encoding,
-            *(("", "", b"") if schema is None else (schema.name, schema.encoding, schema.data)),
-        )
-        if key not in self._known:
-            try:
-                self._known[key] = decoder_for(channel, schema)
-            except BrokenLog as error:
-                self._known[key] = error
-        return self._known[key]
 
-    def get(self, channel: Channel, schema: Schema | None) -> Decoder | None:
-        """The decoder, or ``None`` where there is none."""
-        found = self._look_up(channel, schema)
-        return found if isinstance(found, Decoder) else None
+def _both(look: Callable[[Channel, Schema | None], Handler], reading: Reading) -> HandlerFor:
+    """Handlers that show each message to an inspection, and read it where its topic has a role."""
 
-    def reason(self, channel: Channel, schema: Schema | None) -> str:
-        """Why there is no decoder; empty where there is one."""
-        found = self._look_up(channel, schema)
-        return str(found) if isinstance(found, BrokenLog) else ""
+    def handler_for(channel: Channel, schema: Schema | None) -> Handler:
+        takers = (look(channel, schema), reading.handler_for(channel, schema))
+        return spread([taker for taker in takers if taker is not None])
+
+    return handler_for
+
+
+def _mixed_frames(reading: Reading) -> list[Finding]:
+    """The reason for which `read` would refuse a recording whose signals mix frames."""
+    try:
+        reading.signals()
+    except BrokenLog as error:
+        return [Finding("mixed-frames", "damage", str(error))]
+    return []
 
 
 def _surveys(source: Source, mapping: Mapping[str, Any] | None) -> tuple[list[Survey], list[Finding]]:
@@ -170,7 +162,7 @@ def _surveys(source: Source, mapping: Mapping[str, Any] | None) -> tuple[list[Su
     return inventories, findings
 
 
-def _topics(inventories: Sequence[Survey], decoders: _Decoders) -> list[Topic]:
+def _topics(inventories: Sequence[Survey], decoders: Decoders) -> list[Topic]:
     found: dict[str, Topic] = {}
     for inventory in inventories:
         for channel in inventory.channels.values():
@@ -179,11 +171,6 @@ def _topics(inventories: Sequence[Survey], decoders: _Decoders) -> list[Topic]:
             if channel.topic not in found or (is_readable and not found[channel.topic].is_readable):
                 found[channel.topic] = Topic(channel.topic, kind_of(schema), is_readable)
     return list(found.values())
-
-
-def _cameras(roles: Roles, sink: ImageSink, description: LogDescription) -> list[CameraBuffer]:
-    sensors = tuple(description.sensors)
-    return [CameraBuffer(role, sink, sensors, len(roles.images) == 1) for role in roles.images]
 
 
 def _draft(topics: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse], description: LogDescription) -> Draft:
@@ -197,95 +184,7 @@ def _draft(topics: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse], d
     return draft_mapping(topics, roles, glimpses, serials, description)
 
 
-def _handlers(
-    roles: Roles,
-    signals: list[SignalBuffer],
-    cameras: list[CameraBuffer],
-    decoders: _Decoders,
-    trees: Mapping[str, TransformTree],
-) -> Callable[[Channel, Schema | None], Handler | None]:
-    """What makes the handler of a channel, for all the roles that its topic has."""
-
-    def handler_for(channel: Channel, schema: Schema | None) -> Handler | None:
-        if channel.topic not in roles.topics:
-            return None
-        decoder = decoders.get(channel, schema)
-        buffers: list[Buffer] = [*signals, *cameras]
-        wanted = [buffer for buffer in buffers if _topic_of(buffer) == channel.topic]
-        if decoder is None:
-            reason = decoders.reason(channel, schema)
-            return _spread([_refusing(buffer, reason) for buffer in wanted])
-        takers: list[Handler] = []
-        for role, buffer in zip(roles.signals, signals, strict=True):
-            if role.is_tree and channel.topic in (role.topic, role.static_topic):
-                takers.append(trees[role.name].taker(decoder, channel.topic == role.static_topic))
-            elif role.topic == channel.topic:
-                takers.append(signal_taker(role, decoder, buffer))
-        takers += [image_taker(decoder, camera) for camera in cameras if camera.role.topic == channel.topic]
-        return _spread(takers)
-
-    return handler_for
-
-
-def _topic_of(buffer: Buffer) -> str:
-    return buffer.topic if isinstance(buffer, SignalBuffer) else buffer.role.topic
-
-
-def _refusing(buffer: Buffer, reason: str) -> Handler:
-    def refuse(content: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
-        buffer.faults.add(log_ns, reason)
-
-    return refuse
-
-
-def _spread(takers: list[Handler]) -> Handler:
-    if len(takers) == 1:
-        return takers[0]
-
-    def take(content: bytes, start: int, stop: int, log_ns: int, publish_ns: int) -> None:
-        for taker in takers:
-            taker(content, start, stop, log_ns, publish_ns)
-
-    return take
-
-
-def _with_units(buffer: SignalBuffer, roles: Roles) -> Any:
-    """The signal; units that a mapping states stay only with columns whose unit nobody else knows."""
-    signal = buffer.signal()
-    role = next(role for role in roles.signals if role.name == buffer.name)
-    units = tuple(
-        stated if known == "?" and stated else known
-        for known, stated in zip(signal.units, role.units or ("",) * len(signal.units), strict=True)
-    )
-    return replace(signal, units=units)
-
-
-def _empty(signals: list[SignalBuffer], cameras: list[CameraBuffer]) -> list[Finding]:
-    names = [(buffer.name, buffer.topic) for buffer in signals if not len(buffer.log)]
-    names += [(camera.role.camera, camera.role.topic) for camera in cameras if not camera.images]
-    return [
-        Finding("empty-stream", "warning", f"{topic} holds no message that could be read as {name}", name)
-        for name, topic in names
-    ]
-
-
-def _foreign_wrench(signals: list[SignalBuffer], description: LogDescription) -> list[Finding]:
-    """A wrench in another frame than the one that the description's transforms refer to."""
-    stated = description.wrench.get("frame")
-    return [
-        Finding(
-            "wrench-frame",
-            "warning",
-            f"{buffer.topic} is in frame {frame!r}, and the description says {stated!r}: tcp_from_ft may not fit",
-            buffer.name,
-        )
-        for buffer in signals
-        for frame in buffer.frames
-        if buffer.name == "wrench" and stated and frame != stated
-    ]
-
-
-def _nothing_to_read(source: Source, inventories: Sequence[Survey], decoders: _Decoders, roles: Roles) -> BrokenLog:
+def _nothing_to_read(source: Source, inventories: Sequence[Survey], decoders: Decoders, roles: Roles) -> BrokenLog:
     """The error for a recording without a topic that the toolkit would read: what there is, and how to name it."""
     rows: dict[str, str] = {}
     for inventory in inventories:

@@ -7,7 +7,8 @@ the rank correlation of the two peaks. Source: our own.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,13 +58,35 @@ def camera_lag(take: Take, decode: Callable[[NDArray[np.int64]], list[NDArray[np
     beside = mean[[max(best - 10, 0), min(best + 10, len(LAGS) - 1)]]
     if mean[best] < MIN_CORRELATION or mean[best] - beside.max() < MIN_PEAK:
         return []
-    each = [LAGS[int(np.nanargmax(curve))] / 1e6 for curve in curves]
-    spread = f"; the {len(curves)} touches judged one by one spread over {np.ptp(each):.0f} ms" if curves[1:] else ""
-    text = (
-        f"the camera is {LAGS[best] / 1e6:+.0f} ms against the force sensor, give or take one frame "
-        f"({_frame_distance(take) / 1e6:.0f} ms); + means that images come late{spread}. Reported, not applied"
-    )
+    each = [int(LAGS[int(np.nanargmax(curve))]) for curve in curves]
+    text = lag_in_words(int(LAGS[best]), _frame_distance(take), each)
     return [Finding("camera-lag", "info", text, count=len(curves))]
+
+
+def lag_in_words(lag_ns: int, frame_ns: float, each_ns: Sequence[int]) -> str:
+    """The sentence about a camera's lag: a lag that may as well be nothing is not stated as one.
+
+    Parameters
+    ----------
+    lag_ns : int
+        The estimate; positive: images come late.
+    frame_ns : float
+        Time between two frames: a lag is not known any finer.
+    each_ns : sequence of int
+        Estimates of the touches one by one; half their spread is a doubt as well.
+    """
+    spread = max(each_ns) - min(each_ns)
+    doubt = max(frame_ns, spread / 2)
+    apart = f"; the {len(each_ns)} touches judged one by one spread over {spread / 1e6:.0f} ms" if each_ns[1:] else ""
+    if abs(lag_ns) <= doubt:
+        return (
+            f"camera lag: none seen (less than {math.ceil((abs(lag_ns) + doubt) / 1e6)} ms; frames are "
+            f"{frame_ns / 1e6:.0f} ms apart{apart})"
+        )
+    return (
+        f"the camera is {lag_ns / 1e6:+.0f} ms against the force sensor, give or take {doubt / 1e6:.0f} ms; + means "
+        f"that images come late{apart}. Reported, not applied"
+    )
 
 
 def _frame_distance(take: Take) -> float:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactiledata.contract.tensor_files import read_tensors
 from tactiledata.errors import MissingFile, SchemaError, UsageError
 from tactiledata.metrics.base import Score, Values, image_masks, images, metric
 
@@ -76,19 +77,19 @@ def vgg19_features(path: Path) -> nn.Sequential:
     SchemaError
         Not those weights.
     """
-    import torch
-
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     if path.name == WEIGHTS and not digest.startswith(path.stem.rpartition("-")[2]):
         raise SchemaError(f"{path} has SHA-256 {digest[:8]}…", f"{WEIGHTS} as it was published", "Fetch it again.")
     network = build_features()
+    kept = read_tensors(path, "holds no weights of VGG-19", SchemaError)
     try:
-        kept = torch.load(path, map_location="cpu", weights_only=True)
         own = {name.removeprefix("features."): kept[name] for name in kept if name.startswith("features.")}
         network.load_state_dict(own)
-    except Exception as error:  # whatever a foreign file makes PyTorch raise
+    except (AttributeError, LookupError, RuntimeError, TypeError) as error:
         raise SchemaError(
-            f"{path} holds no weights of VGG-19: {str(error)[:200]}", "a state dict with features.0.weight, …", ""
+            f"{path} holds no weights of VGG-19: its names or shapes are others",
+            "a state dict with features.0.weight, …",
+            f"Fetch {WEIGHTS} as torchvision publishes it.",
         ) from error
     return network
 

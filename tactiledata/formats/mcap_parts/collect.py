@@ -47,7 +47,8 @@ class SignalBuffer:
     topic : str
     columns, units : (k,) names
     frame : str, optional
-        The only frame_id that is taken; ``None``: whatever comes, as long as it is always the same.
+        The frame that is meant: messages with another frame_id are refused, messages without one are in it. ``None``:
+        whatever comes, as long as it is always the same.
     """
 
     name: str
@@ -64,12 +65,16 @@ class SignalBuffer:
     refused: FaultCount = field(default_factory=FaultCount)
     absent: Counter[str] = field(default_factory=Counter)
     has_header: bool = False
+    unframed: int = 0
 
     def add(self, values: Sequence[float], log_ns: int, publish_ns: int, header_ns: int | None, frame: str) -> None:
-        """One sample, unless its frame is not the one that is wanted."""
+        """One sample, unless it states another frame than the one that is wanted; one that states none has that."""
         if self.frame is not None and frame != self.frame:
-            self.refused.add(log_ns, repr(frame))
-            return
+            if frame:
+                self.refused.add(log_ns, repr(frame))
+                return
+            self.unframed += 1
+            frame = self.frame
         self.frames[frame] += 1
         self.values.extend(values)
         self.log.append(log_ns)
@@ -113,6 +118,7 @@ class SignalBuffer:
             f"{{count}} messages of {self.topic} were left out: their frame is {{reason}}, {self.frame!r} is meant",
             self.name,
         )
+        found += self._frame_findings()
         for what, count in sorted(self.absent.items()):
             text = f"{what} is missing in {count} messages of {self.topic}; it is NaN there"
             found.append(Finding("missing-joint", "warning", text, self.name, count=count))
@@ -126,3 +132,13 @@ class SignalBuffer:
                         end_ns=self.log[int(rows[-1])], count=len(rows))
             )  # fmt: skip
         return found
+
+    def _frame_findings(self) -> list[Finding]:
+        """That messages state no frame_id, and which frame they are taken to be in."""
+        if not self.unframed:
+            return []
+        text = f"{self.unframed} messages of {self.topic} state no frame_id; the mapping says {self.frame!r}"
+        if self.refused.count or self.frames[self.frame or ""] > self.unframed:
+            text += ", and other messages of the topic do state one"
+            return [Finding("frame-in-part", "warning", text, self.name, count=self.unframed)]
+        return [Finding("frame-stated", "info", text, self.name, count=self.unframed)]

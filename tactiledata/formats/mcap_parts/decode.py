@@ -251,13 +251,19 @@ def _protobuf(schema: Schema) -> Callable[[bytes], Any]:
 
 
 def steps_of(path: str) -> tuple[str | int, ...]:
-    """``pose.position.x`` or ``effort[2]`` as the steps that lead to the value; raises `ValueError`."""
+    """``pose.position.x``, ``effort[2]``, or ``[2]`` of a message that is a list, as the steps that lead to the value.
+
+    Raises
+    ------
+    ValueError
+        No path of fields.
+    """
     steps: list[str | int] = []
-    for part in path.split("."):
-        match = re.fullmatch(r"([A-Za-z_]\w*)((?:\[\d+\])*)", part)
-        if match is None:
+    for position, part in enumerate(path.split(".")):
+        match = re.fullmatch(r"([A-Za-z_]\w*)?((?:\[\d+\])*)", part)
+        if match is None or not (match[1] or (match[2] and position == 0)):
             raise ValueError(f"{path!r} is no path of fields")
-        steps.append(match[1])
+        steps += [match[1]] if match[1] else []
         steps += [int(index) for index in re.findall(r"\d+", match[2])]
     return tuple(steps)
 

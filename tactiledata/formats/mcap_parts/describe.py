@@ -50,6 +50,14 @@ def description_of(
         document = read_document(beside)
         if not isinstance(document, dict):
             raise SchemaError(f"{beside} holds no mapping", "the content of a log.yaml", path="$", file=str(beside))
+        if str(document.get("format", "")).startswith("tactiledata-mapping/"):
+            raise SchemaError(
+                f"{beside} is a mapping, and under this name it is read as the recording's description",
+                "the content of a log.yaml, or no such file",
+                "Give the mapping another name, for example mapping.yaml, and name it with --mapping.",
+                path="$.format",
+                file=str(beside),
+            )
         description = description.merged(document, str(beside))
     if mapping and mapping.get("description"):
         description = description.merged(mapping["description"], "the mapping's description")

@@ -20,6 +20,14 @@ from tactiledata.formats.mcap_parts.roles import (
     Topic,
     is_fixed_tree,
 )
+from tactiledata.formats.mcap_parts.unread_topics import (
+    HOW_TO_UNCOMMENT,
+    Glimpse,
+    UnreadTopics,
+    entry_text,
+    on_one_line,
+    unread_topics,
+)
 from tactiledata.formats.natural_order import natural_key
 
 LIKELY_WORDS = {"wrench": ("robotiq", "ft300"), "tcp": ("tcp", "tool"), "joints": ("joint_states",)}
@@ -35,25 +43,6 @@ STATE_MORE = """\
 #   robot: {tcp_from_gel: {xyz: [0, 0, 0.2]}, tcp_from_ft: {xyz: [0, 0, 0]}, tool: {mass: 0.5}}
 #   wrench: {sign: load_on_sensor, gravity: included}
 """
-
-
-@dataclass(frozen=True)
-class Glimpse:
-    """What the first messages of a topic say that a mapping needs.
-
-    Parameters
-    ----------
-    frame : str
-        ``frame_id`` of its first message.
-    joints : tuple of str
-        Names in its first message with joints.
-    parents : dict, child frame -> frame
-        Edges of a tree of transforms.
-    """
-
-    frame: str = ""
-    joints: tuple[str, ...] = ()
-    parents: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,7 @@ def draft_mapping(
     serials: Mapping[str, str],
     description: LogDescription,
 ) -> Draft:
-    """A mapping that reads what is read now, and names what else could be.
+    """A mapping that reads what is read now, and lists every other topic with what it holds and how to read it.
 
     Parameters
     ----------
@@ -91,22 +80,44 @@ def draft_mapping(
     description : LogDescription
         What the recording says of itself.
     """
-    known = [topic for topic in sorted(topics, key=lambda topic: natural_key(topic.name)) if topic.is_readable]
+    ordered = sorted(topics, key=lambda topic: natural_key(topic.name))
+    known = [topic for topic in ordered if topic.is_readable]
     signals = {role.name: _Entry(_role_entry(role, glimpses)) for role in roles.signals}
     for name in ("wrench", "tcp", "joints"):
         if name not in signals and (entry := _candidates(name, known, roles, glimpses)) is not None:
             signals[name] = entry
     images, sensors = _images(known, roles, serials, description)
     document: dict[str, Any] = {"format": "tactiledata-mapping/1"}
-    text = yaml.safe_dump(document)
-    for title, entries in (("signals", signals), ("images", images)):
-        if entries:
-            document[title] = {name: entry.content for name, entry in entries.items()}
-            text += f"{title}:\n" + "".join(_written(name, entry) for name, entry in entries.items())
+    entries = {"signals": signals, "images": images}
+    document |= {title: {name: e.content for name, e in listed.items()} for title, listed in entries.items() if listed}
     if sensors:
         document["description"] = {"sensors": sensors}
+    unread = unread_topics((topic for topic in ordered if topic.name not in _named(roles, entries)), glimpses, entries)
+    return Draft(document, _draft_text(document, entries, unread))
+
+
+def _named(roles: Roles, entries: Mapping[str, Mapping[str, _Entry]]) -> set[str]:
+    """Topics that the draft reads or offers as an alternative."""
+    listed = [entry for section in entries.values() for entry in section.values()]
+    contents = [content for entry in listed for content in (entry.content, *(other for other, _ in entry.instead))]
+    return roles.topics | {content["topic"] for content in contents}
+
+
+def _draft_text(document: Mapping[str, Any], entries: Mapping[str, Mapping[str, _Entry]], unread: UnreadTopics) -> str:
+    text = yaml.safe_dump({"format": document["format"]})
+    if unread.paragraphs:
+        text += HOW_TO_UNCOMMENT
+    for title, listed in entries.items():
+        paragraphs = unread.text(title)
+        if listed or paragraphs:
+            text += f"{title}:\n" if listed else f"# {title}:\n"
+            text += "".join(_written(name, entry) for name, entry in listed.items()) + paragraphs
+            text += "\n" if paragraphs else ""
+    if unread.text(""):
+        text += f"# Nothing to be mapped:\n{unread.text('')}\n"
+    if "description" in document:
         text += yaml.safe_dump({"description": document["description"]}, sort_keys=False, allow_unicode=True)
-    return Draft(document, text + STATE_MORE)
+    return text + STATE_MORE
 
 
 def _role_entry(role: SignalRole, glimpses: Mapping[str, Glimpse]) -> dict[str, Any]:
@@ -117,6 +128,8 @@ def _role_entry(role: SignalRole, glimpses: Mapping[str, Glimpse]) -> dict[str, 
     for key in ("fields", "units", "joint_names"):
         if getattr(role, key):
             entry[key] = list(getattr(role, key))
+    if role.is_rotation_vector:
+        entry["rotation"] = "rotation_vector"
     if role.name == "joints" and not (role.joint_names or role.fields):
         entry |= _joint_names(glimpses.get(role.topic))[0]
     return entry
@@ -206,12 +219,12 @@ def _images(
 
 
 def _written(name: str, entry: _Entry) -> str:
-    text = _indented(yaml.safe_dump({name: entry.content}, sort_keys=False, allow_unicode=True, width=1000), "  ")
+    text = _indented(entry_text({name: entry.content}), "  ")
     if entry.remark:
-        text = f"  # {entry.remark}\n" + text
+        text = f"  # {on_one_line(entry.remark)}\n" + text
     for content, remark in entry.instead:
-        other = yaml.safe_dump({name: content}, sort_keys=False, allow_unicode=True, width=1000)
-        text += _indented((f"# {remark}\n" if remark else "") + other, "  # ")
+        other = entry_text({name: content})
+        text += _indented((f"# {on_one_line(remark)}\n" if remark else "") + other, "  # ")
     return text
 
 

@@ -6,12 +6,14 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from scipy.spatial.transform import Rotation
+
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap_parts.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap_parts.collect import SignalBuffer
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, frame_of, stamp_of, steps_of, value_at
 from tactiledata.formats.mcap_parts.roles import FIELDS_OF, SignalRole
-from tactiledata.units import FIELDS, TO_METRES
+from tactiledata.units import TO_METRES
 
 UR_JOINTS = (
     "shoulder_pan_joint",
@@ -89,9 +91,16 @@ def _paths_reader(paths: Sequence[str]) -> Reader:
 def _field_reader(role: SignalRole) -> Reader:
     read = _paths_reader(role.fields)
     factors = unit_factors(role)
+    if role.is_rotation_vector:
+        return lambda message: _with_quaternion([v * f for v, f in zip(read(message) or (), factors, strict=True)])
     if all(factor == 1.0 for factor in factors):
         return read
     return lambda message: [value * factor for value, factor in zip(read(message) or (), factors, strict=True)]
+
+
+def _with_quaternion(pose: Sequence[float]) -> list[float]:
+    """A pose with a quaternion x y z w, of one with a rotation vector in radians."""
+    return [*pose[:3], *Rotation.from_rotvec(pose[3:]).as_quat().tolist()]
 
 
 def unit_factors(role: SignalRole) -> list[float]:
@@ -103,15 +112,14 @@ def unit_factors(role: SignalRole) -> list[float]:
         A unit that cannot become the column's.
     """
     factors = []
-    for column, unit in zip(role.columns, role.units or ("",) * len(role.columns), strict=True):
-        wanted = FIELDS[column].unit if column in FIELDS else unit
+    for field, wanted, unit in zip(role.fields, role.field_units, role.units or ("",) * len(role.fields), strict=True):
         if unit in ("", "?", wanted):
             factors.append(1.0)
         elif (unit, wanted) in TO_SI:
             factors.append(TO_SI[(unit, wanted)])
         else:
             raise SchemaError(
-                f"the mapping's signals.{role.name} states {unit!r} for {column}",
+                f"the mapping's signals.{role.name} states {unit!r} for {field}",
                 f"{wanted!r} or a unit of the same kind",
                 path=f"$.signals.{role.name}.units",
             )

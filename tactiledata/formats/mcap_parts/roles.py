@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +16,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap_parts.decode import steps_of
 from tactiledata.formats.natural_order import natural_key
-from tactiledata.units import SIGNAL_COLUMNS
+from tactiledata.units import FIELDS, SIGNAL_COLUMNS
 
 WRENCH_TOPICS = ("robotiq_force_torque_sensor_broadcaster/wrench", "robotiq_ft_wrench", "robotiq_ft_sensor")
 """In the order in which they are preferred; the last one has no header."""
@@ -57,6 +57,8 @@ KINDS_OF_SIGNAL = {
     "joints": ("sensor_msgs/JointState",),
 }
 TF_KIND = "tf2_msgs/TFMessage"
+ROTATION_VECTOR_UNITS = ("m", "m", "m", "rad", "rad", "rad")
+"""Of a pose as UR controllers give it: position and rotation vector."""
 COLUMNS_OF = {**SIGNAL_COLUMNS, "ur_wrench": SIGNAL_COLUMNS["wrench"]}
 RAW_KINDS = ("sensor_msgs/Image", "foxglove.RawImage")
 COMPRESSED_KINDS = ("sensor_msgs/CompressedImage", "foxglove.CompressedImage")
@@ -90,6 +92,8 @@ class SignalRole:
         Joints by name, base to wrist; empty for the usual names of a UR.
     static_topic : str
         The topic of the fixed transforms of a tree, where there is one.
+    is_rotation_vector : bool
+        Whether the fields of a tcp are a position and a rotation vector, which becomes a quaternion.
     """
 
     name: str
@@ -101,6 +105,15 @@ class SignalRole:
     child_frame: str = ""
     joint_names: tuple[str, ...] = ()
     static_topic: str = ""
+    is_rotation_vector: bool = False
+
+    @property
+    def field_units(self) -> tuple[str, ...]:
+        """Units that the fields have to be brought to; those that the mapping states where nobody else knows."""
+        if self.is_rotation_vector:
+            return ROTATION_VECTOR_UNITS
+        stated = self.units or ("?",) * len(self.columns)
+        return tuple(FIELDS[c].unit if c in FIELDS else unit for c, unit in zip(self.columns, stated, strict=True))
 
     @property
     def is_tree(self) -> bool:
@@ -127,11 +140,14 @@ class Roles:
     findings: tuple[Finding, ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
 
-    def label(self, topic: str) -> str:
-        """What a topic is read as: ``wrench``, ``image:digit``; empty where it is not read."""
-        names = [role.name for role in self.signals if role.topic == topic]
+    def label(self, topic: str, empty: Container[str] = ()) -> str:
+        """What a topic is read as: ``wrench``, ``image:digit``; empty where it is not read.
+
+        ``empty`` are names of its signals and cameras that got no message: it is not read as these.
+        """
+        names = [role.name for role in self.signals if role.topic == topic and role.name not in empty]
         names += [f"{role.name} (fixed transforms)" for role in self.signals if role.static_topic == topic]
-        names += [f"image:{role.camera}" for role in self.images if role.topic == topic]
+        names += [f"image:{role.camera}" for role in self.images if role.topic == topic and role.camera not in empty]
         return ", ".join(names)
 
     @property
@@ -214,15 +230,18 @@ def _mapped_signal(
     if not columns:
         raise SchemaError(f"the mapping's {place} has no fields", "fields: paths of numbers inside a message",
                           "Only wrench, tcp and joints are known without them.", path=f"$.{place}")  # fmt: skip
-    if fields and len(fields) != len(columns):
-        raise SchemaError(
-            f"the mapping's {place} has {len(fields)} fields",
-            f"{len(columns)}: {', '.join(columns)}",
-            path=f"$.{place}",
-        )
+    is_rotation_vector = entry.get("rotation") == "rotation_vector"
+    if "rotation" in entry and (name != "tcp" or not fields):
+        raise SchemaError(f"the mapping's {place} states a rotation", "only for tcp, beside 'fields'", "Remove it.",
+                          path=f"$.{place}.rotation")  # fmt: skip
+    wanted = ("x", "y", "z", "rx", "ry", "rz") if is_rotation_vector else columns
+    if fields and len(fields) != len(wanted):
+        remedy = "A pose with a rotation vector says so: rotation: rotation_vector." if name == "tcp" else ""
+        raise SchemaError(f"the mapping's {place} has {len(fields)} fields", f"{len(wanted)}: {', '.join(wanted)}",
+                          remedy, path=f"$.{place}")  # fmt: skip
     units = tuple(entry.get("units", ()))
-    if units and len(units) != len(columns):
-        raise SchemaError(f"the mapping's {place} has {len(units)} units", f"{len(columns)}", path=f"$.{place}.units")
+    if units and len(units) != len(wanted):
+        raise SchemaError(f"the mapping's {place} has {len(units)} units", f"{len(wanted)}", path=f"$.{place}.units")
     topic = _found(entry["topic"], known, place, findings)
     if topic is None:
         return None
@@ -245,7 +264,7 @@ def _mapped_signal(
         static = next((name for name in fixed if name == f"{topic.name}_static"), fixed[0] if len(fixed) == 1 else "")
     return SignalRole(
         name, topic.name, columns, units, fields, entry.get("frame"), entry.get("child_frame", ""),
-        tuple(entry.get("joint_names", ())), "" if static == topic.name else static,
+        tuple(entry.get("joint_names", ())), "" if static == topic.name else static, is_rotation_vector,
     )  # fmt: skip
 
 

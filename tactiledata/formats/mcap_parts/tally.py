@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from mcap.records import Channel, Schema
 
+from tactiledata.contract.wording import counted
 from tactiledata.formats.base import TopicInfo
+from tactiledata.formats.mcap_parts.contents import Contents, contents_of
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, encoding_of, frame_of, kind_of, value_at
-from tactiledata.formats.mcap_parts.mapping_draft import Glimpse
 from tactiledata.formats.mcap_parts.playback import Handler
 from tactiledata.formats.mcap_parts.roles import TF_KIND, Roles
 from tactiledata.formats.mcap_parts.survey import Survey
+from tactiledata.formats.mcap_parts.unread_topics import Glimpse
 from tactiledata.formats.natural_order import natural_key
+from tactiledata.formats.stream_rate import has_times, rate_of
 
 EXAMPLE_LENGTH = 240
 DEPTH = 6
@@ -36,9 +39,16 @@ class _Row:
     frame: str = ""
     joints: tuple[str, ...] = ()
     parents: dict[str, str] = field(default_factory=dict)
+    contents: Contents | None = None
+
+    @property
+    def rate(self) -> float | None:
+        """Hz, from the first message to the last; ``None`` where their log times are no times."""
+        return rate_of(self.messages, self.start_ns, self.end_ns)
 
     def look(self, message: Any) -> None:
         """Note what a mapping would need of a decoded message."""
+        self.contents = self.contents or contents_of(message)
         self.example = self.example or shortened(message)
         self.frame = self.frame or frame_of(message)
         if self.kind == "sensor_msgs/JointState" and not self.joints:
@@ -110,23 +120,44 @@ class Tally:
 
     def glimpses(self) -> dict[str, Glimpse]:
         """What a draft of a mapping needs of each topic."""
-        return {name: Glimpse(row.frame, row.joints, row.parents) for name, row in self._rows.items()}
+        return {
+            name: Glimpse(
+                row.frame, row.joints, row.parents, row.encoding, row.note, row.messages, row.rate, row.contents
+            )
+            for name, row in self._rows.items()
+        }
 
-    def topics(self, roles: Roles) -> tuple[TopicInfo, ...]:
-        """The rows, in natural order of their topics."""
+    def topics(self, roles: Roles, counts: Mapping[tuple[str, str], int]) -> tuple[TopicInfo, ...]:
+        """The rows, in natural order of their topics.
+
+        Parameters
+        ----------
+        roles : Roles
+        counts : dict, (topic, name of a signal or camera) -> samples or pictures that were read of it
+        """
         return tuple(
             TopicInfo(
                 name,
                 row.kind,
                 row.encoding,
                 row.messages,
-                (row.messages - 1) * 1e9 / (row.end_ns - row.start_ns) if row.end_ns > row.start_ns else None,
-                roles.label(name),
-                row.note or roles.notes.get(name, ""),
+                row.rate,
+                roles.label(name, {role for (topic, role), count in counts.items() if topic == name and not count}),
+                "; ".join(filter(None, (*_shortfalls(name, row, counts), row.note or roles.notes.get(name, "")))),
                 row.example,
+                has_times(row.messages, row.start_ns, row.end_ns),
             )
             for name, row in sorted(self._rows.items(), key=lambda item: natural_key(item[0]))
         )
+
+
+def _shortfalls(topic: str, row: _Row, counts: Mapping[tuple[str, str], int]) -> Iterator[str]:
+    """What a topic was named as and did not give, in full or in part."""
+    for (named, role), count in counts.items():
+        if named == topic and not count and row.messages:
+            yield f"named as {role}, and not one of its messages can be read"
+        elif named == topic and row.kind != TF_KIND and count < row.messages:
+            yield f"{counted(count, 'message')} of {row.messages:,} can be read as {role}"
 
 
 def shortened(message: Any) -> str:
