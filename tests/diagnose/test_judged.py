@@ -22,6 +22,8 @@ from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 
+UNIT = ESTIMATED.claim / 26.0
+
 
 def judged(gains, signature=1.0, share=0.9, name="lag"):
     """A refit that gained so much in each trajectory."""
@@ -70,15 +72,16 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
 
 
 def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
-    """A refit with gains held out and falls of the cost where all was fitted; less what its numbers cost."""
+    """A refit with gains held out and falls of the cost where all was fitted; less what its numbers cost.
+
+    All three are in units of which a claim needs 26.
+    """
     change = np.ones((2, 6)) if change is None else change
     model = SimpleNamespace(coordinates=(None,) * numbers)
     names = name if isinstance(name, tuple) else (name,)
     fit = SimpleNamespace(names=names, effect_change=change, of_effects=change[:, :, None], model=model)
-    falls = np.asarray(falls, dtype=float)
-    return Judged(
-        fit, np.asarray(gains, dtype=float), 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls
-    )
+    gains, falls, occam = UNIT * np.asarray(gains, dtype=float), UNIT * np.asarray(falls, dtype=float), UNIT * occam
+    return Judged(fit, gains, 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls)
 
 
 def decided(singles, pairs=()):
