@@ -62,11 +62,11 @@ def play_nodes(
     found: dict[Node, list[Play]] = {}
     paths = [path for batch in batches for path in batch_paths(batch)]
     with PlayProgress(paths, tell) as progress:
-        for group, outcome in zip(members, LocalScheduler(workers).outcomes(play_batch, batches), strict=True):
+        for played, outcome in zip(members, LocalScheduler(workers).outcomes(play_batch, batches), strict=True):
             if outcome.error is not None:
                 raise outcome.error
             plays = iter(outcome.result or ())
-            for node in group:
+            for node in played:
                 found[node] = list(itertools.islice(plays, len(touches)))
             finished = len(found) * len(touches)
             progress.finished(finished, f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")

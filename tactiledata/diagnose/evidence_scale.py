@@ -6,9 +6,9 @@ effects then go by the names of others. ``slope``, ``objected``, ``none`` and ``
 these nulls and of two worlds of each effect, rounded. The rest are estimates from worlds with planted effects. Fit them
 anew on more development worlds before a claim is held against sealed ones.
 
-The fits were made when the noise was taken from single readings, which is half as much again as what frames have between
-two readings (decisions/0034). Numbers in units of evidence were multiplied by 1.5 since, those in units of noise by its
-root, so that the same recordings give the same answers.
+The fits were made with the noise of single readings; a frame lies between two readings and has two thirds of that
+variance (decisions/0034). Numbers in units of evidence were since multiplied by 1.5, those in units of noise by its root,
+so that the same recordings give the same answers.
 """
 
 from __future__ import annotations

@@ -229,12 +229,12 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
         change = np.zeros((2, 6))
         change[:, column] = 1.0
         fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
-        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
+        return Judged(fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
 
     model = SimpleNamespace(coordinates=(None,))
-    best = one("lag", rng.normal(2.4, 0.2, 25), 0)
+    best = one("lag", UNIT * rng.normal(2.4, 0.2, 25), 0)
     scattered = rng.normal(0.0, 1.0, 25)
-    scattered = 3.0 * (scattered - scattered.mean()) / scattered.std(ddof=1)
+    scattered = 3.0 * UNIT * (scattered - scattered.mean()) / scattered.std(ddof=1)
     error = float(np.sqrt(25) * scattered.std(ddof=1))
     for name, behind in (("wear", 1.0), ("dome", 1.8)):
         other = one(name, best.gains - scattered - behind * error / 25, 1)
