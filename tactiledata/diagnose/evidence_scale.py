@@ -7,8 +7,8 @@ these nulls and of two worlds of each effect, rounded. The rest are estimates fr
 anew on more development worlds before a claim is held against sealed ones.
 
 The fits were made with the noise of single readings; a frame lies between two readings and has two thirds of that
-variance (decisions/0034). Numbers in units of evidence were since multiplied by 1.5, those in units of noise by its root,
-so that the same recordings give the same answers.
+variance (decisions/0034). Numbers in units of evidence were since multiplied by 1.5, those in units of noise by the
+root of it, so that the same recordings give the same answers.
 """
 
 from __future__ import annotations
