@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from naming_plan import Plan
@@ -21,7 +21,7 @@ from tactiledata.effects.moved_until import moved_until
 from tactiledata.effects.touch import Touch
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.material import GelMaterial
-from tactiledata.ingest.align import align
+from tactiledata.ingest.align import align, fractions_between
 from tactiledata.ingest.contact import contact_wrench
 from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import noise_at_rest
@@ -149,10 +149,13 @@ def to_play(touches: Sequence[Touch]) -> list[MeasuredTouch]:
 
 @dataclass(frozen=True)
 class Recorded:
-    """Contact wrenches at the frames (n, 6) of each touch, samples in free air before it (m, 6), zeros of all."""
+    """Contact wrenches at the frames (n, 6) of each touch, samples in free air before it (m, 6), where all frames lie
+    between two samples (f,), and the zeros of all touches.
+    """
 
     wrenches: list[Array]
     free: list[Array]
+    fractions: Array
     zeros: ForceZeros
 
 
@@ -203,15 +206,16 @@ class Maker:
             exact = dict.fromkeys(("force_noise", "torque_noise", "force_quantum", "torque_quantum"), 0.0)
             scenario = replace(scenario, imperfections=replace(scenario.imperfections, **exact))
         logs = [(log, readings_of(log)) for log in play_logs(scenario, self.bank.contact)]
-        stored = [pair for log, readings in logs for pair in _as_stored(log, *readings)]
-        kept = [(wrench[rows], free) for (wrench, free), rows in zip(stored, self.rows, strict=True)]
-        return Recorded([wrench for wrench, _ in kept], [free for _, free in kept], zeros_of(logs))
+        stored = [touch for log, readings in logs for touch in _as_stored(log, *readings)]
+        wrenches = [touch.wrench[rows] for touch, rows in zip(stored, self.rows, strict=True)]
+        fractions = np.concatenate([touch.fractions for touch in stored])
+        return Recorded(wrenches, [touch.free for touch in stored], fractions, zeros_of(logs))
 
     def cases(self, recorded: Recorded, base: BaseFamily) -> CaseSet:
         """The trajectories of a case, with their noise as a calibration estimates it."""
         stretches = recorded.free
         steps = np.concatenate([np.diff(touch.seconds) for touch in self.touches])
-        noise = noise_at_rest(stretches, max(1, round(100.0 * float(np.median(steps)))))
+        noise = noise_at_rest(stretches, max(1, round(100.0 * float(np.median(steps)))), recorded.fractions)
         assert noise is not None
         return CaseSet(
             [
@@ -230,7 +234,17 @@ def _part(touch: Touch, rows: NDArray[np.bool_]) -> Touch:
     return Touch(**{key: one[rows] if isinstance(one, np.ndarray) else one for key, one in values.items()})
 
 
-def _as_stored(log: Log, wrench: StoredSignal, tcp: StoredSignal) -> list[tuple[Array, Array]]:
+class StoredTouch(NamedTuple):
+    """What a store holds of a touch: wrenches at its frames (n, 6), readings in free air (m, 6), and where the frames
+    lie between two readings (f,).
+    """
+
+    wrench: Array
+    free: Array
+    fractions: Array
+
+
+def _as_stored(log: Log, wrench: StoredSignal, tcp: StoredSignal) -> list[StoredTouch]:
     """Readings through what a store does with them: weight off, zero of each touch, gel frame, at the frames."""
     performance = log.performance
     spans = [(play.touch.name, play.start_ns, play.end_ns) for play in performance.plays]
@@ -238,7 +252,9 @@ def _as_stored(log: Log, wrench: StoredSignal, tcp: StoredSignal) -> list[tuple[
     found = []
     for play in performance.plays:
         rows = slice(*np.searchsorted(contact.t_ns, [play.start_ns, play.end_ns]))
-        found.append((align(contact, frame_times(play)).values, _before_touch(contact.values[rows])))
+        times = frame_times(play)
+        fractions = fractions_between(contact.t_ns[rows], times)
+        found.append(StoredTouch(align(contact, times).values, _before_touch(contact.values[rows]), fractions))
     return found
 
 

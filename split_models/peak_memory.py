@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import pickle
 import sys
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
+
+from tactiledata.contract.worker_pool import worker_pool
 
 STATUS = Path("/proc/self/status")
 
@@ -18,7 +18,7 @@ def peak_memory(work: Callable[..., Any], *arguments: Any) -> float:
 
     Python, its libraries and what ``work`` is made of are in it.
     """
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+    with worker_pool(1) as pool:
         # plain pickles: PyTorch would share the memory of tensors that queues send, and so change what is measured
         return pool.submit(_measured, pickle.dumps((work, arguments))).result()
 

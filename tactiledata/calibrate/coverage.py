@@ -56,7 +56,8 @@ def surrogate(loss: VectorLoss, truth: Array, chance: np.random.Generator) -> Ar
         factors = 1.0 + loss.shape_error * chance.standard_normal(int(loss.shapes.max()) + 1)
         clean = clean * np.repeat(factors[loss.shapes], counts)[:, None]
     factor = np.linalg.cholesky(loss.noise.covariance * loss.noise.inflation).T
-    zeros = np.sqrt(tare_variance(loss.free_samples))[:, None] * chance.standard_normal((len(counts), 6))
+    spread = np.sqrt(tare_variance(loss.free_samples, loss.noise.reading_variance))
+    zeros = spread[:, None] * chance.standard_normal((len(counts), 6))
     scatter = chance.standard_normal(clean.shape) / loss.weights[:, None]
     rows = scatter + np.repeat(zeros, counts, axis=0)
     return clean + rows @ factor

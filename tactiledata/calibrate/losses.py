@@ -115,7 +115,8 @@ class VectorLoss:
 
     def _white(self, wrench: Array) -> Array:
         rows = self.noise.whitened(wrench) * self.weights[:, None]
-        return without_tare(rows, self.response.starts, tare_variance(self.free_samples), self.weights)
+        zeros = tare_variance(self.free_samples, self.noise.reading_variance)
+        return without_tare(rows, self.response.starts, zeros, self.weights)
 
     @cached_property
     def weights(self) -> Array:

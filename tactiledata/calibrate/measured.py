@@ -17,6 +17,7 @@ from tactiledata.errors import UnknownName
 from tactiledata.gel.flex_model import is_convex
 from tactiledata.gel.history import GelTouch
 from tactiledata.gel.pad import PadMesh
+from tactiledata.ingest.align import fractions_between
 from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch, ReplayPlan, plan_replay
@@ -81,10 +82,10 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
         if wrench is None:
             left_out["no contact wrench in the gel frame"] += 1
             continue
-        stretch = reader.free_air(planned)
-        stretches.append(stretch)
-        touches.append(_measured(store, planned, wrench, len(stretch)))
-    noise = noise_at_rest(stretches, reader.samples_a_frame(touches)) or _stated_noise()
+        readings, distinct = reader.free_air(planned)
+        stretches.append(readings)
+        touches.append(_measured(store, planned, wrench, distinct))
+    noise = noise_at_rest(stretches, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
     pad = plan.pads[usable[0].pad] if usable else None
     mesh, described = (pad.mesh, pad.described) if pad else (None, {})
     return Measured(tuple(touches), mesh, described, noise, dict(left_out))
@@ -171,6 +172,7 @@ class _WrenchReader:
             for uid, spans in zip(table["uid"].to_pylist(), table["signal_rows"].to_pylist(), strict=True)
         }
         self._periods: list[float] = []
+        self._fractions: list[Array] = []
 
     def wrench(self, planned: PlannedTouch) -> Array | None:
         """At the frames (n, 6), NaN where not known; ``None`` where nowhere."""
@@ -181,24 +183,37 @@ class _WrenchReader:
                 return values
         return None
 
-    def free_air(self, planned: PlannedTouch) -> Array:
-        """Samples (n, 6) at the native rate before the touch, each reading once."""
+    def free_air(self, planned: PlannedTouch) -> tuple[Array, int]:
+        """Return the samples (n, 6) at the native rate before the touch, and how many of them are new readings."""
         spans = self._spans[planned.uid]
         name = next((name for name in self._names if name in spans), None)
         if name is None:
-            return np.empty((0, 6))
+            return np.empty((0, 6)), 0
         signal = self._store.signal(name)
         start, stop = spans[name]
-        values = signal.values(start, stop)
-        is_new = np.ones(len(values), dtype=bool)
-        is_new[1:] = (np.diff(values, axis=0) != 0).any(axis=1)
-        values = values[is_new & np.isfinite(values).all(axis=1)]
-        if len(values) > 1:
-            self._periods.append(float(np.ptp(signal.t_ns(start, stop))) / 1e9 / (len(values) - 1))
-        threshold = touch_threshold(component_noise(values))
-        contact = np.flatnonzero(touching(np.linalg.norm(values[:, :3], axis=1), threshold))
-        first = int(contact[0]) if len(contact) else len(values)
-        return values[: int(SURELY_FREE * first)]
+        samples = signal.values(start, stop)
+        is_known = np.isfinite(samples).all(axis=1)
+        t_ns, samples = signal.t_ns(start, stop)[is_known], samples[is_known]
+        if len(t_ns) > 1:
+            self._periods.append(float(np.ptp(t_ns)) / 1e9 / (len(t_ns) - 1))
+        self._fractions.append(fractions_between(t_ns, self._frame_times(planned)))
+        is_new = np.ones(len(samples), dtype=bool)
+        is_new[1:] = (np.diff(samples, axis=0) != 0).any(axis=1)
+        readings = samples[is_new]
+        threshold = touch_threshold(component_noise(readings))
+        contact = np.flatnonzero(touching(np.linalg.norm(readings[:, :3], axis=1), threshold))
+        first = int(contact[0]) if len(contact) else len(readings)
+        distinct = int(SURELY_FREE * first)
+        # repeated samples stay: the frames were interpolated between these, too
+        end = int(np.flatnonzero(is_new)[distinct]) if distinct < len(readings) else len(samples)
+        return samples[:end], distinct
+
+    def fractions(self) -> Array:
+        """Return where the frames (f,) of the touches that were read lie between two samples, 0 to 1."""
+        return np.concatenate([np.empty(0), *self._fractions])
+
+    def _frame_times(self, planned: PlannedTouch) -> NDArray[np.int64]:
+        return np.asarray(self._store.frames(["t_ns"])["t_ns"])[slice(*planned.frames)]
 
     def samples_a_frame(self, touches: Sequence[MeasuredTouch]) -> int:
         """Samples at the native rate from one frame to the next."""

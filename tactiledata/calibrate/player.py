@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_path
 from tactiledata.calibrate.plan import Node
+from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.gel.engines import Mechanics, make_engine
@@ -49,7 +51,8 @@ def play_nodes(
     """The plays of all touches at each node, in the order of the touches.
 
     Nodes of one nu and mu are played together, so that more trajectories are in lockstep; batches go to ``workers``
-    processes. What is finished is kept (``TACTILEDATA_CACHE``): a run that was killed goes on.
+    processes. What is finished is kept (``TACTILEDATA_CACHE``): a run that was killed goes on. ``tell`` hears how many
+    plays of touches are finished.
     """
     batches, members = [], []
     for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
@@ -57,14 +60,16 @@ def play_nodes(
         shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
         batches.append(Batch(mesh, mechanics, ratio, friction, shifted))
     found: dict[Node, list[Play]] = {}
-    tell(0, len(batches))
-    for done, outcome in enumerate(LocalScheduler(workers).outcomes(play_batch, batches)):
-        if outcome.error is not None:
-            raise outcome.error
-        plays = iter(outcome.result or ())
-        for node in members[done]:
-            found[node] = list(itertools.islice(plays, len(touches)))
-        tell(done + 1, len(batches), f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
+    paths = [path for batch in batches for path in batch_paths(batch)]
+    with PlayProgress(paths, tell) as progress:
+        for played, outcome in zip(members, LocalScheduler(workers).outcomes(play_batch, batches), strict=True):
+            if outcome.error is not None:
+                raise outcome.error
+            plays = iter(outcome.result or ())
+            for node in played:
+                found[node] = list(itertools.islice(plays, len(touches)))
+            finished = len(found) * len(touches)
+            progress.finished(finished, f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
     return found
 
 
@@ -85,31 +90,36 @@ def play_batch(batch: Batch) -> list[Play]:
     """The plays of a batch, in its order."""
     return played_or_kept(
         batch.touches,
+        batch_paths(batch),
         GelMaterial(1.0, batch.ratio, batch.friction),
-        batch.mesh.digest,
-        batch.mechanics,
         lambda: make_engine(batch.mesh, batch.ratio, batch.mechanics),
     )
 
 
+def batch_paths(batch: Batch) -> list[Path]:
+    """Return the files in which the plays of a batch are kept, in its order."""
+    digest = batch.mesh.digest
+    return [play_path(touch, digest, batch.mechanics, batch.ratio, batch.friction) for touch in batch.touches]
+
+
 def played_or_kept(
     touches: Sequence[GelTouch],
+    paths: Sequence[Path],
     material: GelMaterial,
-    mesh_digest: str,
-    mechanics: str,
     engine: Callable[[], FemEngine | FlexEngine],
 ) -> list[Play]:
     """The plays of touches: those that are kept are read, the others played and kept.
 
     Parameters
     ----------
-    mesh_digest, mechanics : str
-        Of what plays them; other names have other places on disk.
+    touches : sequence of GelTouch
+    paths : sequence of Path
+        Where the play of each is kept.
+    material : GelMaterial
+        Of the gel.
     engine : callable
-        Makes it, where anything is to be played.
+        Makes the engine, where anything is to be played.
     """
-    ratio, friction = material.poisson_ratio, material.friction
-    paths = [play_path(touch, mesh_digest, mechanics, ratio, friction) for touch in touches]
     plays = {number: play for number, path in enumerate(paths) if (play := load_play(path)) is not None}
     missing = [number for number in range(len(paths)) if number not in plays]
     if missing:

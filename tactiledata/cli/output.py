@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -17,6 +18,9 @@ from rich.table import Table
 from tactiledata.contract.records import Finding
 
 JSON_OPTION = typer.Option(False, "--json", help="One JSON document on standard output, for machines; errors too.")
+
+QUIET_SECONDS = 60.0
+"""Longest silence, where progress is printed as lines: the next report after it is printed."""
 
 COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
 
@@ -81,12 +85,12 @@ def progress(title: str, quiet: bool = False) -> Iterator[Callable[..., None]]:
         yield lambda done, total, what="": None
         return
     if not console.is_terminal:
-        last = [-1]
+        tenths, moment = [-1], [time.monotonic()]
 
         def line(done: int, total: int, what: str = "") -> None:
-            tenth = done * 10 // max(total, 1)
-            if tenth != last[0]:
-                last[0] = tenth
+            tenth, now = done * 10 // max(total, 1), time.monotonic()
+            if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
+                tenths[0], moment[0] = tenth, now
                 console.print(escape(f"{title}: {done}/{total} {what}"))
 
         yield line

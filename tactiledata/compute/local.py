@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -10,6 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt
+from tactiledata.contract.worker_pool import worker_pool
 from tactiledata.errors import TactileDataError, UsageError
 
 
@@ -33,21 +33,14 @@ class LocalScheduler(Scheduler):
             for task in tasks:
                 yield attempt(function, task)
             return
-        # spawn: a forked child would inherit locks of libraries that run threads (tensorstore, OpenCV)
-        context = multiprocessing.get_context("spawn")
         waiting: deque[tuple[T, Future[Outcome[Any, Any]]]] = deque()
-        with ProcessPoolExecutor(self.workers, mp_context=context) as pool:
-            ahead = iter(tasks)
-            try:
-                for task in ahead:
-                    waiting.append((task, _submitted(pool, function, task)))
-                    if len(waiting) >= 2 * self.workers:
-                        yield _collect(*waiting.popleft())
-                while waiting:
+        with worker_pool(self.workers) as pool:
+            for task in tasks:
+                waiting.append((task, _submitted(pool, function, task)))
+                if len(waiting) >= 2 * self.workers:
                     yield _collect(*waiting.popleft())
-            finally:
-                for _, future in waiting:
-                    future.cancel()
+            while waiting:
+                yield _collect(*waiting.popleft())
 
 
 def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[Any, Any]]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
-from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.kept_plays import Play, play_path
 from tactiledata.calibrate.player import played_or_kept
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
@@ -42,18 +43,27 @@ def variants_of(names: Iterable[str]) -> tuple[GelVariant, ...]:
 
 def play_variant(batch: VariantBatch) -> list[Play]:
     """The plays of a batch, in its order."""
-    variant, ratio = batch.variant, batch.ratio
-    mesh = warped(batch.mesh, variant)
-    touches = batch.touches
-    if variant.indenter_scale != 1.0:
-        touches = tuple(GelTouch(scaled(one.indenter, variant.indenter_scale), one.poses) for one in touches)
+    return played_or_kept(
+        _touches(batch),
+        variant_paths(batch),
+        GelMaterial(1.0, batch.ratio, batch.friction),
+        lambda: variant_engine(batch.mesh, batch.ratio, batch.fidelity, batch.variant),
+    )
+
+
+def variant_paths(batch: VariantBatch) -> list[Path]:
+    """Return the files in which the plays of a batch are kept, in its order."""
+    variant = batch.variant
+    digest = warped(batch.mesh, variant).digest
     law = (variant.c20, variant.c30, variant.skin, variant.spots)
     # what is of the pad's and the indenter's shape is told by their digests
     mechanics = batch.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{batch.fidelity} {law!r}"
-    return played_or_kept(
-        touches,
-        GelMaterial(1.0, ratio, batch.friction),
-        mesh.digest,
-        mechanics,
-        lambda: variant_engine(batch.mesh, ratio, batch.fidelity, variant),
-    )
+    return [play_path(touch, digest, mechanics, batch.ratio, batch.friction) for touch in _touches(batch)]
+
+
+def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
+    """The touches of a batch with the indenters of its variant."""
+    scale = batch.variant.indenter_scale
+    if scale == 1.0:
+        return batch.touches
+    return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
+from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.player import play_nodes
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
-from tactiledata.diagnose.gel_variant_plays import VariantBatch, play_variant
+from tactiledata.diagnose.gel_variant_plays import VariantBatch, play_variant, variant_paths
 from tactiledata.diagnose.touch_plays import TouchPlays
 from tactiledata.effects.gel_variants import surface_height
 from tactiledata.effects.response import GelVariant
@@ -47,6 +48,8 @@ def play_touches(
 
     Parameters
     ----------
+    tell : callable
+        Hears how many plays of touches are finished, how many there are, and what was played last.
     variants : sequence of GelVariant
         Those that fail in more than ``MOST_LOST`` of the frames are not among what is returned.
     """
@@ -59,18 +62,24 @@ def play_touches(
     plain = tuple(touch.touch for touch in touches)
     batches = [VariantBatch(mesh, fidelity, *pair, GelVariant(), group) for group in moved]
     batches += [VariantBatch(mesh, fidelity, *pair, variant, plain) for variant in variants]
-    of_nodes = len(plan.ratios) * len(plan.frictions)
+    wanted = list(plan.nodes())
+    of_nodes, of_batches = len(wanted) * len(touches), len(batches) * len(touches)
 
-    def told(done: int, _: int, what: str = "") -> None:
-        tell(done, of_nodes + len(batches), what)
+    def nodes_played(done: int, _: int, what: str = "") -> None:
+        tell(done, of_nodes + of_batches, what)
 
-    nodes = play_nodes(mesh, fidelity, touches, list(plan.nodes()), workers, told)
-    others = []
-    for outcome in LocalScheduler(workers).outcomes(play_variant, batches):
-        if outcome.error is not None:
-            raise outcome.error
-        others.append(outcome.result or [])
-        tell(of_nodes + len(others), of_nodes + len(batches), _words(len(others), len(moved)))
+    def batches_played(done: int, _: int, what: str = "") -> None:
+        tell(of_nodes + done, of_nodes + of_batches, what)
+
+    nodes = play_nodes(mesh, fidelity, touches, wanted, workers, nodes_played)
+    others: list[list[Play]] = []
+    paths = [path for batch in batches for path in variant_paths(batch)]
+    with PlayProgress(paths, batches_played) as progress:
+        for outcome in LocalScheduler(workers).outcomes(play_variant, batches):
+            if outcome.error is not None:
+                raise outcome.error
+            others.append(outcome.result or [])
+            progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
     shifted, varied = others[: len(moved)], dict(zip(variants, others[len(moved) :], strict=True))
     kept = solvable(varied, nodes[Node(*pair, 0.0)])
     join = partial(_touch_plays, plan, mesh)

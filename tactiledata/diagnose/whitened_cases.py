@@ -135,7 +135,7 @@ class WhitenedCases:
 
     @property
     def zero_gains(self) -> Array:
-        """Whitened change (N, 6, 6) over zeros of the size of one reading's noise."""
+        """Whitened change (N, 6, 6) over zeros of the size of a frame's noise."""
         return self._scattered[1]
 
     @cached_property
@@ -159,8 +159,10 @@ class WhitenedCases:
 
     @cached_property
     def tare(self) -> Array:
-        """Variances (t,) of the zeros, over that of one reading."""
-        return tare_variance(np.array([case.free_samples for case in self.cases.cases]))
+        """Variances (t,) of the zeros, over that of a wrench at a frame."""
+        cases = self.cases.cases
+        readings = np.array([case.noise.reading_variance for case in cases])
+        return tare_variance(np.array([case.free_samples for case in cases]), readings)
 
     def white(self, rows: Array) -> Array:
         """Wrenches (N, 6) or (N, 6, c) in units of their noise; rows that are not finite count for nothing."""

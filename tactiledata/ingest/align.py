@@ -20,6 +20,28 @@ def broken_rotations(poses: Values) -> NDArray[np.bool_]:
         return ~(np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) < 0.1)
 
 
+def fractions_between(sample_t_ns: Times, frame_t_ns: Times) -> NDArray[np.float64]:
+    """Return where frames lie between the two samples that `align` interpolates, 0 at the earlier and 1 at the later.
+
+    Frames before the first or after the last sample are left out, as `align` gives them no value.
+
+    Parameters
+    ----------
+    sample_t_ns : (n,) int64, non-decreasing
+    frame_t_ns : (n_frames,) int64
+    """
+    times = np.unique(sample_t_ns)
+    inside = frame_t_ns[(frame_t_ns >= times[0]) & (frame_t_ns <= times[-1])] if len(times) else frame_t_ns[:0]
+    if not len(inside):
+        return np.empty(0)
+    fractions = np.zeros(len(inside))
+    after = np.searchsorted(times, inside, side="left")
+    between = times[after] > inside
+    later, earlier = times[after[between]], times[after[between] - 1]
+    fractions[between] = (inside[between] - earlier) / (later - earlier)
+    return fractions
+
+
 def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
     """A signal's values at the frames' times.
 

@@ -21,7 +21,7 @@ SMALLEST_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class WrenchNoise:
-    """Gaussian noise of one reading.
+    """Gaussian noise of a wrench at one frame, after the interpolation between two readings.
 
     Parameters
     ----------
@@ -31,11 +31,14 @@ class WrenchNoise:
         Factor on the covariance at the frames' spacing: neighbours that resemble one another count for less.
     source : str
         Where it comes from, in words.
+    reading_variance : float
+        Variance of a single reading of the sensor over that of a wrench at a frame, the mean of six components.
     """
 
     covariance: Array
     inflation: float
     source: str
+    reading_variance: float = 1.0
 
     @property
     def deviations(self) -> Array:
@@ -51,30 +54,42 @@ class WrenchNoise:
         return np.linalg.inv(np.linalg.cholesky(self.covariance * self.inflation)).T
 
 
-def noise_at_rest(stretches: Sequence[Array], lag: int = 1) -> WrenchNoise | None:
-    """The noise in stretches of samples (n, 6), each about its own straight line; ``None`` where there are too few.
+def noise_at_rest(
+    stretches: Sequence[Array], lag: int = 1, fractions: Sequence[float] | Array = (0.0,)
+) -> WrenchNoise | None:
+    """Return the noise of a wrench at a frame, from readings at rest; ``None`` where there are too few readings.
+
+    A wrench at a frame is ``(1 - u) x[i] + u x[i + 1]``, interpolated between two readings. With the covariances C0 of
+    a reading and C1 of neighbouring readings, its covariance is ``m C0 + (1 - m) C1`` where ``m`` is the mean of
+    ``(1 - u)**2 + u**2``: two thirds of a reading's variance where readings are independent and u is uniform.
 
     Parameters
     ----------
-    stretches : sequence of (n, 6)
-        In free air, or while nothing moves.
+    stretches : sequence of (n, 6), N, N m
+        Consecutive readings in free air, or while nothing moves, repeated ones included. A straight line is taken off
+        each.
     lag : int
-        Samples from one frame to the next, for the correlation of neighbouring frames.
+        Readings from one frame to the next, for the correlation of neighbouring frames.
+    fractions : (f,)
+        Where the frames lie between two readings, 0 to 1; 0 where frames and readings coincide.
     """
     parts = [_about_line(stretch) for stretch in stretches if len(stretch) >= 4]
     rows = sum(len(part) for part in parts)
     if rows < FEWEST_SAMPLES:
         return None
-    freedom = rows - 2 * len(parts)
-    covariance = np.zeros((6, 6))
-    for part in parts:
-        covariance += part.T @ part / max(freedom, 1)
+    u = np.asarray(fractions, dtype=np.float64)
+    own = float(((1.0 - u) ** 2 + u**2).mean()) if len(u) else 1.0
+    of_reading = _lagged(parts, 0)
+    covariance = own * of_reading + (1.0 - own) * _lagged(parts, 1)
     for block in (slice(0, 3), slice(3, 6)):
         floor = SMALLEST_SHARE * covariance.diagonal()[block].max()
         covariance[block, block] += np.diag(np.maximum(floor - covariance.diagonal()[block], 0.0))
     if not covariance.diagonal().min() > 0:
         return None
-    return WrenchNoise(covariance, _inflation(parts, lag), f"{rows} samples at rest")
+    variances = of_reading.diagonal()
+    moves = variances > 0
+    ratio = float((variances[moves] / covariance.diagonal()[moves]).mean())
+    return WrenchNoise(covariance, _inflation(parts, lag, own), f"{rows} samples at rest", ratio)
 
 
 def specified_noise(force: ForceSpecification) -> WrenchNoise:
@@ -89,13 +104,44 @@ def _about_line(stretch: Array) -> Array:
     return stretch - line @ np.linalg.lstsq(line, stretch, rcond=None)[0]
 
 
-def _inflation(parts: Sequence[Array], lag: int) -> float:
-    """(1 + r) / (1 - r) of an AR(1) process, r the mean correlation of the six components at ``lag``, not below 1."""
+def _lagged(parts: Sequence[Array], lag: int) -> Array:
+    """Return the symmetric covariance (6, 6) of readings so many places apart, each part about its own line."""
     long = [part for part in parts if len(part) > lag]
-    together = sum(float((part[lag:, axis] * part[:-lag, axis]).sum()) / max(float((part[:, axis] ** 2).sum()), 1e-300)
-                   * len(part) / (len(part) - lag) for part in long for axis in range(6))  # fmt: skip
-    mean = together / (6 * len(long)) if long else 0.0
+    pairs = sum(len(part) - lag for part in long)
+    # a line takes two numbers from each part
+    rows = sum(len(part) for part in parts)
+    corrected = rows / max(rows - 2 * len(parts), 1)
+    summed = sum((part[lag:].T @ part[: len(part) - lag] for part in long), np.zeros((6, 6)))
+    return np.asarray(corrected * (summed + summed.T) / (2.0 * max(pairs, 1)))
+
+
+def _inflation(parts: Sequence[Array], lag: int, own: float) -> float:
+    """Return (1 + r) / (1 - r) of an AR(1) process, not below 1.
+
+    r is the mean correlation of the six components at two frames that follow one another.
+
+    Parameters
+    ----------
+    parts : sequence of (n, 6)
+        Readings at rest, about their lines.
+    lag : int
+        Readings from one frame to the next.
+    own : float
+        Share of a reading's own covariance in that of an interpolated value.
+    """
+    shared = 0.5 * (1.0 - own)
+
+    def at(distance: int) -> Array:
+        """Variances of interpolated values so many readings apart: two readings enter each."""
+        return np.asarray(
+            own * _lagged(parts, distance).diagonal()
+            + shared * (_lagged(parts, abs(distance - 1)).diagonal() + _lagged(parts, distance + 1).diagonal())
+        )
+
+    variances = at(0)
+    moves = variances > 0
+    mean = float((at(lag)[moves] / variances[moves]).mean()) if moves.any() else 0.0
     # shorter stretches say little: what they say by chance is not taken for correlation
-    doubt = 2.0 / np.sqrt(max(sum(len(part) - lag for part in long), 1))
+    doubt = 2.0 / np.sqrt(max(sum(max(len(part) - lag, 0) for part in parts), 1))
     r = float(np.clip(mean, 0.0, 0.9)) if mean > doubt else 0.0
     return (1.0 + r) / (1.0 - r)

@@ -12,9 +12,17 @@ MEDIAN_LOSS = np.pi / 2
 """Variance of a median over that of a mean, of Gaussian samples."""
 
 
-def tare_variance(free_samples: Array) -> Array:
-    """Variances (t,) of the zeros over that of one reading, each a median of so many samples in free air (t,)."""
-    return MEDIAN_LOSS / np.maximum(free_samples, 1.0)
+def tare_variance(free_samples: Array, reading_variance: Array | float = 1.0) -> Array:
+    """Return variances (t,) of the zeros, over that of a wrench at a frame.
+
+    Parameters
+    ----------
+    free_samples : (t,)
+        Readings in free air whose median each zero is.
+    reading_variance : float or (t,)
+        Variance of a reading over that of a wrench at a frame.
+    """
+    return MEDIAN_LOSS * np.asarray(reading_variance) / np.maximum(free_samples, 1.0)
 
 
 def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Array) -> Array:
@@ -28,7 +36,7 @@ def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Arr
     starts : (t,)
         First row of each trajectory, ascending.
     variance : (t,)
-        Of the zero, over that of one reading.
+        Of the zero, over that of a wrench at a frame.
     weights : (n,)
         With which the rows were multiplied.
     """

@@ -5,13 +5,13 @@ from __future__ import annotations
 import multiprocessing
 from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from queue import Empty, Queue
 from typing import Literal
 
+from tactiledata.contract.worker_pool import worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
 from tactiledata.rig.generate import touches
 from tactiledata.rig.play import Stage
@@ -89,9 +89,7 @@ def record(
 def _record_in_processes(
     scenario: Scenario, out: Path, form: Form, counts: _Counts, workers: int, written: list[Path]
 ) -> None:
-    # spawn: a forked child would inherit locks of libraries that run threads
-    context = multiprocessing.get_context("spawn")
-    with context.Manager() as manager, ProcessPoolExecutor(workers, mp_context=context) as pool:
+    with multiprocessing.get_context("spawn").Manager() as manager, worker_pool(workers) as pool:
         news = manager.Queue()
         tell = partial(_pass_on, news)
         waiting = [pool.submit(_record_log, scenario, out, form, tell, index) for index in range(len(counts.whole))]

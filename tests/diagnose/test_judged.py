@@ -22,6 +22,8 @@ from tactiledata.effects.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.material import GelMaterial
 
+UNIT = ESTIMATED.claim / 26.0
+
 
 def judged(gains, signature=1.0, share=0.9, name="lag"):
     """A refit that gained so much in each trajectory."""
@@ -70,15 +72,16 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
 
 
 def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
-    """A refit with gains held out and falls of the cost where all was fitted; less what its numbers cost."""
+    """A refit with gains held out and falls of the cost where all was fitted; less what its numbers cost.
+
+    All three are in units of which a claim needs 26.
+    """
     change = np.ones((2, 6)) if change is None else change
     model = SimpleNamespace(coordinates=(None,) * numbers)
     names = name if isinstance(name, tuple) else (name,)
     fit = SimpleNamespace(names=names, effect_change=change, of_effects=change[:, :, None], model=model)
-    falls = np.asarray(falls, dtype=float)
-    return Judged(
-        fit, np.asarray(gains, dtype=float), 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls
-    )
+    gains, falls, occam = UNIT * np.asarray(gains, dtype=float), UNIT * np.asarray(falls, dtype=float), UNIT * occam
+    return Judged(fit, gains, 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls)
 
 
 def decided(singles, pairs=()):
@@ -226,12 +229,12 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
         change = np.zeros((2, 6))
         change[:, column] = 1.0
         fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
-        return Judged(fit, gains, 10.0, 1.0, 0.9, 3.5, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
+        return Judged(fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
 
     model = SimpleNamespace(coordinates=(None,))
-    best = one("lag", rng.normal(2.4, 0.2, 25), 0)
+    best = one("lag", UNIT * rng.normal(2.4, 0.2, 25), 0)
     scattered = rng.normal(0.0, 1.0, 25)
-    scattered = 3.0 * (scattered - scattered.mean()) / scattered.std(ddof=1)
+    scattered = 3.0 * UNIT * (scattered - scattered.mean()) / scattered.std(ddof=1)
     error = float(np.sqrt(25) * scattered.std(ddof=1))
     for name, behind in (("wear", 1.0), ("dome", 1.8)):
         other = one(name, best.gains - scattered - behind * error / 25, 1)

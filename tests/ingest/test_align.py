@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.align import POSE_COLUMNS, align
+from tactiledata.ingest.align import POSE_COLUMNS, align, fractions_between
 
 START = 1_700_000_000_000_000_000
 
@@ -68,3 +68,22 @@ def test_values_stay_between_their_neighbours(samples):
         finite = values[np.isfinite(values)]
         assert aligned.values[known].min() >= finite.min() - 1e-9
         assert aligned.values[known].max() <= finite.max() + 1e-9
+
+
+@given(
+    st.lists(st.integers(1, 40), min_size=1, max_size=20),
+    st.lists(st.integers(-10, 400), min_size=1, max_size=20),
+)
+def test_fractions_are_those_that_align_interpolates_with(steps, frames):
+    """Of a signal that counts its samples, an aligned value is its sample's number and the fraction."""
+    t_ns = START + np.concatenate([[0], np.cumsum(steps)])
+    frame_t_ns = START + np.sort(np.array(frames))
+    aligned = align(signal(t_ns, np.arange(len(t_ns), dtype=float)[:, None]), frame_t_ns)
+    known = aligned.gap_ns >= 0
+    expected = aligned.values[known, 0] % 1.0
+    np.testing.assert_allclose(fractions_between(t_ns, frame_t_ns), expected, atol=1e-9)
+
+
+def test_nothing_lies_between_the_samples_of_an_empty_signal():
+    """No samples, no fractions."""
+    assert len(fractions_between(np.zeros(0, np.int64), START + np.arange(3))) == 0

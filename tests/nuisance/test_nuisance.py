@@ -139,3 +139,58 @@ def test_a_law_error_is_a_power_of_the_force():
 
 def test_a_law_error_of_no_forces_is_none():
     assert (with_law_error(np.zeros((3, 6)), 0.06) == 0).all()
+
+
+def at_frames(readings, fractions):
+    """What linear interpolation makes of readings (n, 6) between neighbours."""
+    places = np.arange(len(readings) - 1)
+    u = fractions[: len(places), None]
+    return (1 - u) * readings[places] + u * readings[places + 1]
+
+
+def white_readings(chance, count):
+    return chance.standard_normal((count, 6))
+
+
+def coloured_readings(chance, count):
+    """Half of the variance remembers five readings."""
+    slow = np.zeros((count, 6))
+    for k in range(1, count):
+        slow[k] = 0.8 * slow[k - 1] + 0.6 * chance.standard_normal(6)
+    return (chance.standard_normal((count, 6)) + slow) / np.sqrt(2.0)
+
+
+def repeated_readings(chance, count):
+    """A driver that is faster than its sensor sends each reading twice."""
+    return np.repeat(chance.standard_normal((count // 2, 6)), 2, axis=0)
+
+
+@pytest.mark.parametrize("readings_of", [white_readings, coloured_readings, repeated_readings])
+@pytest.mark.parametrize("phase", ["spread", "coincident", "midway"])
+def test_what_is_left_of_interpolated_noise_has_a_mean_square_of_one(readings_of, phase):
+    """Noise is measured as the frames have it, wherever they lie between readings and whatever the readings share."""
+    chance = np.random.default_rng(4)
+    stretches = [readings_of(chance, 300) for _ in range(60)]
+    draws = {"spread": chance.uniform(size=20_000), "coincident": np.zeros(20_000), "midway": np.full(20_000, 0.5)}
+    noise = noise_at_rest(stretches, fractions=draws[phase])
+    assert noise is not None
+    frames = at_frames(readings_of(chance, 20_001), draws[phase])
+    white = np.linalg.solve(np.linalg.cholesky(noise.covariance), frames.T)
+    assert (white**2).mean() == pytest.approx(1.0, abs=0.06)
+
+
+def test_a_reading_has_three_halves_of_the_variance_of_what_lies_anywhere_between_two():
+    """The mean of (1 - u)^2 + u^2 over 0 to 1 is 2/3; the zero of free air, made of readings, counts by it."""
+    chance = np.random.default_rng(5)
+    noise = noise_at_rest([white_readings(chance, 200) for _ in range(100)], fractions=np.linspace(0, 1, 1001))
+    assert noise is not None
+    assert noise.reading_variance == pytest.approx(1.5, rel=0.03)
+    assert tare_variance(np.array([100.0]), 1.5)[0] == pytest.approx(1.5 * np.pi / 200)
+
+
+def test_frames_as_dense_as_readings_share_a_reading_with_their_neighbour():
+    """Midway between independent readings, neighbouring frames correlate by 1/2: (1 + r) / (1 - r) is 3."""
+    chance = np.random.default_rng(6)
+    noise = noise_at_rest([white_readings(chance, 300) for _ in range(60)], fractions=[0.5])
+    assert noise is not None
+    assert noise.inflation == pytest.approx(3.0, rel=0.1)

@@ -1,0 +1,79 @@
+"""Worker processes end with the process that started them, however that ends."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+
+from tactiledata.contract.worker_pool import worker_pool
+
+SECONDS = 10.0
+"""Within which a worker must be gone; tasks take far longer."""
+PARENT = """
+import time
+from tactiledata.compute.local import LocalScheduler
+
+def work(seconds):
+    time.sleep(seconds)
+
+if __name__ == "__main__":
+    print("started", flush=True)
+    for outcome in LocalScheduler(2).outcomes(work, [600.0] * 4):
+        pass
+"""
+
+
+def workers_of(pid):
+    """Child processes that run tasks; the tracker of shared resources is none."""
+    return [
+        child
+        for child in psutil.Process(pid).children(recursive=True)
+        if "resource_tracker" not in " ".join(child.cmdline())
+    ]
+
+
+def wait_until(condition):
+    end = time.monotonic() + SECONDS
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_workers_end_within_seconds_of_their_parent(tmp_path, ending):
+    """A parent that is killed, terminated or interrupted alone (not its group) leaves no worker behind."""
+    script = tmp_path / "parent.py"
+    script.write_text(PARENT)
+    parent = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    try:
+        assert wait_until(lambda: len(workers_of(parent.pid)) == 2)
+        workers = workers_of(parent.pid)
+        parent.send_signal(ending)
+        assert parent.wait(SECONDS) != 0
+        assert not psutil.wait_procs(workers, timeout=SECONDS)[1]
+    finally:
+        for process in (*(workers_of(parent.pid) if parent.poll() is None else ()), parent):
+            process.kill()
+        parent.wait()
+        parent.stdout.close()
+
+
+def own_process(_):
+    return os.getpid()
+
+
+@pytest.mark.slow
+def test_a_block_without_an_error_finishes_what_was_submitted():
+    """Tasks still run when the block ends are finished, and the workers are gone afterwards."""
+    with worker_pool(2) as pool:
+        futures = [pool.submit(own_process, number) for number in range(6)]
+    pids = {future.result(timeout=0) for future in futures}
+    assert os.getpid() not in pids
+    assert not any(psutil.pid_exists(pid) for pid in pids)
