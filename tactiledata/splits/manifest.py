@@ -15,9 +15,10 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.contract.wording import counted
 from tactiledata.errors import LeakError, MissingFile, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
 from tactiledata.splits.again import command
@@ -101,7 +102,7 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
     check_document(document, "split", where)
     try:
         write_atomic(path, content)
-        write_json_atomic(path.with_suffix(".json"), document)
+        write_atomic(path.with_suffix(".json"), sealed_json(document))
     except PermissionError as error:
         raise UsageError(
             f"the split cannot be written to {path.parent}: {error.strerror}",
@@ -124,12 +125,13 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
     Raises
     ------
     SchemaError
-        It is not JSON, or does not fit ``schemas/split.json``.
+        It is not JSON, does not fit ``schemas/split.json``, or was changed since it was written.
     """
     place = f"splits/{check_name(name)}.json"
     where = f"{store.location}/{place}"
     try:
-        document = json.loads(store.read_file(place))
+        content = store.read_file(place)
+        document = json.loads(content)
     except MissingFile:
         return None
     except (ValueError, RecursionError) as error:
@@ -137,6 +139,9 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
             f"{where} is not JSON ({error})", "the document of a split", _again(name), path="$", file=where
         ) from error
     check_document(document, "split", where)
+    if SEAL in document and not fits_seal(content):
+        found = f"{where} is damaged: it does not fit its own SHA-256"
+        raise SchemaError(found, "the file that was written", _again(name), path="$", file=where)
     return document
 
 

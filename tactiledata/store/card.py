@@ -20,10 +20,15 @@ LINES_SHOWN = 40
 
 def write_card(store_path: Path, manifest: Mapping[str, Any]) -> None:
     """README.md of a store, written where it differs."""
-    content = card(store_path, manifest).encode(errors="replace")
+    content = card_bytes(store_path, manifest)
     place = store_path / CARD
     if not place.is_file() or place.read_bytes() != content:
         write_atomic(place, content)
+
+
+def card_bytes(store_path: Path, manifest: Mapping[str, Any]) -> bytes:
+    """The content of README.md."""
+    return card(store_path, manifest).encode(errors="replace")
 
 
 def card(store_path: Path, manifest: Mapping[str, Any]) -> str:

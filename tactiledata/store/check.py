@@ -13,6 +13,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import SchemaError, TactileDataError
+from tactiledata.store.document_checks import document_findings
 from tactiledata.store.index_checks import INDEX_NEEDS, index_findings
 from tactiledata.store.mesh_checks import mesh_findings
 from tactiledata.store.payload_checks import payload_faults
@@ -69,13 +70,17 @@ def check(
     MissingFile, StoreError
         It cannot even be opened.
     """
-    opened = store if isinstance(store, Store) else Store.open(store)
+    opened = store if isinstance(store, Store) else Store.open(store, damaged=True)
     of_tables = table_findings(opened)
     broken = {table for table, found in of_tables.items() if found}
     n_sources = opened.manifest["rows"]["sources"] if "sources" not in broken else 0
     n_images = opened.n_frames if images and "frames" not in broken else 0
     steps = _Steps(n_sources + n_images, progress)
-    findings = [*manifest_findings(opened.manifest), *(one for found in of_tables.values() for one in found)]
+    findings = [
+        *manifest_findings(opened.manifest),
+        *document_findings(opened),
+        *(one for found in of_tables.values() for one in found),
+    ]
     findings += [*_shape_findings(opened), *_sensor_findings(opened)]
     findings += index_findings(opened, broken)
     if "sources" not in broken:

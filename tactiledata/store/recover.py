@@ -65,11 +65,17 @@ def raw_arrays(manifest: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, in
             yield rgb_path(camera, height, width), (height, width), count
 
 
+def array_lengths(manifest: Mapping[str, Any]) -> dict[str, int]:
+    """Rows of each array that grows, as a manifest names them, by the array's path."""
+    raw = ((path, count) for path, _, count in raw_arrays(manifest))
+    return dict([*row_arrays(manifest), *heaps(manifest), *raw])
+
+
 def array_paths(manifest: Mapping[str, Any]) -> set[str]:
     """Paths of all arrays that a manifest names."""
-    paths = {path for path, _ in row_arrays(manifest)} | {path for path, _ in heaps(manifest)}
-    paths |= {path for path, _, _ in raw_arrays(manifest)}
-    return paths | {reference_path(home_of(manifest), sensor) for sensor in manifest["references"]}
+    return set(array_lengths(manifest)) | {
+        reference_path(home_of(manifest), sensor) for sensor in manifest["references"]
+    }
 
 
 def foreign_arrays(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
