@@ -16,6 +16,7 @@ from torch import Tensor
 from split_models.network import Network
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import CheckpointError, MissingFile
 from tactiledata.registry import Registry
 
@@ -154,10 +155,11 @@ def load_checkpoint(path: Path) -> Checkpoint:
 
     Raises
     ------
-    MissingFile, CheckpointError
+    MissingFile, NotFetched, CheckpointError
     """
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
+    refuse_lfs_pointer(path)
     try:
         whole = torch.load(path, map_location="cpu", weights_only=True)
         document = json.loads(whole["document"])

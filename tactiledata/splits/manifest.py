@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 from collections.abc import Mapping
@@ -20,7 +21,16 @@ from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.contract.wording import counted
-from tactiledata.errors import LeakError, MissingFile, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
+from tactiledata.errors import (
+    LeakError,
+    MissingFile,
+    MissingSplit,
+    SchemaError,
+    StoreError,
+    TactileDataError,
+    UnknownName,
+    UsageError,
+)
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import SPLIT_SCHEMA
 from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
@@ -31,6 +41,8 @@ if TYPE_CHECKING:
     from tactiledata.store.reader import Store
 
 SPLIT_FORMAT = "tactiledata-split/1"
+REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
+"""Errors of the system where a folder may not be written to: no right to, or a read-only disk."""
 
 
 @dataclass(frozen=True)
@@ -103,20 +115,26 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
     try:
         write_atomic(path, content)
         write_atomic(path.with_suffix(".json"), sealed_json(document))
-    except PermissionError as error:
-        raise UsageError(
-            f"the split cannot be written to {path.parent}: {error.strerror}",
+    except OSError as error:
+        raise _not_written(path, error) from error
+
+
+def _not_written(path: Path, error: OSError) -> TactileDataError:
+    if error.errno in REFUSED:
+        return UsageError(
+            f"the split cannot be written: the folder {path.parent} is not writable ({error.strerror})",
             "a folder that can be written to",
             "Copy the store to a place of yours, or ask its owner.",
             path=str(path),
-        ) from error
-    except OSError as error:
-        raise StoreError(
-            f"the split could not be written to {path.parent}: {error.strerror}",
-            "a disk with free space",
-            "Free some space and run the command again; the store itself is unharmed.",
-            path=str(path),
-        ) from error
+        )
+    is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    what = "Free some space" if is_full else "Check the disk"
+    return StoreError(
+        f"the split could not be written to {path.parent}: {error.strerror or error}",
+        "a disk with free space" if is_full else "a disk that works",
+        f"{what} and run the command again; the store itself is unharmed.",
+        path=str(path),
+    )
 
 
 def read_split_document(store: Store, name: str) -> dict[str, Any] | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.errors import MissingFile, SchemaError, StoreError
@@ -63,9 +64,12 @@ def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bo
 
     Raises
     ------
+    NotFetched
+        A Git LFS pointer.
     StoreError
         Not a manifest, changed since it was written, or of a version that this code does not know.
     """
+    refuse_pointer_bytes(content, where)
     try:
         manifest = json.loads(content)
     except ValueError as error:
