@@ -25,6 +25,7 @@ from tactiledata.store.recover import (
     is_interrupted,
     raw_arrays,
     row_arrays,
+    sensors_before,
     stale_staging,
     temporary_files,
 )
@@ -156,7 +157,9 @@ def _shape_findings(store: Store) -> Iterator[Finding]:
 
 def _sensor_findings(store: Store) -> Iterator[Finding]:
     try:
-        for sensor, facts in store.sensors().items():
+        place = Path(store.location)
+        known = sensors_before(place, store.manifest) if place.is_dir() else store.sensors()
+        for sensor, facts in known.items():
             if digest_of(facts) != store.manifest["sensors"][sensor]:
                 yield _damage("store-sensors", f"the facts of sensor {sensor} are not those of the manifest", sensor)
     except TactileDataError as error:

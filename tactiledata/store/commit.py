@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.appender import Appender
@@ -26,7 +25,7 @@ from tactiledata.store.manifest import (
     settings_of,
     write_manifest,
 )
-from tactiledata.store.recover import clean_commit, clean_staging, drop_unnamed, is_interrupted
+from tactiledata.store.recover import begin_commit, clean_commit, clean_staging, drop_unnamed, is_interrupted
 from tactiledata.store.writer import StagedTake
 
 GROUP_BYTES = 256 * 2**20
@@ -115,7 +114,7 @@ def _settle(folder: Path, manifest: Manifest, with_card: bool) -> None:
 
 def record_anew(folder: Path, manifest: Manifest) -> None:
     """The digests of all documents as they are now become part of the manifest, and the card is written anew."""
-    write_atomic(folder / STAGING / COMMITTING, b"")
+    begin_commit(folder, manifest)
     _settle(folder, manifest, with_card=True)
 
 
@@ -129,11 +128,10 @@ def refresh_card(folder: Path, manifest: Manifest) -> None:
     if manifest["documents"][CARD] == before:
         write_card(folder, manifest)
         return
-    marker = folder / STAGING / COMMITTING
-    write_atomic(marker, b"")
+    begin_commit(folder, manifest)
     write_manifest(folder, manifest)
     write_card(folder, manifest)
-    marker.unlink()
+    (folder / STAGING / COMMITTING).unlink()
 
 
 def recover(store_path: Path | str) -> Manifest:
@@ -210,8 +208,7 @@ def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake], with_c
     fresh, skipped = _new_takes(before, staged)
     if fresh:
         manifest = copy.deepcopy(before)
-        marker = folder / STAGING / COMMITTING
-        write_atomic(marker, b"")
+        begin_commit(folder, before)
         with Batch(folder) as batch:
             appender = Appender(batch, manifest)
             for take in fresh:
@@ -235,8 +232,7 @@ def changing(store_path: Path | str, with_card: bool = True) -> Iterator[tuple[P
     folder = Path(store_path)
     with store_errors(folder), writing_lock(folder):
         manifest = copy.deepcopy(_recovered(folder))
-        marker = folder / STAGING / COMMITTING
-        write_atomic(marker, b"")
+        begin_commit(folder, manifest)
         yield folder, manifest
         _settle(folder, manifest, with_card)
 

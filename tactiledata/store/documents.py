@@ -11,10 +11,10 @@ from typing import Any
 from tactiledata.contract.atomic import readable_json, write_atomic
 from tactiledata.errors import MissingFile, StoreError, TactileDataError
 from tactiledata.store.layout import CARD, home_of, sensors_path
-from tactiledata.store.manifest import Manifest
+from tactiledata.store.manifest import Manifest, read_manifest
 from tactiledata.store.reader import Store
-from tactiledata.store.recover import array_lengths, array_paths, is_interrupted
-from tactiledata.store.sensors_table import parse_sensors, read_sensors
+from tactiledata.store.recover import array_lengths, array_paths, is_interrupted, sensors_before
+from tactiledata.store.sensors_table import read_sensors
 
 GROUP = "zarr.json"
 
@@ -55,15 +55,11 @@ def drop_other_sensors(folder: Path, manifest: Mapping[str, Any]) -> None:
 def document_faults(store: Store) -> Iterator[tuple[str, str]]:
     """Path of each document that is not the one that its digest in the manifest is of, and what is wrong with it.
 
-    After a commit that was interrupted, documents may be ahead of the manifest; they count as whole where cutting them
-    to what it names gives what was recorded.
+    After a commit that was interrupted, or one that came while the store was looked at, documents may be ahead of the
+    manifest; they count as whole where cutting them to what it names gives what was recorded.
     """
     recorded = store.manifest.get("documents", {})
-    folder = Path(store.location)
-    ahead = folder.is_dir() and is_interrupted(folder)
     for path in sorted({*recorded, *document_paths(store.manifest)} if recorded else ()):
-        if path == CARD and ahead:
-            continue  # it is written after the manifest
         try:
             content = store.read_file(path)
         except (MissingFile, OSError):
@@ -71,17 +67,27 @@ def document_faults(store: Store) -> Iterator[tuple[str, str]]:
             continue
         if path not in recorded:
             yield path, "has no digest in the manifest"
-        elif _sha256(content) != recorded[path] and not (
-            ahead and _sha256(_cut(store.manifest, path, content)) == recorded[path]
-        ):
+        elif _sha256(content) != recorded[path] and not _is_ahead(store, path, content):
             yield path, "is not the file that was written: it does not fit its SHA-256 in the manifest"
 
 
-def _cut(manifest: Mapping[str, Any], path: str, content: bytes) -> bytes:
+def _is_ahead(store: Store, path: str, content: bytes) -> bool:
+    """Whether a document only has more than the manifest names, and a writer is, or was, there since."""
+    folder = Path(store.location)
+    if not folder.is_dir():
+        return False
+    if not is_interrupted(folder) and read_manifest(folder, checked=False, damaged=True) == store.manifest:
+        return False
+    # the card is written after the manifest
+    recorded = store.manifest["documents"][path]
+    return path == CARD or _sha256(_cut(folder, store.manifest, path, content)) == recorded
+
+
+def _cut(folder: Path, manifest: Mapping[str, Any], path: str, content: bytes) -> bytes:
     """A document as the next writer will leave it, after an interrupted commit."""
     try:
         if path == sensors_path(home_of(manifest)):
-            return readable_json(parse_sensors(content, manifest, path))
+            return readable_json(sensors_before(folder, manifest))
         document = json.loads(content)
         document["shape"][0] = array_lengths(manifest)[path.removesuffix(f"/{GROUP}")]
         return json.dumps(document, indent=2).encode()

@@ -123,8 +123,8 @@ def _check(manifest: Manifest, where: str) -> None:
         ) from error
 
 
-def read_manifest(store_path: Path | str, checked: bool = True) -> Manifest:
-    """The manifest of a local store.
+def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:
+    """The manifest of a local store; ``checked`` and ``damaged`` are those of `parse_manifest`.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def read_manifest(store_path: Path | str, checked: bool = True) -> Manifest:
         content = (folder / MANIFEST).read_bytes()
     except (FileNotFoundError, NotADirectoryError) as error:
         raise not_a_store(str(folder), folder.exists()) from error
-    return parse_manifest(content, str(folder / MANIFEST), checked)
+    return parse_manifest(content, str(folder / MANIFEST), checked, damaged)
 
 
 def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:

@@ -142,6 +142,31 @@ def test_a_lost_document_is_found(folder: Path) -> None:
     assert "store-document" in {found.code for found in check(folder)}
 
 
+@pytest.mark.parametrize("moment", ["write_manifest", "drop_unnamed"])
+def test_killed_while_facts_of_a_sensor_are_added(folder: Path, moment: str) -> None:
+    """A commit that adds a fact to a known sensor and is killed leaves no damage, and the same commit ends well."""
+    take = staged_take(folder, 8, sensors={"D1": {"shore_00": 75}})[0]
+
+    def work() -> None:
+        setattr(committing, moment, lambda *_: os._exit(9))
+        commit(folder, [take])
+
+    in_child(work)
+    assert {found.severity for found in check(folder)} <= {"info"}
+    recover(folder)
+    assert [found for found in check(folder) if found.code != "store-leftover"] == []
+    commit(folder, [take])
+    assert Store.open(folder).sensors()["D1"]["shore_00"] == 75
+    assert check(folder) == []
+
+
+def test_a_commit_while_a_store_is_checked_is_no_damage(folder: Path) -> None:
+    """A store that grew after it was opened has documents ahead of what was opened: no damage."""
+    opened = Store.open(folder)
+    commit(folder, [staged_take(folder, 8, sensors={"D9": {"model": "digit"}})[0]])
+    assert {found.code for found in document_findings(opened)} <= {"store-no-digest"}
+
+
 @pytest.mark.parametrize("moment", ["write_manifest", "drop_unnamed", "write_card"])
 @pytest.mark.parametrize("change", ["commit", "picture", "no picture"])
 def test_killed_around_the_manifest(folder: Path, moment: str, change: str) -> None:
