@@ -15,7 +15,11 @@ from torch import Tensor
 from split_models.network import Network
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
+<<<<<<< HEAD
 from tactiledata.contract.tensor_files import read_tensors
+=======
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
+>>>>>>> w-store
 from tactiledata.errors import CheckpointError, MissingFile
 from tactiledata.registry import Registry
 
@@ -154,11 +158,15 @@ def load_checkpoint(path: Path) -> Checkpoint:
 
     Raises
     ------
-    MissingFile, CheckpointError
+    MissingFile, NotFetched, CheckpointError
     """
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
+<<<<<<< HEAD
     whole = read_tensors(path, "cannot be read as a checkpoint", CheckpointError)
+=======
+    refuse_lfs_pointer(path)
+>>>>>>> w-store
     try:
         document = json.loads(whole["document"])
         parts = whole["weights"], whole["extras"], whole["optimiser"]

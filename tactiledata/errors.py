@@ -8,6 +8,7 @@
     │   └── MissingSplit (KeyError)        data was asked for without a split
     ├── SchemaError (ValueError)           a document does not fit its schema; carries the path inside it
     ├── BrokenLog (ValueError)             a recording that cannot be read at all
+    │   └── NotFetched                     a Git LFS pointer stands in the place of the file
     ├── UnsafeContent (ValueError)         data that would execute, or a path that leaves its folder
     ├── MissingFile (FileNotFoundError)    a file that was named and is not there          exit code 2
     │   └── LostFile                       a file that other files name and that is gone   exit code 1
@@ -108,6 +109,10 @@ class SchemaError(TactileDataError, ValueError):
 
 class BrokenLog(TactileDataError, ValueError):
     """A recording from which nothing can be read, or (with ``strict``) not everything."""
+
+
+class NotFetched(BrokenLog):
+    """A file of which only the Git LFS pointer is there."""
 
 
 class UnsafeContent(TactileDataError, ValueError):

@@ -18,7 +18,7 @@ BUILTINS = {
     "UsageError": ValueError, "UnknownName": KeyError, "MissingSplit": KeyError, "SchemaError": ValueError,
     "BrokenLog": ValueError, "UnsafeContent": ValueError, "MissingFile": FileNotFoundError,
     "LostFile": FileNotFoundError, "StoreError": ValueError, "StoreBusy": BlockingIOError, "LeakError": ValueError,
-    "CheckpointError": ValueError, "NotFinite": ArithmeticError,
+    "CheckpointError": ValueError, "NotFetched": ValueError, "NotFinite": ArithmeticError,
 }  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -100,7 +101,15 @@ def _print(report: Any) -> None:
     for name in report.stale_splits:
         say(f"the split {name} is of the store as it was; bring it up to date: {_split_again(report.store, name)}")
     if report.changed and not report.stale_splits:
-        say(f"next: tactiledata split {report.store} --by trajectory,sensor")
+        say(_next_step(report.store))
+
+
+def _next_step(location: str) -> str:
+    from tactiledata.splits.suggest import suggest_split
+    from tactiledata.store.reader import Store
+
+    suggested = suggest_split(Store.open(location))
+    return f"next: {suggested.command}" if suggested.command else f"no split can be drawn yet: {suggested.reason}"
 
 
 def _split_again(location: str, name: str) -> str:
@@ -113,5 +122,5 @@ def _split_again(location: str, name: str) -> str:
     except TactileDataError:
         document = None
     if document is None:
-        return f"tactiledata split {location} --name {name} --replace"
+        return shlex.join(["tactiledata", "split", location, "--name", name, "--replace"])
     return command(location, name, document["options"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import shlex
 
 import typer
 
@@ -52,7 +53,7 @@ def split(
         say(f"held out for test_unseen: {kind} {', '.join(names)}")
     for note in report.notes:
         say(f"note: {note}")
-    say(f"next: tactiledata audit {opened.location} --split {report.name}")
+    say(f"next: {shlex.join(['tactiledata', 'audit', opened.location, '--split', report.name])}")
 
 
 def audit(

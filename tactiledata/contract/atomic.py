@@ -26,9 +26,14 @@ def write_atomic(path: Path, content: bytes) -> None:
 
 
 def write_json_atomic(path: Path, value: object) -> None:
-    """A JSON file that people can read: canonical order, two spaces, a line break at the end."""
+    """A JSON file that people can read, whole or not at all."""
+    write_atomic(path, readable_json(value))
+
+
+def readable_json(value: object) -> bytes:
+    """A value as JSON that people can read: canonical order, two spaces, a line break at the end."""
     json_bytes(value)  # refuses what canonical JSON refuses, NaN included
-    write_atomic(path, (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False) + "\n").encode())
+    return (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False) + "\n").encode()
 
 
 def sync_folder(folder: Path) -> None:

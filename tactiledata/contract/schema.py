@@ -15,6 +15,7 @@ from typing import Any
 import jsonschema
 import yaml
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import MissingFile, SchemaError
 
 MAX_DOCUMENT_BYTES = 64 * 2**20
@@ -236,6 +237,7 @@ def read_document(path: Path, schema: str | None = None) -> Any:
             f"{path} has {size} bytes", f"a document of at most {MAX_DOCUMENT_BYTES} bytes", path="$", file=str(path)
         )
     try:
+        refuse_lfs_pointer(path)
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise SchemaError(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import MissingFile, TactileDataError, UsageError
 
 SUFFIXES = (".csv", ".tsv", ".parquet")
@@ -35,6 +36,7 @@ def read_table(path: Path) -> pd.DataFrame:
         raise UsageError(f"{path} is no table by its name", f"a file that ends in {', '.join(SUFFIXES)}")
     if not path.is_file():
         raise UsageError(f"{path} is a folder or a device", "a file", "Name the table in it.")
+    refuse_lfs_pointer(path)
     try:
         frame = _parquet(path) if suffix == ".parquet" else _text(path, SEPARATORS[suffix])
     except UnicodeDecodeError as error:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
 from tactiledata.errors import BrokenLog, UnsafeContent
 from tactiledata.formats.corpus import (
@@ -62,6 +63,7 @@ class AcrossHdf5Format(CorpusFormat):
         import h5py
 
         path = Path(source.path)
+        refuse_lfs_pointer(path)
         try:
             with h5py.File(path, "r") as file:
                 sensor = _sensor(path, file)

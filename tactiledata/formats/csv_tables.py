@@ -16,6 +16,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pacsv
 
+from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
 from tactiledata.contract.records import Finding, Severity
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.csv_cells import CsvTable, listed, shortened, some_lines
@@ -82,6 +83,7 @@ def _content(path: Path) -> bytes:
         raise BrokenLog(
             f"{path} cannot be read ({error.strerror})", "a readable CSV file", "Check its permissions.", file=str(path)
         ) from error
+    refuse_pointer_bytes(content, str(path))
     if not content or content.isspace():
         raise BrokenLog(
             f"{path} is empty ({len(content)} bytes)",

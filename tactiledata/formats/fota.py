@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog, UnsafeContent
@@ -189,6 +190,7 @@ def _index(tars: Sequence[Path], intake: Intake) -> list[_Sample]:
 
 def _members(tar: Path, intake: Intake) -> Iterator[tuple[str, int, int]]:
     """Name, first byte and size of the plain files of a tar; nothing is ever extracted."""
+    refuse_lfs_pointer(tar)
     whole = tar.stat().st_size
     try:
         with tarfile.open(tar, "r:") as archive:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
 from tactiledata.contract.records import Encoding
 from tactiledata.errors import BrokenLog
 
@@ -70,6 +71,7 @@ def read_header(payload: bytes) -> ImageHeader:
     elif payload.startswith(b"\xff\xd8"):
         header = _jpeg(payload)
     else:
+        refuse_pointer_bytes(payload, "the image")
         start = payload[:8].hex(" ") or "nothing"
         raise _broken(f"bytes that start with {start} are neither JPEG nor PNG")
     if not (0 < header.height <= MAX_SIDE and 0 < header.width <= MAX_SIDE):

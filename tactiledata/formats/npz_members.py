@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import BrokenLog, UnsafeContent
 
 MAX_BYTES = 2**30
@@ -46,6 +47,7 @@ def load_members(path: Path, wanted: Collection[str]) -> tuple[dict[str, NDArray
     BrokenLog
         Not an archive, or a member that is cut, damaged or no array.
     """
+    refuse_lfs_pointer(path)
     try:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()

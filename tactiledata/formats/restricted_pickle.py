@@ -20,6 +20,7 @@ from typing import Any, BinaryIO, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import BrokenLog, LostFile, UnsafeContent
 
 MAX_PICKLE_BYTES = 8 * 2**30
@@ -94,6 +95,7 @@ def open_named(path: Path) -> BinaryIO:
     """A file opened for reading; `LostFile` where it is not there."""
     if not path.is_file():
         raise LostFile(f"{path} does not exist", "a file of the corpus", path=str(path))
+    refuse_lfs_pointer(path)
     return path.open("rb")
 
 

@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import MissingFile, SchemaError
 from tactiledata.gel.mesh_frame import gel_axes
 from tactiledata.gel.pad import Indices, PadMesh
@@ -101,6 +102,7 @@ def _read(path: Path) -> tuple[Array, Indices]:
             "Take a coarser mesh.",
             path=str(path),
         )
+    refuse_lfs_pointer(path)
     try:
         mesh = reader(str(path))
         points = np.asarray(mesh.points, dtype=np.float64)

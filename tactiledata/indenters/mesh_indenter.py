@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.paths import path_inside
 from tactiledata.errors import LostFile, SchemaError
 from tactiledata.indenters.base import LARGEST_PART, SMALLEST_PART, Indenter
@@ -163,6 +164,7 @@ def _read(path: Path, where: str) -> trimesh.Trimesh:
         raise SchemaError(
             f"{path} has {size} bytes", f"at most {MAX_MESH_BYTES}", "Reduce the number of its triangles.", path=where
         )
+    refuse_lfs_pointer(path)
     # from bytes, not by name: so the loader cannot follow the names of further files inside it
     try:
         loaded = trimesh.load_mesh(io.BytesIO(path.read_bytes()), file_type=kind, skip_materials=True, process=True)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
 from tactiledata.contract.records import Source
 from tactiledata.errors import BrokenLog, MissingFile, TactileDataError
 from tactiledata.formats import FORMATS
@@ -37,6 +38,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         A path does not exist.
     BrokenLog
         Nothing under a path is a recording.
+    NotFetched
+        Nothing, but Git LFS pointers are there.
     """
     sources: list[Source] = []
     unclaimed: list[Path] = []
@@ -49,6 +52,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
             raise BrokenLog(f"{path} is a pipe or a device", "a file or a folder", "Copy its content into a file.")
         found, left = _below(path, format_name, MAX_DEPTH)
         if not found:
+            if pointers := [file for file in left if is_lfs_pointer(file)]:
+                raise not_fetched(str(pointers[0]), len(pointers) - 1)
             raise BrokenLog(
                 f"{path} is no recording that any format knows, and holds none",
                 f"one of: {', '.join(FORMATS)}",
@@ -63,6 +68,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
 
 def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:
     if not (path.is_file() or path.is_dir()):  # opening a pipe would wait for ever
+        return [], [path]
+    if is_lfs_pointer(path):
         return [], [path]
     member = format_of(path, format_name)
     if member is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +13,18 @@ from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.take import FrameFlag, findings_of
 from tactiledata.contract.wording import counted
+from tactiledata.ingest.first_program import first_program
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
+from tactiledata.splits.again import command
 from tactiledata.splits.manifest import coverage_problem, read_split, read_split_document
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
+from tactiledata.splits.suggest import suggest_split
 from tactiledata.store.overview import overview
 from tactiledata.store.reader import Store
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MAX_TOUCHES = 6
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
@@ -43,11 +50,14 @@ def write_report(store: Store, out: Path, split: str = "default", further: Seque
     """
     pictures = {"page": out / "report.html"}
     touches = choose_touches(store)
-    png = png_bytes(draw_touches(touches)) if touches else None
-    if png is not None:
+    picture = None
+    if touches:
+        figure, caption = draw(touches)
+        png = png_bytes(figure)
+        picture = Picture(png, caption)
         pictures["picture"] = out / "recorded.png"
         write_atomic(pictures["picture"], png)
-    write_atomic(pictures["page"], page(store, png, split, further).encode())
+    write_atomic(pictures["page"], page(store, picture, split, further).encode())
     return pictures
 
 
@@ -76,8 +86,9 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     usable = (frames["flags"].to_numpy() & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
     if not usable.any():
         return None
-    force = np.where(usable, np.nan_to_num(frames["contact_force"].to_numpy(), nan=0.0), -1.0)
-    shown = int(np.argmax(force))
+    force = np.where(usable, frames["contact_force"].to_numpy(), np.nan)
+    middle = np.flatnonzero(usable)[usable.sum() // 2]
+    shown = int(np.nanargmax(force) if np.isfinite(force).any() else middle)
     t_ns = frames["t_ns"].to_numpy()
     reference = store.references().get(frames["sensor"][shown].as_py())
     seconds, samples, force_frame = np.zeros(0), np.zeros((0, 3)), ""
@@ -99,7 +110,22 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     )
 
 
-def page(store: Store, png: bytes | None, split: str, further: Sequence[Section] = ()) -> str:
+def draw(touches: Sequence[TouchPicture]) -> tuple[Figure, str]:
+    """The picture of touches, and its caption, which names only what is there."""
+    if any(touch.has_force for touch in touches):
+        shown = (
+            "The firmest touches, one per sensor and indenter: the sensor without contact, at the largest force, the "
+            "difference (doubled, grey is none), and the contact force. Ticks are images; the dotted line: this one."
+        )
+    else:
+        shown = (
+            "Touches, one per sensor and indenter: the sensor without contact, in the middle of the touch, and the "
+            "difference (doubled, grey is none)."
+        )
+    return draw_touches(touches), shown
+
+
+def page(store: Store, picture: Picture | None, split: str, further: Sequence[Section] = ()) -> str:
     """The report as HTML."""
     facts = overview(store)
     sentences = [
@@ -110,7 +136,7 @@ def page(store: Store, png: bytes | None, split: str, further: Sequence[Section]
         _status_sentence(facts["status"]),
     ]
     sections = [
-        _recorded(png),
+        _recorded(picture),
         _counts(facts),
         _signals(facts),
         _findings(store),
@@ -131,14 +157,8 @@ def _status_sentence(status: dict[str, int]) -> str:
     return "; ".join(f"{counted(count, 'recording')} {words[name]}" for name, count in sorted(status.items())) + "."
 
 
-def _recorded(png: bytes | None) -> Section | None:
-    if png is None:
-        return None
-    caption = (
-        "The firmest touches, one per sensor and indenter: the sensor without contact, at the largest force, "
-        "the difference (doubled, grey is none), and the contact force. Ticks are images; the dotted line: this one."
-    )
-    return Section("Touches", pictures=[Picture(png, caption)])
+def _recorded(picture: Picture | None) -> Section | None:
+    return None if picture is None else Section("Touches", pictures=[picture])
 
 
 def _counts(facts: dict) -> Section:
@@ -183,26 +203,22 @@ def _findings(store: Store) -> Section:
 def _split(store: Store, split: str) -> Section:
     document = read_split_document(store, split) if split in store.split_names() else None
     if document is None:
-        return Section(
-            "Split", sentences=[("warning", "There is no split yet; nothing may learn from this store.")],
-            code=[f"tactiledata split {store.location} --by trajectory,sensor"],
-        )  # fmt: skip
+        suggested = suggest_split(store)
+        none = [("warning", "There is no split yet; nothing may learn from this store.")]
+        if suggested.command:
+            return Section("Split", sentences=none, code=[suggested.command])
+        return Section("Split", sentences=[*none, ("warning", f"None can be drawn yet: {suggested.reason}")])
     counts = document["counts"]
     rows = [(part, counts[part]["trajectories"], counts[part]["frames"]) for part in (*PARTITIONS, EXCLUDED)]
     held = "; ".join(f"{kind} {', '.join(names)}" for kind, names in document["held_out"].items() if names)
+    code: list[str] = []
     sentences = [("", f"Split {split!r}: whole trajectories only. Held out for the second test: {held or 'nothing'}.")]
     if problem := coverage_problem(read_split(store, split), store.trajectories(["uid"])["uid"]):
-        again = "Run `tactiledata split` again; until then it cannot be loaded."
+        again = "Draw it again; until then it cannot be loaded."
         sentences.append(("warning", f"The split is out of date: {problem}. {again}"))
-    return Section("Split", sentences=sentences, columns=("part", "trajectories", "images"), rows=rows)
+        code = [command(str(store.location), split, document["options"])]
+    return Section("Split", sentences=sentences, columns=("part", "trajectories", "images"), rows=rows, code=code)
 
 
 def _use(store: Store, split: str) -> Section:
-    program = (
-        "from torch.utils.data import DataLoader\n"
-        "from tactiledata.loaders.torch import TactileDataset\n\n"
-        f'train = TactileDataset("{store.location}", split="{split}/train", streams=["digit", "contact_wrench"])\n'
-        "for batch in DataLoader(train, batch_size=64, num_workers=2):\n"
-        "    ..."
-    )
-    return Section("Use it", code=[program])
+    return Section("Use it", code=[first_program(store, split)])

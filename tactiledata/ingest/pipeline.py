@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tactiledata.compute import SCHEDULERS
 from tactiledata.compute.base import Outcome
+from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
 from tactiledata.contract.schema import check_document
@@ -120,7 +121,11 @@ def ingest(
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports))
         reports = _compared(reports, folder)
         recover(folder)  # copies of what was committed need not wait
-    left = tuple(str(path) for path in unclaimed)
+    pointers = [path for path in unclaimed if is_lfs_pointer(path)]
+    if pointers:
+        message = f"{not_fetched(str(pointers[0]), len(pointers) - 1).found}; left out"
+        findings.append(Finding("not-fetched", "warning", message, count=len(pointers)))
+    left = tuple(str(path) for path in unclaimed if path not in pointers)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))
     return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
 

@@ -15,7 +15,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.sealed import fits_seal, sealed_json
 from tactiledata.errors import UsageError
 from tactiledata.loaders.streams import Stream, values_at_frames
 from tactiledata.splits.manifest import Split, frame_rows, partition_rows
@@ -23,7 +24,7 @@ from tactiledata.splits.manifest import Split, frame_rows, partition_rows
 if TYPE_CHECKING:
     from tactiledata.store.reader import Store
 
-FORMAT = "tactiledata-normalisation/1"
+FORMAT = "tactiledata-normalisation/2"
 SUFFIX = ".normalisation.json"
 CHUNK_ROWS = 8192
 """Rows read at once; part of the result's last digits, hence fixed."""
@@ -183,11 +184,12 @@ class Cache:
         }
 
     def read(self) -> dict[str, Normaliser]:
-        """The normalisers that are kept, by stream; none where the file is missing, torn or of other data."""
+        """The normalisers that are kept, by stream; none where the file is missing, damaged or of other data."""
         try:
             with fsspec.open(self._path, "rb") as stream:
-                document = json.loads(stream.read())
-            if {name: document.get(name) for name in self._key} != self._key:
+                content = stream.read()
+            document = json.loads(content)
+            if not fits_seal(content) or {name: document.get(name) for name in self._key} != self._key:
                 return {}
             return {name: Normaliser.from_document(value) for name, value in document["streams"].items()}
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
@@ -199,7 +201,7 @@ class Cache:
             return f"normalisation is not kept: {self._path} is not a local file"
         streams = {name: one.document() for name, one in {**self.read(), **normalisers}.items()}
         try:
-            write_json_atomic(Path(self._path), {**self._key, "streams": streams})
+            write_atomic(Path(self._path), sealed_json({**self._key, "streams": streams}))
         except OSError as error:
             return f"normalisation is not kept: {error.strerror} ({self._path})"
         return ""

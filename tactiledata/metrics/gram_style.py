@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.tensor_files import read_tensors
 from tactiledata.errors import MissingFile, SchemaError, UsageError
 from tactiledata.metrics.base import Score, Values, image_masks, images, metric
@@ -77,6 +78,7 @@ def vgg19_features(path: Path) -> nn.Sequential:
     SchemaError
         Not those weights.
     """
+    refuse_lfs_pointer(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     if path.name == WEIGHTS and not digest.startswith(path.stem.rpartition("-")[2]):
         raise SchemaError(f"{path} has SHA-256 {digest[:8]}…", f"{WEIGHTS} as it was published", "Fetch it again.")

@@ -28,7 +28,7 @@ class TouchPicture:
         Without contact (``None``: not known), and at the largest force.
     seconds : (n,) s from the trajectory's start
     force : (n, 3) N
-        Contact force.
+        Contact force; (0, 3): it is not known.
     force_frame : str
         ``"gel"``: x along the short side, z out of the gel; else ``"ft"``.
     frame_seconds : (m,) s
@@ -46,19 +46,34 @@ class TouchPicture:
     frame_seconds: NDArray[np.float64]
     shown_second: float
 
+    @property
+    def has_force(self) -> bool:
+        """Whether its contact force is known."""
+        return bool(np.isfinite(self.force).any())
+
 
 def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
-    """A row per touch: without contact, at the largest force, the difference, and the force over time."""
+    """A row per touch: without contact, at the largest force, the difference, and the force over time.
+
+    Where no touch has a force, an image of each is shown, and no plot of forces.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 2.35 * len(touches) + 0.5), layout="constrained")
-    axes = figure.subplots(len(touches), 4, squeeze=False, width_ratios=[1, 1, 1, 2.7])
+    with_force = any(touch.has_force for touch in touches)
+    widths = [1, 1, 1, 2.7] if with_force else [1, 1, 1]
+    axes = figure.subplots(len(touches), len(widths), squeeze=False, width_ratios=widths)
     for row, touch in enumerate(touches):
         _picture(axes[row, 0], touch.background, "without contact" if row == 0 else "")
-        _picture(axes[row, 1], touch.image, "at the largest force" if row == 0 else "")
+        _picture(
+            axes[row, 1], touch.image, ("at the largest force" if with_force else "in the middle") if row == 0 else ""
+        )
         _picture(axes[row, 2], _difference(touch), "difference ×2" if row == 0 else "")
         axes[row, 0].set_ylabel(touch.title, fontsize=8)
-        _force(axes[row, 3], touch, is_first=row == 0, is_last=row == len(touches) - 1)
+        if touch.has_force:
+            _force(axes[row, 3], touch, is_first=row == 0, is_last=row == len(touches) - 1)
+        elif with_force:
+            _picture(axes[row, 3], None, "")
     return figure
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 from collections.abc import Mapping
@@ -15,11 +16,21 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.contract.wording import counted
-from tactiledata.errors import LeakError, MissingFile, MissingSplit, SchemaError, StoreError, UnknownName, UsageError
+from tactiledata.errors import (
+    LeakError,
+    MissingFile,
+    MissingSplit,
+    SchemaError,
+    StoreError,
+    TactileDataError,
+    UnknownName,
+    UsageError,
+)
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import SPLIT_SCHEMA
 from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
@@ -30,6 +41,8 @@ if TYPE_CHECKING:
     from tactiledata.store.reader import Store
 
 SPLIT_FORMAT = "tactiledata-split/1"
+REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
+"""Errors of the system where a folder may not be written to: no right to, or a read-only disk."""
 
 
 @dataclass(frozen=True)
@@ -101,21 +114,27 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
     check_document(document, "split", where)
     try:
         write_atomic(path, content)
-        write_json_atomic(path.with_suffix(".json"), document)
-    except PermissionError as error:
-        raise UsageError(
-            f"the split cannot be written to {path.parent}: {error.strerror}",
+        write_atomic(path.with_suffix(".json"), sealed_json(document))
+    except OSError as error:
+        raise _not_written(path, error) from error
+
+
+def _not_written(path: Path, error: OSError) -> TactileDataError:
+    if error.errno in REFUSED:
+        return UsageError(
+            f"the split cannot be written: the folder {path.parent} is not writable ({error.strerror})",
             "a folder that can be written to",
             "Copy the store to a place of yours, or ask its owner.",
             path=str(path),
-        ) from error
-    except OSError as error:
-        raise StoreError(
-            f"the split could not be written to {path.parent}: {error.strerror}",
-            "a disk with free space",
-            "Free some space and run the command again; the store itself is unharmed.",
-            path=str(path),
-        ) from error
+        )
+    is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    what = "Free some space" if is_full else "Check the disk"
+    return StoreError(
+        f"the split could not be written to {path.parent}: {error.strerror or error}",
+        "a disk with free space" if is_full else "a disk that works",
+        f"{what} and run the command again; the store itself is unharmed.",
+        path=str(path),
+    )
 
 
 def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
@@ -124,12 +143,13 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
     Raises
     ------
     SchemaError
-        It is not JSON, or does not fit ``schemas/split.json``.
+        It is not JSON, does not fit ``schemas/split.json``, or was changed since it was written.
     """
     place = f"splits/{check_name(name)}.json"
     where = f"{store.location}/{place}"
     try:
-        document = json.loads(store.read_file(place))
+        content = store.read_file(place)
+        document = json.loads(content)
     except MissingFile:
         return None
     except (ValueError, RecursionError) as error:
@@ -137,6 +157,9 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
             f"{where} is not JSON ({error})", "the document of a split", _again(name), path="$", file=where
         ) from error
     check_document(document, "split", where)
+    if SEAL in document and not fits_seal(content):
+        found = f"{where} is damaged: it does not fit its own SHA-256"
+        raise SchemaError(found, "the file that was written", _again(name), path="$", file=where)
     return document
 
 

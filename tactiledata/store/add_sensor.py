@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
 from tactiledata.errors import MissingFile, UsageError
@@ -153,6 +154,7 @@ def read_picture(path: Path) -> NDArray[np.uint8]:
     """The picture (H, W, 3) RGB in a file."""
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a JPEG or PNG file", "Check the spelling.", path=str(path))
+    refuse_lfs_pointer(path)
     size = path.stat().st_size
     content = path.read_bytes() if size <= LARGEST_PICTURE else b""
     image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR_RGB) if content else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,10 +21,15 @@ LINES_SHOWN = 40
 
 def write_card(store_path: Path, manifest: Mapping[str, Any]) -> None:
     """README.md of a store, written where it differs."""
-    content = card(store_path, manifest).encode(errors="replace")
+    content = card_bytes(store_path, manifest)
     place = store_path / CARD
     if not place.is_file() or place.read_bytes() != content:
         write_atomic(place, content)
+
+
+def card_bytes(store_path: Path, manifest: Mapping[str, Any]) -> bytes:
+    """The content of README.md."""
+    return card(store_path, manifest).encode(errors="replace")
 
 
 def card(store_path: Path, manifest: Mapping[str, Any]) -> str:
@@ -106,8 +112,15 @@ def _values(title: str, kind: str, manifest: Mapping[str, Any]) -> list[str]:
 
 
 def _loading(manifest: Mapping[str, Any]) -> list[str]:
-    first = next(iter(sorted(manifest["signals"])), None)
-    signal = [f'wrench = store.signal("{first}").values(0, 100)'] if first else []
+    first = next((name for name, facts in sorted(manifest["signals"].items()) if facts["rows"]), None)
+    reads = [
+        f"some = range({min(3, manifest['rows']['frames'])})",
+        'pictures = store.images(some, missing="zeros")  # RGB uint8',
+    ]
+    reads = reads if manifest["rows"]["frames"] else []
+    if first is not None:
+        rows = min(100, manifest["signals"][first]["rows"])
+        reads.append(f"values = store.signal({json.dumps(first, ensure_ascii=False)}).values(0, {rows})")
     return [
         "## Loading",
         "",
@@ -115,9 +128,8 @@ def _loading(manifest: Mapping[str, Any]) -> list[str]:
         "from tactiledata.store.reader import Store",
         "",
         'store = Store.open("ds.zarr")',
-        "frames = store.frames()                      # a pyarrow table, a row a frame",
-        "pictures = store.images([0, 1, 2])           # RGB uint8",
-        *signal,
+        "frames = store.frames()  # a pyarrow table, a row a frame",
+        *reads,
         "```",
         "",
         f"The arrays are plain Zarr v3. What counts is what `{MANIFEST}` names: rows beyond its lengths are not data.",

@@ -13,6 +13,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import SchemaError, TactileDataError
+from tactiledata.store.document_checks import document_findings
 from tactiledata.store.index_checks import INDEX_NEEDS, index_findings
 from tactiledata.store.mesh_checks import mesh_findings
 from tactiledata.store.payload_checks import payload_faults
@@ -24,6 +25,7 @@ from tactiledata.store.recover import (
     is_interrupted,
     raw_arrays,
     row_arrays,
+    sensors_before,
     stale_staging,
     temporary_files,
 )
@@ -69,13 +71,17 @@ def check(
     MissingFile, StoreError
         It cannot even be opened.
     """
-    opened = store if isinstance(store, Store) else Store.open(store)
+    opened = store if isinstance(store, Store) else Store.open(store, damaged=True)
     of_tables = table_findings(opened)
     broken = {table for table, found in of_tables.items() if found}
     n_sources = opened.manifest["rows"]["sources"] if "sources" not in broken else 0
     n_images = opened.n_frames if images and "frames" not in broken else 0
     steps = _Steps(n_sources + n_images, progress)
-    findings = [*manifest_findings(opened.manifest), *(one for found in of_tables.values() for one in found)]
+    findings = [
+        *manifest_findings(opened.manifest),
+        *document_findings(opened),
+        *(one for found in of_tables.values() for one in found),
+    ]
     findings += [*_shape_findings(opened), *_sensor_findings(opened)]
     findings += index_findings(opened, broken)
     if "sources" not in broken:
@@ -151,7 +157,9 @@ def _shape_findings(store: Store) -> Iterator[Finding]:
 
 def _sensor_findings(store: Store) -> Iterator[Finding]:
     try:
-        for sensor, facts in store.sensors().items():
+        place = Path(store.location)
+        known = sensors_before(place, store.manifest) if place.is_dir() else store.sensors()
+        for sensor, facts in known.items():
             if digest_of(facts) != store.manifest["sensors"][sensor]:
                 yield _damage("store-sensors", f"the facts of sensor {sensor} are not those of the manifest", sensor)
     except TactileDataError as error:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.appender import Appender
 from tactiledata.store.arrays import open_root
 from tactiledata.store.batch import Batch
-from tactiledata.store.card import write_card
-from tactiledata.store.layout import COMMITTING, MANIFEST, STAGING, Settings
+from tactiledata.store.card import card_bytes, write_card
+from tactiledata.store.documents import drop_other_sensors, need_whole_documents, record_documents
+from tactiledata.store.layout import CARD, COMMITTING, MANIFEST, STAGING, Settings
 from tactiledata.store.lock import unwritable, writing_lock
 from tactiledata.store.manifest import (
     Manifest,
@@ -23,7 +25,7 @@ from tactiledata.store.manifest import (
     settings_of,
     write_manifest,
 )
-from tactiledata.store.recover import clean_commit, clean_staging, drop_unnamed, is_interrupted
+from tactiledata.store.recover import begin_commit, clean_commit, clean_staging, drop_unnamed, is_interrupted
 from tactiledata.store.writer import StagedTake
 
 GROUP_BYTES = 256 * 2**20
@@ -87,8 +89,49 @@ def _start(folder: Path, settings: Settings) -> None:
         batch.publish()
     manifest = empty_manifest(settings)
     # the manifest first: a folder with a card alone would be taken for somebody else's
+    record_documents(folder, manifest)
+    _name_card(folder, manifest)
     write_manifest(folder, manifest)
     write_card(folder, manifest)
+
+
+def _name_card(folder: Path, manifest: Manifest) -> None:
+    manifest["documents"][CARD] = hashlib.sha256(card_bytes(folder, manifest)).hexdigest()
+
+
+def _settle(folder: Path, manifest: Manifest, with_card: bool) -> None:
+    """The manifest becomes the store's, with the digests of all documents; every commit ends here."""
+    record_documents(folder, manifest)
+    if with_card:
+        _name_card(folder, manifest)
+    write_manifest(folder, manifest)
+    drop_unnamed(folder, manifest)
+    drop_other_sensors(folder, manifest)
+    if with_card:
+        write_card(folder, manifest)
+    (folder / STAGING / COMMITTING).unlink()
+
+
+def record_anew(folder: Path, manifest: Manifest) -> None:
+    """The digests of all documents as they are now become part of the manifest, and the card is written anew."""
+    begin_commit(folder, manifest)
+    _settle(folder, manifest, with_card=True)
+
+
+def refresh_card(folder: Path, manifest: Manifest) -> None:
+    """The card, and its digest in the manifest, are of the store as it is now; all other digests stay."""
+    if "documents" not in manifest:
+        write_card(folder, manifest)
+        return
+    before = manifest["documents"].get(CARD)
+    _name_card(folder, manifest)
+    if manifest["documents"][CARD] == before:
+        write_card(folder, manifest)
+        return
+    begin_commit(folder, manifest)
+    write_manifest(folder, manifest)
+    write_card(folder, manifest)
+    (folder / STAGING / COMMITTING).unlink()
 
 
 def recover(store_path: Path | str) -> Manifest:
@@ -101,7 +144,7 @@ def recover(store_path: Path | str) -> Manifest:
     manifest = read_manifest(folder)
     with store_errors(folder), writing_lock(folder):
         clean_staging(folder, manifest)
-        clean_commit(folder, manifest)
+        _clean(folder, manifest)
     return manifest
 
 
@@ -137,29 +180,42 @@ def commit(store_path: Path | str, staged: Sequence[StagedTake], with_card: bool
     """
     folder = Path(store_path)
     with store_errors(folder), writing_lock(folder):
-        manifest = read_manifest(folder, checked=False)
-        if is_interrupted(folder):
-            clean_commit(folder, manifest)
-        manifest = _commit(folder, manifest, staged)
+        manifest = _commit(folder, _recovered(folder), staged, with_card)
         if with_card:
-            write_card(folder, manifest)
+            refresh_card(folder, manifest)
         return manifest
 
 
-def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake]) -> Manifest:
+def _recovered(folder: Path) -> Manifest:
+    """The manifest to change, after what an interrupted commit left is gone and all documents are known to be whole."""
+    manifest = read_manifest(folder, checked=False)
+    if is_interrupted(folder):
+        _clean(folder, manifest)
+    need_whole_documents(folder)
+    return manifest
+
+
+def _clean(folder: Path, manifest: Manifest) -> None:
+    """What an interrupted commit left is gone, and the card is that of the manifest."""
+    was_interrupted = is_interrupted(folder)
+    place, recorded = folder / CARD, manifest.get("documents", {}).get(CARD)
+    if was_interrupted and recorded and not (place.is_file() and file_digest(place) == recorded):
+        write_card(folder, manifest)
+    clean_commit(folder, manifest)
+
+
+def _commit(folder: Path, before: Manifest, staged: Sequence[StagedTake], with_card: bool) -> Manifest:
     fresh, skipped = _new_takes(before, staged)
     if fresh:
         manifest = copy.deepcopy(before)
-        marker = folder / STAGING / COMMITTING
-        write_atomic(marker, b"")
+        begin_commit(folder, before)
         with Batch(folder) as batch:
             appender = Appender(batch, manifest)
             for take in fresh:
                 appender.add(take)
             appender.finish()
             batch.publish()
-        write_manifest(folder, manifest)
-        marker.unlink()
+        _settle(folder, manifest, with_card)
     else:
         manifest = before
     for take in [*fresh, *skipped]:
@@ -175,18 +231,10 @@ def changing(store_path: Path | str, with_card: bool = True) -> Iterator[tuple[P
     """
     folder = Path(store_path)
     with store_errors(folder), writing_lock(folder):
-        before = read_manifest(folder, checked=False)
-        if is_interrupted(folder):
-            clean_commit(folder, before)
-        manifest = copy.deepcopy(before)
-        marker = folder / STAGING / COMMITTING
-        write_atomic(marker, b"")
+        manifest = copy.deepcopy(_recovered(folder))
+        begin_commit(folder, manifest)
         yield folder, manifest
-        write_manifest(folder, manifest)
-        drop_unnamed(folder, manifest)
-        marker.unlink()
-        if with_card:
-            write_card(folder, manifest)
+        _settle(folder, manifest, with_card)
 
 
 def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[StagedTake], list[StagedTake]]:
@@ -210,7 +258,7 @@ def commit_groups(store_path: Path | str, staged: Iterable[StagedTake]) -> Manif
     for group in groups(staged, set(manifest["sources"])):
         manifest = commit(folder, group, with_card=False)
     with store_errors(folder), writing_lock(folder):
-        write_card(folder, manifest)
+        refresh_card(folder, manifest)
     return manifest
 
 

@@ -8,8 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
 from tactiledata.contract.schema import check_document
+from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.errors import MissingFile, SchemaError, StoreError
 from tactiledata.store.layout import FORMAT, FORMAT_NAME, FORMAT_VERSION, MANIFEST, TABLES, Settings
 
@@ -46,14 +48,28 @@ def settings_of(manifest: Mapping[str, Any]) -> Settings:
     return Settings(**manifest["settings"])
 
 
-def parse_manifest(content: bytes, where: str, checked: bool = True) -> Manifest:
-    """A manifest that fits ``schemas/store.json``; without ``checked`` only its format is looked at.
+def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bool = False) -> Manifest:
+    """A manifest that fits ``schemas/store.json`` and its own digest, where it has one.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+    where : str
+        The file, as errors name it.
+    checked : bool
+        Whether it is held against the schema.
+    damaged : bool
+        Whether a manifest is taken that does not fit its own digest, to look for further damage.
 
     Raises
     ------
+    NotFetched
+        A Git LFS pointer.
     StoreError
-        Not a manifest, or of a version that this code does not know.
+        Not a manifest, changed since it was written, or of a version that this code does not know.
     """
+    refuse_pointer_bytes(content, where)
     try:
         manifest = json.loads(content)
     except ValueError as error:
@@ -72,9 +88,21 @@ def parse_manifest(content: bytes, where: str, checked: bool = True) -> Manifest
             "The store was written by a newer tactiledata; install that version to read it.",
             version=version,
         )
+    if not damaged and (fault := seal_fault(content, manifest)):
+        raise StoreError(
+            f"{where} {fault}",
+            "the file that was written",
+            "Restore it from a copy, or ingest the recordings into a new store; `tactiledata check` looks for further "
+            "damage.",
+        )
     if checked:
         _check(manifest, where)
     return manifest
+
+
+def seal_fault(content: bytes, manifest: Mapping[str, Any]) -> str:
+    """How the bytes of a manifest differ from those that were written; empty where they fit, or nothing says."""
+    return "is damaged: it does not fit its own SHA-256" if SEAL in manifest and not fits_seal(content) else ""
 
 
 CHECKED_ENTRIES = 100
@@ -95,8 +123,8 @@ def _check(manifest: Manifest, where: str) -> None:
         ) from error
 
 
-def read_manifest(store_path: Path | str, checked: bool = True) -> Manifest:
-    """The manifest of a local store.
+def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:
+    """The manifest of a local store; ``checked`` and ``damaged`` are those of `parse_manifest`.
 
     Raises
     ------
@@ -110,7 +138,7 @@ def read_manifest(store_path: Path | str, checked: bool = True) -> Manifest:
         content = (folder / MANIFEST).read_bytes()
     except (FileNotFoundError, NotADirectoryError) as error:
         raise not_a_store(str(folder), folder.exists()) from error
-    return parse_manifest(content, str(folder / MANIFEST), checked)
+    return parse_manifest(content, str(folder / MANIFEST), checked, damaged)
 
 
 def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
@@ -131,5 +159,5 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
 
 
 def write_manifest(store_path: Path, manifest: Manifest) -> None:
-    """The manifest on disk, whole, after everything that it names."""
-    write_json_atomic(store_path / MANIFEST, manifest)
+    """The manifest on disk, whole and with its own digest, after everything that it names."""
+    write_atomic(store_path / MANIFEST, sealed_json(manifest))

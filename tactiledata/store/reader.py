@@ -136,15 +136,25 @@ class Store:
         self._whole_parts: set[str] = set()
 
     @classmethod
-    def open(cls, location: str | Path, storage_options: Mapping[str, Any] | None = None) -> Store:
+    def open(
+        cls, location: str | Path, storage_options: Mapping[str, Any] | None = None, damaged: bool = False
+    ) -> Store:
         """The store at a local path or any fsspec URL (``memory://``, ``http://``, ``zip::…``).
+
+        Parameters
+        ----------
+        location : str or Path
+        storage_options : dict, optional
+            For fsspec.
+        damaged : bool
+            Whether it is opened although its manifest does not fit its own digest, as `check` does.
 
         Raises
         ------
         MissingFile
             There is nothing at the location.
         StoreError
-            Not a store, or written by a newer version.
+            Not a store, written by a newer version, or its manifest is damaged.
         """
         files = open_files(location, storage_options)
         try:
@@ -157,7 +167,7 @@ class Store:
                 "a store that may be read",
                 "Check the place and your rights.",
             ) from error
-        return cls(files, parse_manifest(content, f"{location}/{MANIFEST}"))
+        return cls(files, parse_manifest(content, f"{location}/{MANIFEST}", damaged=damaged))
 
     def __repr__(self) -> str:
         return f"Store({self.location!r}, {self.n_frames} frames)"

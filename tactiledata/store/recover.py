@@ -9,6 +9,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.provenance import digest_of
+from tactiledata.errors import StoreError
 from tactiledata.store.arrays import clear_rows, drop_chunks, set_length
 from tactiledata.store.batch import Batch
 from tactiledata.store.images import ShardAppender, cut_chunk
@@ -33,7 +36,7 @@ from tactiledata.store.layout import (
 )
 from tactiledata.store.manifest import Manifest, settings_of
 from tactiledata.store.meshes import mesh_arrays
-from tactiledata.store.sensors_table import read_sensors, write_sensors
+from tactiledata.store.sensors_table import Facts, parse_sensors, read_sensors, write_sensors
 from tactiledata.store.writer import find_staged
 
 
@@ -65,11 +68,17 @@ def raw_arrays(manifest: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, in
             yield rgb_path(camera, height, width), (height, width), count
 
 
+def array_lengths(manifest: Mapping[str, Any]) -> dict[str, int]:
+    """Rows of each array that grows, as a manifest names them, by the array's path."""
+    raw = ((path, count) for path, _, count in raw_arrays(manifest))
+    return dict([*row_arrays(manifest), *heaps(manifest), *raw])
+
+
 def array_paths(manifest: Mapping[str, Any]) -> set[str]:
     """Paths of all arrays that a manifest names."""
-    paths = {path for path, _ in row_arrays(manifest)} | {path for path, _ in heaps(manifest)}
-    paths |= {path for path, _, _ in raw_arrays(manifest)}
-    return paths | {reference_path(home_of(manifest), sensor) for sensor in manifest["references"]}
+    return set(array_lengths(manifest)) | {
+        reference_path(home_of(manifest), sensor) for sensor in manifest["references"]
+    }
 
 
 def foreign_arrays(store_path: Path, manifest: Mapping[str, Any]) -> list[Path]:
@@ -132,11 +141,34 @@ def clean_commit(store_path: Path, manifest: Manifest) -> None:
     drop_unnamed(store_path, manifest)
     with Batch(store_path) as batch:
         _shorten(batch, manifest)
-        facts = read_sensors(store_path, manifest)
+        facts = sensors_before(store_path, manifest)
         if facts or (store_path / sensors_path(home_of(manifest))).exists():
             write_sensors(batch, manifest, facts)
         batch.publish()
     (store_path / STAGING / COMMITTING).unlink()
+
+
+def begin_commit(store_path: Path, manifest: Manifest) -> None:
+    """The marker that a commit has begun; it keeps the sensors' file as it was, which the commit may overwrite."""
+    place = store_path / sensors_path(home_of(manifest))
+    write_atomic(store_path / STAGING / COMMITTING, place.read_bytes() if place.is_file() else b"")
+
+
+def sensors_before(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
+    """Facts of the sensors as the manifest has their digests, though an interrupted commit may have added to them."""
+    facts = read_sensors(store_path, manifest)
+    marker = store_path / STAGING / COMMITTING
+    if _are_those_of(facts, manifest) or not marker.exists():
+        return facts
+    try:
+        kept = parse_sensors(marker.read_bytes(), manifest, str(marker))
+    except StoreError:  # the commit did not change them
+        return facts
+    return kept if _are_those_of(kept, manifest) else facts
+
+
+def _are_those_of(facts: Facts, manifest: Mapping[str, Any]) -> bool:
+    return {sensor: digest_of(values) for sensor, values in facts.items()} == manifest["sensors"]
 
 
 def drop_unnamed(store_path: Path, manifest: Mapping[str, Any]) -> None:

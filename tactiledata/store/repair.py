@@ -17,10 +17,9 @@ from tactiledata.contract.take import FrameFlag
 from tactiledata.store.appender import write_part
 from tactiledata.store.arrays import set_length
 from tactiledata.store.batch import Batch
-from tactiledata.store.card import write_card
 from tactiledata.store.check import Progress, check, manifest_findings
-from tactiledata.store.commit import recover, store_errors
-from tactiledata.store.layout import INTAKE_LOCK, TABLE_SCHEMAS, table_folder
+from tactiledata.store.commit import record_anew, recover, refresh_card, store_errors
+from tactiledata.store.layout import INTAKE_LOCK, MANIFEST, TABLE_SCHEMAS, table_folder
 from tactiledata.store.lock import writing_lock
 from tactiledata.store.manifest import Manifest, extended_digest, read_manifest, settings_of, write_manifest
 from tactiledata.store.payload_checks import payload_faults
@@ -33,8 +32,9 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
     """What was mended (``store-mended``), and what `check` still finds.
 
     Leftovers of killed writers are removed, chunk files and shapes that were cut are stretched again, images that do
-    not fit their CRC-32C are marked as broken, the dataset card is written anew. Numbers, tables and images that are
-    lost stay lost: those findings remain, and the recordings are the place to take them from.
+    not fit their CRC-32C are marked as broken, the dataset card is written anew. A store that was written before there
+    were digests of its documents gets them, where nothing is damaged. Numbers, tables and images that are lost stay
+    lost: those findings remain, and the recordings are the place to take them from.
 
     Parameters
     ----------
@@ -55,8 +55,19 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
         if "frames" not in broken:
             mended += _mark_broken(folder, manifest)
         if not broken and not list(manifest_findings(manifest)):
-            write_card(folder, manifest)
-    return [*mended, *check(folder, decode=decode, progress=progress)]
+            refresh_card(folder, manifest)
+    findings = check(folder, decode=decode, progress=progress)
+    if "documents" not in manifest and not any(finding.severity == "damage" for finding in findings):
+        mended.append(_recorded(folder))
+        findings = [finding for finding in findings if (finding.code, finding.stream) != ("store-no-digest", MANIFEST)]
+    return [*mended, *findings]
+
+
+def _recorded(folder: Path) -> Finding:
+    with store_errors(folder), writing_lock(folder):
+        manifest = read_manifest(folder)
+        record_anew(folder, manifest)
+    return _mended(f"the digests of {len(manifest['documents'])} documents were recorded", len(manifest["documents"]))
 
 
 def _mended(message: str, count: int = 1) -> Finding:

@@ -12,6 +12,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from tactiledata.contract.atomic import readable_json
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
@@ -86,11 +87,6 @@ def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str
         ) from error
 
 
-def json_document(value: object) -> bytes:
-    """JSON for people to read, in canonical order."""
-    return (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False) + "\n").encode()
-
-
 def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
     """Facts of the sensors of a local store."""
     place = store_path / sensors_path(home_of(manifest))
@@ -99,7 +95,7 @@ def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
 
 def write_sensors(batch: Batch, manifest: Mapping[str, Any], facts: Facts) -> dict[str, str]:
     """Facts in their file; returns their digests for the manifest."""
-    batch.write(sensors_path(home_of(manifest)), json_document(facts))
+    batch.write(sensors_path(home_of(manifest)), readable_json(facts))
     return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}
 
 

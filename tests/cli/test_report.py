@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from command import run_command
 
+from tactiledata.contract.sealed import sealed_json
 from tactiledata.ingest.overview import page
 from tactiledata.store.reader import Store
 
@@ -59,7 +60,7 @@ def test_a_split_of_another_state_of_the_store_is_said(written):
         pq.write_table(pq.read_table(table).slice(1), table)
         facts = json.loads(document.read_text())
         facts["table"] |= {"sha256": hashlib.sha256(table.read_bytes()).hexdigest(), "rows": 3}
-        document.write_text(json.dumps(facts))
+        document.write_bytes(sealed_json(facts))
 
     assert "The split is out of date: the store has 1 new trajectory" in written(forget_one)
 

@@ -12,6 +12,7 @@ import pytest
 from tactiledata.errors import LeakError, MissingFile, MissingSplit, StoreError, UnknownName, UsageError
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.splits.manifest import frame_rows, load_split
+from tactiledata.store.manifest import write_manifest
 
 ALL_STREAMS = ("digit", "wrench", "background", "centre")
 
@@ -239,7 +240,7 @@ def test_a_sensor_without_background_is_named(tmp_path, monkeypatch):
     assert arrays.batch([0])["background"].shape == (1, 4, 4, 3)
     manifest = json.loads((tmp_path / "ds.zarr" / "manifest.json").read_text())
     del manifest["references"]["D1"]
-    (tmp_path / "ds.zarr" / "manifest.json").write_text(json.dumps(manifest))
+    write_manifest(tmp_path / "ds.zarr", manifest)
     with pytest.raises(StoreError, match=r"D1.*sensors add"):
         TactileArrays(tmp_path / "ds.zarr", "default/train", "background")
 

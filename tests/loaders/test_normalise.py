@@ -160,7 +160,7 @@ def test_a_store_that_cannot_be_written_still_normalises(place, monkeypatch):
     def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("tactiledata.loaders.normalise.write_json_atomic", refuse)
+    monkeypatch.setattr("tactiledata.loaders.normalise.write_atomic", refuse)
     arrays = TactileArrays(place, "default/train", "wrench", normalise=True)
     assert arrays.normalisers == kept.normalisers
     assert any("Permission denied" in note for note in arrays.report.notes)

@@ -24,6 +24,7 @@ from split_models.train import LAST
 from split_models.workshop import Workshop
 from tactiledata.cli.main import run
 from tactiledata.errors import CheckpointError, MissingSplit, StoreError, UsageError
+from tactiledata.store.manifest import write_manifest
 from tactiledata.store.reader import Store
 
 
@@ -175,7 +176,7 @@ def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tin
     shutil.copytree(touch_store, bare)
     manifest = json.loads((bare / "manifest.json").read_text())
     manifest["references"] = {}
-    (bare / "manifest.json").write_text(json.dumps(manifest))
+    write_manifest(bare, manifest)
     with pytest.raises(StoreError, match="background"):
         TouchFrames(bare, "default/train", mesh="")
     document = tiny_recipe(touch_store, "mesh")

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from split_cases import MemoryStore, many, trajectories
 
+from tactiledata.contract.sealed import sealed_json
 from tactiledata.errors import MissingSplit
 from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
@@ -30,7 +31,7 @@ def forged(store, change, name="default"):
     pq.write_table(pa.Table.from_pylist(rows, schema=pq.read_schema(table)), table)
     content = json.loads(document.read_text())
     content["table"] |= {"sha256": hashlib.sha256(table.read_bytes()).hexdigest(), "rows": len(rows)}
-    document.write_text(json.dumps(content))
+    document.write_bytes(sealed_json(content))
 
 
 def rows_of(store, part):

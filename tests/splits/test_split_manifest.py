@@ -1,5 +1,7 @@
 """Splits on disk: kept, loaded, brought up to date, and refused where they do not fit."""
 
+import errno
+import os
 import re
 
 import numpy as np
@@ -248,6 +250,27 @@ def test_a_folder_that_refuses_is_said(store, monkeypatch):
     monkeypatch.setattr("tactiledata.splits.manifest.write_atomic", refuse)
     with pytest.raises(StoreError, match="No space left"):
         make_split(store)
+
+
+@pytest.mark.parametrize(
+    ("number", "kind", "words", "never"),
+    [
+        (errno.EROFS, UsageError, "not writable.*Copy the store", "space"),
+        (errno.EACCES, UsageError, "not writable.*Copy the store", "space"),
+        (errno.EDQUOT, StoreError, "Free some space", "writable"),
+        (errno.EIO, StoreError, "Check the disk", "space"),
+    ],
+)
+def test_the_remedy_fits_what_the_system_said(store, monkeypatch, number, kind, words, never):
+    """A read-only disk, no rights, a full disk and a broken one: each has its own remedy."""
+
+    def refuse(path, content):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("tactiledata.splits.manifest.write_atomic", refuse)
+    with pytest.raises(kind, match=words) as caught:
+        make_split(store)
+    assert never not in str(caught.value)
 
 
 def test_what_stands_out_is_said_in_words(tmp_path):

@@ -16,6 +16,7 @@ from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
 from tactiledata.store.check import check
 from tactiledata.store.commit import commit, create
+from tactiledata.store.manifest import write_manifest
 from tactiledata.store.reader import Store
 from tactiledata.store.repair import repair
 
@@ -157,7 +158,7 @@ def test_a_manifest_that_lies_is_found(folder: Path, change, code: str) -> None:
     """A manifest whose numbers do not fit the files is found out."""
     manifest = json.loads((folder / "manifest.json").read_bytes())
     change(manifest)
-    (folder / "manifest.json").write_text(json.dumps(manifest))
+    write_manifest(folder, manifest)
     assert codes(folder, images=False).get(code) == "damage"
 
 

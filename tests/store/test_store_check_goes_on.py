@@ -16,6 +16,7 @@ from random_takes import SMALL, random_images, staged_take
 from tactiledata.store.check import check
 from tactiledata.store.commit import commit, create
 from tactiledata.store.layout import TABLE_SCHEMAS, TABLES
+from tactiledata.store.manifest import write_manifest
 from tactiledata.store.reader import Store
 from tactiledata.store.repair import repair
 
@@ -73,7 +74,7 @@ def rewritten(folder: Path, table: str, change) -> None:
     place = folder / f"index/{table}.parquet" / part["file"]
     pq.write_table(change(pq.read_table(place, schema=TABLE_SCHEMAS[table])), place)
     part["sha256"] = hashlib.sha256(place.read_bytes()).hexdigest()
-    (folder / "manifest.json").write_text(json.dumps(manifest))
+    write_manifest(folder, manifest)
 
 
 COLUMNS = [(table, name) for table in TABLES for name in TABLE_SCHEMAS[table].names if table != "findings"]
@@ -106,9 +107,11 @@ def test_broken_statistics_are_found(folder: Path, change) -> None:
     """Statistics that cannot be right are a finding of the manifest, for check and for repair."""
     manifest = json.loads((folder / "manifest.json").read_text())
     change(manifest["signals"]["wrench"]["statistics"])
+    # NaN is no JSON of ours: such a manifest was not written by a store that seals it
+    manifest.pop("file_sha256")
     (folder / "manifest.json").write_text(json.dumps(manifest))
     for said in (check(folder), repair(folder)):
-        assert [one.code for one in said] == ["store-manifest"]
+        assert {one.code for one in said} == {"store-manifest", "store-no-digest"}
 
 
 @pytest.mark.parametrize(

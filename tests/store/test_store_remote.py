@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import hashlib
 import http.server
-import json
 import os
 import shutil
 import threading
@@ -18,6 +17,7 @@ import numpy as np
 import pytest
 from random_takes import SMALL, random_images, staged_take
 
+from tactiledata.contract.sealed import sealed_json
 from tactiledata.errors import MissingFile, StoreError
 from tactiledata.store.check import check
 from tactiledata.store.commit import commit, create
@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "splits/default.parquet").write_bytes(b"a table")
     table = {"file": "default.parquet", "sha256": hashlib.sha256(b"a table").hexdigest()}
     document = {"format": "tactiledata-split/1", "table": table}
-    (place / "splits/default.json").write_text(json.dumps(document))
+    (place / "splits/default.json").write_bytes(sealed_json(document))
     return place
 
 

@@ -22,6 +22,7 @@ from mcap.records import (
     Statistics,
 )
 
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import Finding
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap_parts.chunks import chunk_content, records_in
@@ -112,6 +113,7 @@ def survey(path: Path) -> Survey:
     BrokenLog
         Not an MCAP, empty, or not readable at all.
     """
+    refuse_lfs_pointer(path)
     try:
         with path.open("rb") as stream:
             size = path.stat().st_size

@@ -1,0 +1,56 @@
+"""Git LFS pointers: small texts that a repository holds in the place of files that were not fetched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tactiledata.errors import NotFetched
+
+START = b"version https://git-lfs.github.com/spec/v1"
+"""How a pointer begins."""
+
+
+def is_lfs_pointer(path: Path) -> bool:
+    """Whether a file is a Git LFS pointer; not, where it cannot be read."""
+    try:
+        if not path.is_file():  # a pipe would be waited for
+            return False
+        with path.open("rb") as stream:
+            return stream.read(len(START)) == START
+    except OSError:
+        return False
+
+
+def refuse_lfs_pointer(path: Path) -> None:
+    """Nothing, unless a file is a Git LFS pointer.
+
+    Raises
+    ------
+    NotFetched
+        It is one.
+    """
+    if is_lfs_pointer(path):
+        raise not_fetched(str(path))
+
+
+def refuse_pointer_bytes(content: bytes, name: str) -> None:
+    """Nothing, unless the content of a file is a Git LFS pointer; ``name`` is what errors call the file.
+
+    Raises
+    ------
+    NotFetched
+        It is one.
+    """
+    if content.startswith(START):
+        raise not_fetched(name)
+
+
+def not_fetched(name: str, others: int = 0) -> NotFetched:
+    """The error for a file that is a Git LFS pointer, and for how many others with it."""
+    more = f" (and {others} more)" if others else ""
+    return NotFetched(
+        f"{name}{more} is a Git LFS pointer, not the file; run `git lfs pull`",
+        "the file itself",
+        "`git lfs pull` in the repository fetches it.",
+        file=name,
+    )
