@@ -43,11 +43,13 @@ def score(
     from tactiledata.scoring.sensor_pairs import score_pairs
     from tactiledata.scoring.sensor_sets import sensor_sets
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings, simulated_sensors
 
     location = working_store(store)
     names = _listed(metric)
     with damage_explains(location):
         opened = Store.open(location)
+        simulated = simulated_recordings(opened)
         scores = chosen_scores(names, weights)
         sets = sensor_sets(opened, most)
         named = None if against is None else _listed(against)
@@ -57,18 +59,23 @@ def score(
         encode = vectors_by_model(model) if model is not None else picture_vectors
         with progress("scoring", quiet=as_json) as tell:
             found = list(score_pairs(opened, scores, sets, named, encode, tell))
-        picture = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png") if TSNE in names else None
+        picture = None
+        if TSNE in names:
+            picture = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", simulated.heading)
     if as_json:
         drawn = str(picture) if picture else None
-        emit({"store": location, "scores": [one.document() for one in found], "tsne": drawn})
+        facts = {"tsne": drawn, "simulated_recordings": simulated.document()}
+        emit({"store": location, "scores": [one.document() for one in found], **facts})
         return
     columns = ("score", "of", "against", "column", "looked at", "mean and 95 % interval")
     kinds = {True: "Synth.", False: "Real"}
     table(
-        "",
+        simulated.heading,
         columns,
         [(o.score.title, o.first, o.second, kinds[o.is_synthetic], o.looked_at, o.interval) for o in found],
     )
+    if simulated.label:
+        say(f"simulated recordings: those of {', '.join(simulated_sensors(opened))}")
     say("; ".join(dict.fromkeys(f"{one.score.title}: {one.score.better} is closer" for one in found)))
     if picture is not None:
         say(f"wrote {picture}")

@@ -18,6 +18,7 @@ from tactiledata.splits.manifest import coverage_problem, read_split, read_split
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.store.overview import overview
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import simulated_recordings, touch_mark
 
 MAX_TOUCHES = 6
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
@@ -43,7 +44,7 @@ def write_report(store: Store, out: Path, split: str = "default", further: Seque
     """
     pictures = {"page": out / "report.html"}
     touches = choose_touches(store)
-    png = png_bytes(draw_touches(touches)) if touches else None
+    png = png_bytes(draw_touches(touches), heading=simulated_recordings(store).heading) if touches else None
     if png is not None:
         pictures["picture"] = out / "recorded.png"
         write_atomic(pictures["picture"], png)
@@ -86,7 +87,8 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
         signal = store.signal("contact_wrench")
         seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
         samples, force_frame = signal.values(first, last)[:, :3], signal.frame
-    title = f"{trajectory['sensor']}\n{trajectory['indenter'] or '(not named)'}\n{trajectory['trajectory']}"
+    names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", trajectory["trajectory"]]
+    title = "\n".join([*names, *filter(None, [touch_mark(store, row)])])
     return TouchPicture(
         title=title,
         background=None if reference is None else reference.image,
@@ -119,7 +121,13 @@ def page(store: Store, png: bytes | None, split: str, further: Sequence[Section]
         _use(store, split),
     ]
     footer = f"tactiledata {__version__}; store digest {store.digest}"
-    return render_page("What was recorded", sentences, [section for section in sections if section], footer)
+    return render_page(
+        "What was recorded",
+        sentences,
+        [section for section in sections if section],
+        footer,
+        simulated_recordings(store),
+    )
 
 
 def _status_sentence(status: dict[str, int]) -> str:

@@ -39,8 +39,15 @@ def embed_vectors(
     return drawn
 
 
-def draw_embedding(drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path: Path) -> Path:
+def draw_embedding(drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path: Path, heading: str = "") -> Path:
     """A PNG with a panel for each kind of vector, a colour for each set.
+
+    Parameters
+    ----------
+    drawn : dict, kind of vector -> set -> (n, 2)
+    path : Path
+    heading : str
+        Above all panels: what kind of recordings the sets are of; empty for none.
 
     Raises
     ------
@@ -61,6 +68,8 @@ def draw_embedding(drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path:
             axes.scatter(places[:, 0], places[:, 1], s=9, alpha=0.7, label=name)
         axes.set(title=f"t-SNE of {kind}", xticks=[], yticks=[])
         axes.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.01))
+    if heading:
+        figure.suptitle(heading, fontsize=10)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     return path
