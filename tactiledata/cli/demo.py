@@ -31,7 +31,7 @@ def demo(
     fidelity: str = typer.Option("finite-strain", "--fidelity", help="Of the gel; linear is a quick preview."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a small world (simulated recordings) and take it all the way to a report.
+    """Take simulated recordings of a small world to a report.
 
     Ingest, split, audit, calibration, meshes, a batch and a diagnosis lie between.
 
