@@ -25,6 +25,7 @@ from split_models.data import TouchFrames
 from split_models.fine_tune import fine_tune
 from split_models.latent import LatentMeshToImage, decode_pictures, encode_pictures
 from split_models.latent_transfer import load_image_vae, scaled
+from split_models.recorded_title import recorded_title
 from split_models.train_options import TrainOptions
 from split_models.transfer_picture import sheet
 from tactiledata.ingest.pipeline import ingest
@@ -73,10 +74,10 @@ def main() -> None:
     print(f"ripples, decoded presses: {ripples(again, decoded, pressed):.2f}")
     print(f"ripples, real presses: {ripples(shown, untouched, pressed):.2f} (camera noise among them)")
     lines = [
-        [("DIGIT", background), *(("recorded", one) for one in digit)],
+        [("DIGIT", background), *((recorded_title(given.store), one) for one in digit)],
         [("", background), *(("from meshes", one) for one in drawn)],
         [("GelSight", untouched), *(("from the same meshes", one) for one in gelsight)],
-        [("GelSight", untouched), *(("recorded", one) for one in shown)],
+        [("GelSight", untouched), *(("real press", one) for one in shown)],
         [("decoded", decoded), *(("decoded", one) for one in again)],
     ]
     picture = sheet(lines)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from split_models.evaluate import summarised
 from split_models.latent import encode_pictures, subtract
+from split_models.recorded_title import recorded_title
 from split_models.transfer_picture import sheet
 from split_models.unit_frames import UnitFrames, paired_frames, spread_evenly
 from tactiledata.contract.atomic import write_atomic
@@ -111,10 +112,11 @@ def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:
     touches = one.pictures(ours[chosen])
     moved = {name: table.moved(name, touches, source, target) for name in table.methods}
     truth = other.pictures(theirs[chosen]) if len(theirs) else None
+    recorded = recorded_title(table.workshop.store)
     lines = []
     for row, touch in enumerate(touches):
         cells = [(f"{source}", touch), *((name.replace("_", " "), found[row]) for name, found in moved.items())]
-        lines.append(cells if truth is None else [*cells, (f"{target}, recorded", truth[row])])
+        lines.append(cells if truth is None else [*cells, (f"{target}, {recorded}", truth[row])])
     return sheet(lines)
 
 

@@ -15,11 +15,8 @@ from torch import Tensor
 from split_models.network import Network
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-<<<<<<< HEAD
-from tactiledata.contract.tensor_files import read_tensors
-=======
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
->>>>>>> w-store
+from tactiledata.contract.tensor_files import read_tensors
 from tactiledata.errors import CheckpointError, MissingFile
 from tactiledata.registry import Registry
 
@@ -162,11 +159,8 @@ def load_checkpoint(path: Path) -> Checkpoint:
     """
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
-<<<<<<< HEAD
-    whole = read_tensors(path, "cannot be read as a checkpoint", CheckpointError)
-=======
     refuse_lfs_pointer(path)
->>>>>>> w-store
+    whole = read_tensors(path, "cannot be read as a checkpoint", CheckpointError)
     try:
         document = json.loads(whole["document"])
         parts = whole["weights"], whole["extras"], whole["optimiser"]

@@ -151,13 +151,15 @@ def _table(workshop: Any, as_json: bool) -> None:
     from split_models.results import result_document, write_result
     from split_models.tables import ROWS
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings
 
     recipe = workshop.recipe
     if recipe.table is None:
         raise UsageError(f"the recipe {recipe.name} has no table", "`table: …` in it", "`tactiledata train` is for it.")
     with drawn_alike(recipe.seed):
         rows = ROWS[recipe.table](workshop)
-    document = result_document(recipe, rows, Store.open(workshop.store).digest)
+    store = Store.open(workshop.store)
+    document = result_document(recipe, rows, store.digest, simulated_recordings(store))
     paths = write_result(workshop.tables, document)
     if as_json:
         emit({**document, "files": {name: str(path) for name, path in paths.items()}})

@@ -12,6 +12,7 @@ from split_models.contact_region import contact_region
 from split_models.data import TouchFrames
 from split_models.methods import mesh_to_image
 from split_models.picture_grid import write_grid
+from split_models.recorded_title import recorded_title
 from split_models.recorded_touches import recorded_touches
 from split_models.simulated_frames import simulate
 from split_models.step_race import Contender, Simulated, contenders, race, weigh
@@ -49,7 +50,7 @@ def time_rows(workshop: Workshop) -> list[dict[str, Any]]:
     race(runners, simulated, drawn, backgrounds, workshop.tell)
     weigh(runners, simulated, drawn[0], backgrounds)
     numbers = np.array([recorded.numbers[frame] for _, frame in known])
-    figure, titles = resolution_figure(runners, recorded.frames.pictures(numbers))
+    figure, titles = resolution_figure(runners, recorded.frames.pictures(numbers), recorded_title(workshop.store))
     write_grid(workshop.tables / f"resolutions-{part}.png", figure, titles)
     rows = cost_rows(runners, simulated)
     for one, row in zip(runners, rows, strict=True):
@@ -88,11 +89,21 @@ def cost_rows(runners: Sequence[Contender], simulated: Simulated) -> list[dict[s
     return _in_one_order(rows)
 
 
-def resolution_figure(runners: Sequence[Contender], recorded: Pictures) -> tuple[list[list[Pictures]], list[str]]:
-    """For some frames a row: the recorded picture, then each contender's; and the titles of the columns."""
+def resolution_figure(
+    runners: Sequence[Contender], recorded: Pictures, title: str
+) -> tuple[list[list[Pictures]], list[str]]:
+    """For some frames a row: the recorded picture, then each contender's; and the titles of the columns.
+
+    Parameters
+    ----------
+    runners : sequence of Contender
+    recorded : (n, H, W, 3) uint8
+    title : str
+        Over the recorded pictures.
+    """
     places = np.unique(np.linspace(0, len(recorded) - 1, SHOWN).astype(np.int64))
     rows = [[recorded[place], *(one.pictures[place] for one in runners)] for place in places]
-    return rows, ["recorded", *(one.title for one in runners)]
+    return rows, [title, *(one.title for one in runners)]
 
 
 def _is_optical_at(one: Contender, resolution: str) -> bool:

@@ -18,11 +18,21 @@ Picture = NDArray[np.uint8]
 
 
 def mesh_figure(
-    methods: Mapping[str, Any], frames: TouchFrames, surface: GelSurface, count: int = 6
+    methods: Mapping[str, Any], frames: TouchFrames, surface: GelSurface, recorded: str = "recorded", count: int = 6
 ) -> tuple[list[list[Picture]], list[str], list[str]]:
     """For some frames, evenly spaced, a row of pictures; titles of columns and of rows.
 
     Colours of a row are as deep as its simulated mesh; titles of rows say how deep, and each method's RMSE.
+
+    Parameters
+    ----------
+    methods : dict, name -> method, trained
+    frames : TouchFrames
+    surface : GelSurface
+    recorded : str
+        The title over the recorded pictures.
+    count : int
+        Rows at most.
     """
     assert frames.size is not None  # recipes state it
     shown, labels = [], []
@@ -35,4 +45,4 @@ def mesh_figure(
         shown.append([picture[0], drawn.draw(true[0]), *(drawn.draw(one[0]) for one in made.values())])
         errors = "".join(f"\n{title_of(name)}: {rmse(one, true)[0]:.3f} mm" for name, one in made.items())
         labels.append(f"{frames.indenters[number]} on {sensor}, {1e3 * deepest:.2f} mm deep{errors}")
-    return shown, ["recorded picture", "simulated mesh", *(title_of(name) for name in methods)], labels
+    return shown, [recorded, "simulated mesh", *(title_of(name) for name in methods)], labels

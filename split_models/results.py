@@ -11,13 +11,28 @@ from split_models.methods import title_of
 from split_models.recipe import Recipe
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.contract.provenance import provenance
+from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 
 RESULT = "table"
 ARROWS = {"higher": "↑", "lower": "↓"}
 
 
-def result_document(recipe: Recipe, rows: Sequence[Mapping[str, Any]], store_digest: str) -> dict[str, Any]:
-    """The table with what it was made of."""
+def result_document(
+    recipe: Recipe,
+    rows: Sequence[Mapping[str, Any]],
+    store_digest: str,
+    simulated: SimulatedCount = NOTHING_STATED,
+) -> dict[str, Any]:
+    """The table with what it was made of.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    rows : sequence of dict
+    store_digest : str
+    simulated : SimulatedCount
+        Of the store's recordings.
+    """
     return {
         "format": "tactiledata-table/1",
         "recipe": recipe.name,
@@ -25,6 +40,7 @@ def result_document(recipe: Recipe, rows: Sequence[Mapping[str, Any]], store_dig
         "scale": recipe.scale,
         "seed": recipe.seed,
         "table": recipe.table,
+        "simulated_recordings": simulated.document(),
         "rows": [dict(row) for row in rows],
         "published": dict(recipe.document["published"]),
         "provenance": provenance("run", {"recipe": recipe.digest, "store": store_digest}),
@@ -46,6 +62,8 @@ def markdown(document: Mapping[str, Any]) -> str:
         "",
         f"`tactiledata run {document['recipe']} --scale {document['scale']}`, seed {document['seed']}.",
     ]
+    if sentence := SimulatedCount(**document["simulated_recordings"]).sentence:
+        lines += ["", sentence]
     for part in dict.fromkeys(row["part"] for row in document["rows"]):
         rows = [row for row in document["rows"] if row["part"] == part]
         lines += ["", f"## {part}: {_size(rows)}", "", *table_lines(rows)]

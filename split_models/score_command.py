@@ -57,11 +57,13 @@ def score(
     from tactiledata.scoring.sensor_pairs import score_pairs
     from tactiledata.scoring.sensor_sets import require_sets, sensor_sets
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings, simulated_sensors
 
     location = working_store(store)
     names = _listed(metric)
     with damage_explains(location):
         opened = Store.open(location)
+        simulated = simulated_recordings(opened)
         scores = chosen_scores(names, weights)
         sets = sensor_sets(opened, most, least=1)
         named, targets = (None, []) if against is None else _against(_listed(against), sets, opened)
@@ -74,12 +76,18 @@ def score(
             found += score_backgrounds(opened, scores, sets, targets)
         notes = sentences(targets, unlocated(opened, sets) if targets else [])
         kinds = {one.name: one.kind for one in sets}
-        drawn = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", kinds) if TSNE in names else None
+        heading = simulated.heading
+        drawn = None
+        if TSNE in names:
+            drawn = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", kinds, heading)
     if as_json:
-        facts = {"tsne": str(drawn) if drawn else None, "notes": notes}
+        picture = str(drawn) if drawn else None
+        facts = {"tsne": picture, "notes": notes, "simulated_recordings": simulated.document()}
         emit({"store": location, "scores": [one.document() for one in found], **facts})
         return
-    _tell(found, notes)
+    _tell(found, notes, heading)
+    if simulated.label:
+        say(f"simulated recordings: those of {', '.join(simulated_sensors(opened))}")
     if drawn is not None:
         say(f"wrote {drawn}")
 
@@ -111,14 +119,14 @@ def _against(names: Sequence[str], sets: Sequence[SensorSet], store: Store) -> t
     return touched, targets
 
 
-def _tell(found: Sequence[PairScore], notes: Sequence[str]) -> None:
-    """The table for people, and what it cannot say."""
+def _tell(found: Sequence[PairScore], notes: Sequence[str], heading: str) -> None:
+    """Print the table for people under a heading, and what the table cannot say."""
     columns = ("score", "of", "which is", "against", "which is", "looked at", "mean and 95 % interval")
     rows = [
         (pair.score.title, pair.first, pair.first_kind, pair.second, pair.second_kind, pair.looked_at, pair.interval)
         for pair in found
     ]
-    table("", columns, rows)
+    table(heading, columns, rows)
     say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in found)))
     for note in notes:
         say(note)

@@ -18,6 +18,7 @@ from split_models.interval_rows import interval_rows
 from split_models.mesh_figure import mesh_figure
 from split_models.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
 from split_models.picture_grid import write_grid
+from split_models.recorded_title import recorded_title
 from split_models.workshop import Workshop
 from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Metric
@@ -75,21 +76,32 @@ def image_rows(workshop: Workshop) -> Rows:
     rows: Rows = []
     for part, frames in parts(workshop):
         rows += _scored(workshop, part, frames, methods, image_values, IMAGE_SIMILARITY)
-        write_grid(workshop.tables / f"pictures-{part}.png", *side_by_side(methods, frames))
+        figure = side_by_side(methods, frames, recorded_title(workshop.store))
+        write_grid(workshop.tables / f"pictures-{part}.png", *figure)
     return rows
 
 
 def side_by_side(
-    methods: dict[str, Any], frames: TouchFrames, count: int = 6
+    methods: dict[str, Any], frames: TouchFrames, recorded: str = "recorded", count: int = 6
 ) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
-    """For some frames, evenly spaced, a row: the recorded picture, each method's; titles of columns and of rows."""
+    """For some frames, evenly spaced, a row: the recorded picture, each method's; titles of columns and of rows.
+
+    Parameters
+    ----------
+    methods : dict, name -> method, trained
+    frames : TouchFrames
+    recorded : str
+        The title over the recorded pictures.
+    count : int
+        Rows at most.
+    """
     shown, labels = [], []
     for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
         sensor, moved = frames.sensors[number], frames.displacements([int(number)])
         made = [for_sensor(one, sensor).predict(moved, frames.background(sensor))[0] for one in methods.values()]
         shown.append([frames.pictures([int(number)])[0], *made])
         labels.append(f"{frames.indenters[number]} on {sensor}")
-    return shown, ["recorded", *(title_of(name) for name in methods)], labels
+    return shown, [recorded, *(title_of(name) for name in methods)], labels
 
 
 # -- meshes ----------------------------------------------------------------------------------------------------------
@@ -106,7 +118,7 @@ def mesh_rows(workshop: Workshop) -> Rows:
     rows: Rows = []
     for part, frames in parts(workshop):
         rows += _scored(workshop, part, frames, methods, mesh_values, MESH_DISTANCE)
-        figure = mesh_figure(methods, frames, surface_of(workshop))
+        figure = mesh_figure(methods, frames, surface_of(workshop), recorded_title(workshop.store))
         write_grid(workshop.tables / f"meshes-{part}.png", *figure)
     return rows
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,10 @@ from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.player import play_at, play_nodes
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.records import Finding
+from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.errors import TactileDataError
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import simulated_trajectories
 
 Array = NDArray[np.float64]
 Tell = Callable[..., None]
@@ -41,6 +43,8 @@ class Calibration:
         Root mean square and largest difference of the interpolated forces from those played.
     findings : tuple of Finding
     store : str, digest of the store
+    simulated : SimulatedCount
+        Of the trajectories that took part.
     """
 
     options: CalibrationOptions
@@ -52,6 +56,7 @@ class Calibration:
     interpolation_error: tuple[float, float]
     findings: tuple[Finding, ...]
     store: str
+    simulated: SimulatedCount = NOTHING_STATED
 
 
 def calibrate(store: Store, options: CalibrationOptions, tell: Tell = lambda done, total, what="": None) -> Calibration:
@@ -67,7 +72,8 @@ def calibrate(store: Store, options: CalibrationOptions, tell: Tell = lambda don
     measured = read_measured(store, options)
     if measured.mesh is None or len(measured.touches) < FEWEST:
         raise too_few(len(measured.touches), measured.left_out)
-    return calibrate_measured(measured, options, store.digest, tell)
+    done = calibrate_measured(measured, options, store.digest, tell)
+    return replace(done, simulated=simulated_trajectories(store, [touch.uid for touch in done.experiment.touches]))
 
 
 def calibrate_measured(

@@ -45,6 +45,7 @@ def calibration_document(calibration: Calibration) -> dict[str, Any]:
             "left_out": {**measured.left_out, **calibration.experiment.left_out},
             "frames": len(calibration.experiment.measured),
         },
+        "simulated_recordings": calibration.simulated.document(),
         "noise": {
             "source": measured.noise.source,
             "deviations": measured.noise.deviations.tolist(),

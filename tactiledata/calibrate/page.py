@@ -35,7 +35,9 @@ def calibration_page(calibration: Calibration) -> str:
     ]
     sections = [_result(calibration), _losses(calibration), _remarks(calibration)]
     sections += [_overlays(calibration), _surfaces(calibration), _residuals(calibration)]
-    return render_page("Calibration of the gel", sentences, sections, f"store {calibration.store[:16]}")
+    return render_page(
+        "Calibration of the gel", sentences, sections, f"store {calibration.store[:16]}", calibration.simulated
+    )
 
 
 def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
@@ -106,7 +108,8 @@ def _overlays(calibration: Calibration) -> Section:
                 calibration.played[rows, :3],
             )
         )
-    picture = Picture(png_bytes(draw_overlays(overlays)), "Dots: measured. Lines: simulated at the optimum.")
+    png = png_bytes(draw_overlays(overlays), heading=calibration.simulated.heading)
+    picture = Picture(png, "Dots: measured. Lines: simulated at the optimum.")
     return Section("Measured and simulated", pictures=[picture])
 
 
@@ -133,4 +136,5 @@ def _surfaces(calibration: Calibration) -> Section:
 def _residuals(calibration: Calibration) -> Section:
     measured = calibration.experiment.measured
     drawn = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("fx", "fy", "fz"))
-    return Section("What is left", pictures=[Picture(png_bytes(drawn), "Residual forces of all frames.")])
+    png = png_bytes(drawn, heading=calibration.simulated.heading)
+    return Section("What is left", pictures=[Picture(png, "Residual forces of all frames.")])

@@ -93,3 +93,5 @@ def _print(done: Any) -> None:
     table(f"gel, engine {done.options.engine}, {counts}", columns, result_rows(done))
     table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(done))
     findings(("", finding) for finding in done.findings)
+    if done.simulated.sentence:
+        say(done.simulated.sentence)

@@ -1,4 +1,4 @@
-"""`demo`: the whole chain on the bundled recorded world, with a report at the end."""
+"""`demo`: the whole chain on simulated recordings of the bundled world, with a report at the end."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def demo(
     fidelity: str = typer.Option("finite-strain", "--fidelity", help="Of the gel; linear is a quick preview."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a small world and take it all the way to a report.
+    """Take simulated recordings of a small world to a report.
 
     Ingest, split, audit, calibration, meshes, a batch and a diagnosis lie between.
 
@@ -46,6 +46,7 @@ def demo(
     from tactiledata.splits.audit import audit
     from tactiledata.splits.make import make_split
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings
 
     def tell(text: str) -> None:
         if not as_json:
@@ -54,7 +55,8 @@ def demo(
     with wrong_document_is_wrong_usage():
         scenario = load_scenario(find_scenario(world))
     _empty_folder(out)
-    tell("1. Record: a UR5e presses DIGIT sensors on indenters (known truth, real backgrounds), as ROS 2 MCAP")
+    tell("1. Record: a UR5e presses DIGIT sensors on indenters, simulated recordings as ROS 2 MCAP")
+    tell("   Touches, forces and pictures are simulated, with known truth; the backgrounds of the pictures are real")
     with progress("recording", quiet=as_json) as bar:
         logs = record(scenario, out / "recordings", "mcap", bar, workers)
     tell(f"   {counted(len(logs), 'recording')} in {out / 'recordings'}")
@@ -66,6 +68,7 @@ def demo(
     added = [source for source in report.sources if source.state == "added"]
     trajectories, images = sum(one.trajectories for one in added), sum(one.frames for one in added)
     tell(f"   {store_path}: {counted(trajectories, 'trajectory')}, {counted(images, 'image')}")
+    tell(f"   {report.simulated.sentence}")
 
     tell("3. Split: whole trajectories, one sensor never seen in training; audit for leaks")
     store = Store.open(store_path)
@@ -91,7 +94,7 @@ def demo(
     if gel.page is not None:
         tell(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
     if page is not None:
-        tell(f"   Open:  {page}: where simulation and recordings differ, and why")
+        tell(f"   Open:  {page}: where the simulation and these simulated recordings differ, and why")
     if as_json:
         emit({
             "recordings": [str(log) for log in logs],
@@ -102,6 +105,7 @@ def demo(
             "replay": gel.replay.document(),
             "batch": batch,
             "diagnosis": diagnosis,
+            "simulated_recordings": simulated_recordings(store).document(),
             **{name: str(path) for name, path in written.items()},
         })  # fmt: skip
     if report.fell_short or audited.leaks or gel.replay.fell_short:

@@ -43,7 +43,8 @@ def diagnose_touches(
     tell(f"   {document['source']['groups']} touches took part")
     for sentence in document["sentences"]:
         tell(f"   {sentence}")
-    tell(f"   The world was recorded with {_concealed(scenario)}, which only {out / 'recordings' / 'truth'} tells")
+    truth = out / "recordings" / "truth"
+    tell(f"   The simulated recordings were made with {_concealed(scenario)}, which only {truth} tells")
     return document, written[0]
 
 

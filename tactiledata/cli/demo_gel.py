@@ -76,7 +76,7 @@ def _calibrate(
     truth = scenario.material
     values = (f"{truth.youngs_modulus / 1e3:.1f} kPa", f"{truth.poisson_ratio:.3f}", f"{truth.friction:.3f}")
     for (name, value, interval, *_), true in zip(result_rows(found), values, strict=True):
-        tell(f"   {name} = {value}, 95 % {interval}; recorded with {true}")
+        tell(f"   {name} = {value}, 95 % {interval}; simulated with {true}")
     for finding in found.findings:
         if finding.severity != "info":
             tell(f"   {finding.severity}: {finding.message}")

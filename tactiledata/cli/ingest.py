@@ -98,6 +98,8 @@ def _print(report: Any) -> None:
     counts = {state: sum(source.state == state for source in report.sources) for state in ("added", "replaced")}
     replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""
     say(f"{counted(counts['added'], 'recording')} added to {report.store}{replaced}")
+    if report.simulated.sentence:
+        say(report.simulated.sentence)
     for name in report.stale_splits:
         say(f"the split {name} is of the store as it was; bring it up to date: {_split_again(report.store, name)}")
     if report.changed and not report.stale_splits:

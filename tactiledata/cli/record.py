@@ -29,10 +29,11 @@ def record(
     workers: int = typer.Option(1, "--workers", min=1, help="Local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Record a world with known truth, as ordinary logs. A UR5e presses DIGIT sensors on indenters.
+    """Make simulated recordings of a world with known truth. Ordinary logs of a UR5e that presses DIGIT sensors.
 
     Example: tactiledata record demo --out recordings --format mcap
     """
+    from tactiledata.contract.simulated import SimulatedCount
     from tactiledata.rig.record import record as play
     from tactiledata.rig.scenario import load_scenario
     from tactiledata.rig.worlds import find_scenario
@@ -42,8 +43,12 @@ def record(
     with progress("recording", quiet=as_json) as tell:
         logs = play(loaded, out, cast("Form", form), tell, workers)
     if as_json:
-        emit({"logs": [str(log) for log in logs], "truth": str(out / "truth")})
+        simulated = SimulatedCount(simulated=len(logs)).document()
+        emit({"logs": [str(log) for log in logs], "truth": str(out / "truth"), "simulated_recordings": simulated})
         return
     for log in logs:
         say(str(log))
-    say(f"{counted(len(logs), 'log')} in {out}; what really happened is in {out / 'truth'}, never read by the toolkit")
+    say(
+        f"{counted(len(logs), 'log')} of simulated recordings in {out}; what really happened is in {out / 'truth'}, "
+        "never read by the toolkit"
+    )

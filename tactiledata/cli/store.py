@@ -28,6 +28,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     """
     from tactiledata.store.overview import overview
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings
 
     location = working_store(store)
     with damage_explains(location):
@@ -40,6 +41,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         f"{opened.location}: {counted(facts['sources'], 'recording')}, "
         f"{counted(facts['trajectories'], 'trajectory')}, {counted(facts['frames'], 'image')}"
     )
+    if sentence := simulated_recordings(opened).sentence:
+        say(sentence)
     table(
         "",
         ("sensor", "model", "trajectories", "images"),
@@ -138,6 +141,7 @@ def report(
     from tactiledata.ingest.overview import write_report
     from tactiledata.replay.overview import mesh_sections
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings
 
     location = working_store(store)
     with damage_explains(location):
@@ -145,8 +149,11 @@ def report(
         if split is not None and split not in opened.split_names():
             raise UnknownName("split", split, opened.split_names(), "`tactiledata split` makes one.")
         written = write_report(opened, out, split or "default", mesh_sections(opened))
+    simulated = simulated_recordings(opened)
     if as_json:
-        emit({name: str(path) for name, path in written.items()})
+        emit({**{name: str(path) for name, path in written.items()}, "simulated_recordings": simulated.document()})
         return
+    if simulated.sentence:
+        say(simulated.sentence)
     for path in written.values():
         say(str(path))

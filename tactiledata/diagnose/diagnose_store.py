@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.case_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.evidence_scale import ESTIMATED
@@ -22,6 +23,7 @@ from tactiledata.diagnose.store_options import DiagnosisOptions
 from tactiledata.diagnose.whitened_cases import NumericalErrors
 from tactiledata.diagnose.zero_causes import ZeroCause, no_zeros, zero_causes
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import simulated_trajectories
 from tactiledata.store.value_checks import need_sound_values
 
 Tell = Callable[..., None]
@@ -49,6 +51,8 @@ class StoreDiagnosis:
         What these recordings cannot tell, and which would.
     zeros : list of ZeroCause
         What the force sensor's zero follows.
+    simulated : SimulatedCount
+        Of the trajectories that were played.
     """
 
     store: str
@@ -60,6 +64,7 @@ class StoreDiagnosis:
     proposals: list[Proposal]
     limits: list[str]
     zeros: list[ZeroCause]
+    simulated: SimulatedCount = NOTHING_STATED
 
     @property
     def answer(self) -> Answer:
@@ -124,4 +129,5 @@ def diagnose_store(
     free = read_zeros(store)
     told = [*limits(played.cases, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
-    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told, causes)
+    simulated = simulated_trajectories(store, played.uids)
+    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told, causes, simulated)

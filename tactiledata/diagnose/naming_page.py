@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer import Answer
 from tactiledata.diagnose.evidence_scale import ESTIMATED
 from tactiledata.diagnose.judge import Judged
@@ -38,6 +39,7 @@ def naming_page(
     footer: str = "",
     further: Sequence[str] = (),
     first: Sequence[str] = (),
+    simulated: SimulatedCount = NOTHING_STATED,
 ) -> str:
     """The page as HTML.
 
@@ -49,6 +51,8 @@ def naming_page(
         What to record next.
     notes : what was left out
     further, first : sentences that follow those of `naming_sentences`, and that go before them
+    simulated : SimulatedCount
+        Of the trajectories that were diagnosed.
     """
     answer = Answer(naming)
     sentences = [*first, *naming_sentences(naming, located, shown), *further]
@@ -59,14 +63,14 @@ def naming_page(
         _what(naming),
         _how(naming, bool(answer.names)),
         better_section(shown),
-        *comparison_sections(naming, located, shown),
+        *comparison_sections(naming, located, shown, simulated.heading),
         *_seen_at_all(naming),
     ]
     if trials:
         sections.append(Section("What to record next", columns=("trial", "file"), rows=list(trials)))
     if notes:
         sections.append(Section("What was left out", [("warning", note) for note in notes]))
-    return render_page(title, sentences, sections, footer)
+    return render_page(title, sentences, sections, footer, simulated)
 
 
 def naming_sentences(naming: Naming, located: Located, shown: Shown) -> list[str]:

@@ -43,13 +43,23 @@ def better_section(shown: Shown) -> Section:
     return Section("How much better", [("info", text)], columns, rows, [picture])
 
 
-def comparison_sections(naming: Naming, located: Located, shown: Shown) -> list[Section]:
-    """Dependences, events, map and trajectories, before and after."""
+def comparison_sections(naming: Naming, located: Located, shown: Shown, heading: str = "") -> list[Section]:
+    """Dependences, events, map and trajectories of a diagnosis, before and after.
+
+    Parameters
+    ----------
+    naming : Naming
+    located : Located
+        Of the plain simulation.
+    shown : Shown
+    heading : str
+        Above the picture of trajectories: what kind of recordings they are.
+    """
     found = [
         _dependences(located, shown),
         _events(located, shown),
         _map(located, shown),
-        _overlays(naming, shown),
+        _overlays(naming, shown, heading),
     ]
     return [section for section in found if section is not None]
 
@@ -135,7 +145,7 @@ def _map(located: Located, shown: Shown) -> Section | None:
     return Section("Over the gel", [("", first.words)], pictures=[Picture(png_bytes(draw_map_pair(pictures)), caption)])
 
 
-def _overlays(naming: Naming, shown: Shown) -> Section:
+def _overlays(naming: Naming, shown: Shown, heading: str) -> Section:
     white, errors = naming.cases, shown.of_trajectories
     pictures = []
     for number in shown.worst():
@@ -148,5 +158,5 @@ def _overlays(naming: Naming, shown: Shown) -> Section:
         seconds = case.touch.seconds - case.touch.seconds[0]
         pictures.append(OverlayPicture(title, seconds, case.measured[:, FORCE], simulated))
     caption = "Gel frame; each trajectory predicted by numbers that were fitted to others."
-    picture = Picture(png_bytes(draw_overlays(pictures)), caption)
+    picture = Picture(png_bytes(draw_overlays(pictures), heading=heading), caption)
     return Section("Trajectories that the plain simulation tells worst", pictures=[picture])

@@ -23,7 +23,8 @@ MOST_TRIALS = 3
 
 def sentences_of(done: StoreDiagnosis) -> list[str]:
     """For people, the plainest first."""
-    return [*_of_zeros(done), *naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
+    said = [*_of_zeros(done), *naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
+    return [*said, *filter(None, [done.simulated.sentence])]
 
 
 def _of_zeros(done: StoreDiagnosis) -> list[str]:
@@ -91,6 +92,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "ceiling": {"explained": done.shown.ceiling.explained},
         "next_trials": next_trials_document(done.proposals, is_more_left=_is_more_left(done)),
         "zeros": [cause.document for cause in done.zeros],
+        "simulated_recordings": done.simulated.document(),
         "notes": notes_of(done),
         "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),
         **naming_document(done.naming, done.shown.located, done.shown),
@@ -129,8 +131,9 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
     title = f"Diagnosis of {name}"
     shown = done.shown
     page = naming_page(
-        title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done), _of_zeros(done)
-    )
+        title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done), _of_zeros(done),
+        done.simulated,
+    )  # fmt: skip
     write_atomic(written[0], page.encode())
     write_json_atomic(written[1], document)
     return written

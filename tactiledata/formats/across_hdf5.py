@@ -84,7 +84,7 @@ class AcrossHdf5Format(CorpusFormat):
         found = "the file holds meshes and no images: its steps are moments without an image"
         intake.note("images-absent", "info", found, sensor)
         model = MODELS.get(sensor, sensor)
-        description = describe(source, mapping, {serial: model}, f"ACROSS {path.stem}", self.licence_note)
+        description = describe(source, mapping, {serial: model}, f"ACROSS {path.stem}", self.licence_note, "simulated")
         return self.finish(source, intake, description, touches, {signal.name: signal})
 
 

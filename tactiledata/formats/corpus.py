@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LOG_FORMAT, LogDescription
 from tactiledata.contract.records import ImageSink, Recording, Signal, Source, Trajectory
+from tactiledata.contract.simulated import Kind
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.formats.base import Format, Inspection, TopicInfo
 from tactiledata.formats.intake import Intake, Payload
@@ -124,14 +125,32 @@ def note_nominal_rate(intake: Intake, what: str) -> None:
 
 
 def describe(
-    source: Source, mapping: Mapping[str, Any] | None, sensors: Mapping[str, str], title: str, licence: str
+    source: Source,
+    mapping: Mapping[str, Any] | None,
+    sensors: Mapping[str, str],
+    title: str,
+    licence: str,
+    kind: Kind = "not stated",
 ) -> LogDescription:
-    """A description with these sensors (name -> model), and what a mapping document adds to it."""
+    """A description of a corpus' recording, with what a mapping document adds to it.
+
+    Parameters
+    ----------
+    source : Source
+    mapping : dict, optional
+        A mapping document, whose ``description`` is laid over the rest.
+    sensors : dict, name -> model
+    title, licence : str
+        Of the corpus.
+    kind : "simulated", "real" or "not stated"
+        What the corpus says of its contacts.
+    """
     document = {
         "format": LOG_FORMAT,
         "title": title,
         "licence": licence,
         "sensors": {name: {"model": model} for name, model in sensors.items()},
+        **({} if kind == "not stated" else {"recorded_by": {"contact": kind}}),
     }
     description = LogDescription.checked(document, source.key)
     added = (mapping or {}).get("description")

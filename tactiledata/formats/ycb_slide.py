@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
+from tactiledata.contract.simulated import Kind
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.corpus import (
     CorpusFormat,
@@ -110,7 +111,8 @@ dataset/sim/<obj>/<kk>/{tactile_images/*.jpg, gt_heightmaps/*.jpg, gt_contactmas
         extra = {"object": thing, "origin": origin, **touch.extra}
         taken = Trajectory(trajectory, start, end, sensor, thing, extra)
         models = {sensor: "digit"} | {beside(sensor, camera): "camera" for camera in intake.cameras if camera in others}
-        description = describe(source, mapping, models, "YCB-Slide", "CC BY-SA 4.0")
+        kind: Kind = "simulated" if is_simulated else "real"
+        description = describe(source, mapping, models, "YCB-Slide", "CC BY-SA 4.0", kind)
         return self.finish(source, intake, description, [taken], signals)
 
 

@@ -22,6 +22,7 @@ from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.splits.suggest import suggest_split
 from tactiledata.store.overview import overview
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import simulated_recordings, touch_mark
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,7 +54,7 @@ def write_report(store: Store, out: Path, split: str = "default", further: Seque
     picture = None
     if touches:
         figure, caption = draw(touches)
-        png = png_bytes(figure)
+        png = png_bytes(figure, heading=simulated_recordings(store).heading)
         picture = Picture(png, caption)
         pictures["picture"] = out / "recorded.png"
         write_atomic(pictures["picture"], png)
@@ -97,7 +98,8 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
         signal = store.signal("contact_wrench")
         seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
         samples, force_frame = signal.values(first, last)[:, :3], signal.frame
-    title = f"{trajectory['sensor']}\n{trajectory['indenter'] or '(not named)'}\n{trajectory['trajectory']}"
+    names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", trajectory["trajectory"]]
+    title = "\n".join([*names, *filter(None, [touch_mark(store, row)])])
     return TouchPicture(
         title=title,
         background=None if reference is None else reference.image,
@@ -145,7 +147,13 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
         _use(store, split),
     ]
     footer = f"tactiledata {__version__}; store digest {store.digest}"
-    return render_page("What was recorded", sentences, [section for section in sections if section], footer)
+    return render_page(
+        "What was recorded",
+        sentences,
+        [section for section in sections if section],
+        footer,
+        simulated_recordings(store),
+    )
 
 
 def _status_sentence(status: dict[str, int]) -> str:

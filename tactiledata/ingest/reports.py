@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.contract.records import Finding
+from tactiledata.contract.simulated import Kind, SimulatedCount, recording_kind
 from tactiledata.contract.take import findings_of
 from tactiledata.store.writer import StagedTake
 
@@ -27,6 +28,8 @@ class SourceReport:
         Why it failed.
     sha256 : str
         Digest of its files; empty where it failed.
+    kind : "simulated", "real" or "not stated"
+        What its description states of its contacts.
     """
 
     key: str
@@ -37,6 +40,7 @@ class SourceReport:
     findings: tuple[Finding, ...] = ()
     error: str = ""
     sha256: str = ""
+    kind: Kind = "not stated"
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,11 @@ class IngestReport:
         return any(source.state in ("added", "replaced") for source in self.sources)
 
     @property
+    def simulated(self) -> SimulatedCount:
+        """How many of the recordings that came in are simulated."""
+        return SimulatedCount.of(source.kind for source in self.sources if source.state in ("added", "replaced"))
+
+    @property
     def fell_short(self) -> bool:
         """Whether a source failed or lost data."""
         return any(source.state == "failed" or source.status == "damaged" for source in self.sources)
@@ -82,6 +91,7 @@ class IngestReport:
                     "status": source.status,
                     "frames": source.frames,
                     "trajectories": source.trajectories,
+                    "kind": source.kind,
                     "error": source.error,
                     "findings": [vars(finding) for finding in source.findings],
                 }
@@ -91,6 +101,7 @@ class IngestReport:
             "findings": [vars(finding) for finding in self.findings],
             "stale_splits": list(self.stale_splits),
             "fell_short": self.fell_short,
+            "simulated_recordings": self.simulated.document(),
         }
 
 
@@ -104,4 +115,5 @@ def report_of(key: str, state: str, staged: StagedTake, *findings: Finding) -> S
         staged.table("trajectories").num_rows,
         (*findings_of(staged.table("findings")), *findings),
         sha256=staged.sha256,
+        kind=recording_kind(staged.document["description"]),
     )

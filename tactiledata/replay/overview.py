@@ -16,6 +16,7 @@ from tactiledata.report.plots import png_bytes
 from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
 from tactiledata.store.meshes import HAS_MESH, StoredMesh
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import simulated_recordings, touch_mark
 
 MOST_TOUCHES = 5
 IN_CONTACT = HAS_MESH[0]
@@ -25,7 +26,9 @@ def write_replay_page(store: Store, name: str, out: Path) -> Path:
     """The page ``replay-<name>.html`` of a mesh, in a folder that is made where it is not there."""
     path = out / f"replay-{name}.html"
     footer = f"tactiledata {__version__}; store digest {store.digest}; mesh digest {store.mesh(name).facts['digest']}"
-    write_atomic(path, render_page("What was replayed", [], [mesh_section(store, name)], footer).encode())
+    sections = [mesh_section(store, name)]
+    html = render_page("What was replayed", [], sections, footer, simulated_recordings(store))
+    write_atomic(path, html.encode())
     return path
 
 
@@ -44,7 +47,8 @@ def mesh_section(store: Store, name: str) -> Section:
         "coloured by how far it moved (height doubled). Right: measured (lines) and simulated (dots) contact force; "
         "dotted: the moment that is shown."
     )
-    pictures = [Picture(png_bytes(draw_replayed(touches)), caption)] if touches else []
+    heading = simulated_recordings(store).heading
+    pictures = [Picture(png_bytes(draw_replayed(touches), heading=heading), caption)] if touches else []
     counts = sorted((int(code), count) for code, count in mesh.facts["counts"].items())
     rows = [(mesh.statuses[code], count) for code, count in counts]
     return Section(f"Mesh {name}", sentences, ("frames", "how many"), rows, pictures)
@@ -116,7 +120,8 @@ def replayed_touch(store: Store, mesh: StoredMesh, row: int) -> ReplayedTouch:
     displacement = np.zeros_like(pad.vertices[number])
     displacement[pad.kept] = mesh.displacement(frames[shown : shown + 1])[0]
     native, measured = _measured(store, facts["signal_rows"], facts["start_ns"])
-    title = f"{facts['sensor']}  {facts['indenter']}  {facts['trajectory']}"
+    names = [facts["sensor"], facts["indenter"], facts["trajectory"]]
+    title = "  ".join([*names, *filter(None, [touch_mark(store, row)])])
     return ReplayedTouch(
         title, native, measured, seconds, simulated, seconds[shown], pad.vertices[number], displacement, pad.triangles
     )

@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.plan import ReplayPlan
 from tactiledata.store.meshes import HAS_MESH
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import simulated_recordings
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class ReplayReport:
         Trajectories that could not be replayed at all.
     with_mesh : int
         Frames, in contact or in free air.
+    simulated : SimulatedCount
+        Of the store's recordings.
     """
 
     store: str
@@ -47,6 +51,7 @@ class ReplayReport:
     status: Mapping[str, int]
     refused: Mapping[str, tuple[str, ...]]
     with_mesh: int
+    simulated: SimulatedCount
 
     @classmethod
     def of(cls, store: Store, name: str, plan: ReplayPlan, before: int) -> ReplayReport:
@@ -56,8 +61,9 @@ class ReplayReport:
             if touch.obstacle is not None:
                 refused.setdefault(touch.reason, []).append(touch.uid)
         reasons = {reason: tuple(uids) for reason, uids in refused.items()}
+        simulated = simulated_recordings(store)
         if name not in store.mesh_names:
-            return cls(str(store.location), name, "", "", {}, 0, len(plan.touches), {}, reasons, 0)
+            return cls(str(store.location), name, "", "", {}, 0, len(plan.touches), {}, reasons, 0, simulated)
         mesh = store.mesh(name)
         counts = Counter({int(code): count for code, count in mesh.facts["counts"].items()})
         return cls(
@@ -71,6 +77,7 @@ class ReplayReport:
             status={mesh.statuses[code]: count for code, count in sorted(counts.items())},
             refused=reasons,
             with_mesh=sum(counts[code] for code in HAS_MESH),
+            simulated=simulated,
         )
 
     @property
@@ -80,7 +87,9 @@ class ReplayReport:
 
     def document(self) -> dict[str, Any]:
         """As JSON values."""
-        return {**asdict(self), "refused": {reason: list(uids) for reason, uids in self.refused.items()}}
+        document = {**asdict(self), "refused": {reason: list(uids) for reason, uids in self.refused.items()}}
+        del document["simulated"]
+        return {**document, "simulated_recordings": self.simulated.document()}
 
     def lines(self) -> list[str]:
         """For people."""
@@ -94,4 +103,6 @@ class ReplayReport:
         for reason, uids in self.refused.items():
             listed = ", ".join(uids[:3]) + (" …" if uids[3:] else "")
             said.append(f"  {counted(len(uids), 'trajectory')} not replayed ({listed}): {reason}")
+        if self.simulated.sentence:
+            said.append(f"  {self.simulated.sentence}")
         return said

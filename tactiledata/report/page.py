@@ -6,6 +6,8 @@ import base64
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
+
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{{ title }}</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -28,8 +30,8 @@ footer { margin-top: 3rem; font-size: .8rem; color: #57606a; }
 {% if section.rows %}<table><tr>{% for name in section.columns %}<th>{{ name }}</th>{% endfor %}</tr>
 {% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</table>{% endif %}
-{% for picture in section.pictures %}<figure><img alt="{{ picture.caption }}" src="data:image/png;base64,{{ picture.encoded }}">
-<figcaption>{{ picture.caption }}</figcaption></figure>{% endfor %}
+{% for picture in section.pictures %}<figure><img alt="{{ simulated.captioned(picture.caption) }}" src="data:image/png;base64,{{ picture.encoded }}">
+<figcaption>{{ simulated.captioned(picture.caption) }}</figcaption></figure>{% endfor %}
 {% for block in section.code %}<pre>{{ block }}</pre>{% endfor %}
 {% endfor %}
 <footer>{{ footer }}</footer>
@@ -73,9 +75,33 @@ class Section:
     code: Sequence[str] = ()
 
 
-def render_page(title: str, sentences: Sequence[str], sections: Sequence[Section], footer: str) -> str:
-    """The page as HTML; all text is escaped."""
+def render_page(
+    title: str,
+    sentences: Sequence[str],
+    sections: Sequence[Section],
+    footer: str,
+    simulated: SimulatedCount = NOTHING_STATED,
+) -> str:
+    """The page as HTML; all text is escaped.
+
+    Parameters
+    ----------
+    title : str
+    sentences : sequence of str
+        What stands first.
+    sections : sequence of Section
+    footer : str
+    simulated : SimulatedCount
+        Of what the page is about. Where any is simulated, the title, the last of the sentences and every caption say
+        so.
+    """
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined)
-    return environment.from_string(TEMPLATE).render(title=title, sentences=sentences, sections=sections, footer=footer)
+    return environment.from_string(TEMPLATE).render(
+        title=simulated.titled(title),
+        sentences=[*sentences, *filter(None, [simulated.sentence])],
+        sections=sections,
+        footer=footer,
+        simulated=simulated,
+    )

@@ -116,8 +116,18 @@ def _force(axes: Axes, touch: TouchPicture, is_first: bool, is_last: bool) -> No
         axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
 
 
-def png_bytes(figure: Figure, dots_per_inch: int = 110) -> bytes:
-    """A figure as PNG; the same figure gives the same bytes."""
+def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "") -> bytes:
+    """A figure as PNG; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+    dots_per_inch : int
+    heading : str
+        Stands above all its parts; empty for none.
+    """
+    if heading:
+        figure.suptitle(heading, fontsize=10)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
     return stream.getvalue()

@@ -40,16 +40,21 @@ def embed_vectors(
 
 
 def draw_embedding(
-    drawn: Mapping[str, Mapping[str, NDArray[np.float32]]], path: Path, kinds: Mapping[str, str] | None = None
+    drawn: Mapping[str, Mapping[str, NDArray[np.float32]]],
+    path: Path,
+    kinds: Mapping[str, str] | None = None,
+    heading: str = "",
 ) -> Path:
     """A PNG with a panel for each kind of vector, a colour for each set.
 
     Parameters
     ----------
-    drawn : by kind of vector, then by set: (n, 2)
+    drawn : dict, kind of vector -> set -> (n, 2)
     path : Path
-    kinds : set -> str, optional
+    kinds : dict, set -> str, optional
         What the pictures of a set are, for the legend.
+    heading : str
+        Above all panels: what kind of recordings the sets are of; empty for none.
 
     Raises
     ------
@@ -70,6 +75,8 @@ def draw_embedding(
             axes.scatter(places[:, 0], places[:, 1], s=9, alpha=0.7, label=f"{name} ({kinds[name]})" if kinds else name)
         axes.set(title=f"t-SNE of {kind}", xticks=[], yticks=[])
         axes.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.01))
+    if heading:
+        figure.suptitle(heading, fontsize=10)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     return path

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
 from tactiledata.sensors.image_checks import shows_contact
 from tactiledata.store.reader import Store
+from tactiledata.store.simulated import trajectory_kinds
 
 CONTACT_FORCE = (1.0, 13.0)
 """N; frames whose contact force lies between show a touch, as in splits. Without forces every frame counts."""
@@ -121,21 +121,16 @@ Label = tuple[str, str, bool, bool]
 
 def _labels(store: Store) -> list[Label]:
     """The set that each trajectory belongs to; a name says what tells sets apart that would have the same."""
-    descriptions = [json.loads(text) for text in store.sources(["description"])["description"].to_pylist()]
-    simulated = [_is_simulated(description) for description in descriptions]
-    rows = store.trajectories(["sensor", "parent", "extra", "source"]).to_pylist()
-    labels = [(_name(row), row["sensor"], bool(row["parent"]), simulated[row["source"]]) for row in rows]
+    rows = store.trajectories(["sensor", "parent", "extra"]).to_pylist()
+    labels = [
+        (_name(row), row["sensor"], bool(row["parent"]), kind == "simulated")
+        for row, kind in zip(rows, trajectory_kinds(store), strict=True)
+    ]
     recorded = {name for name, _, _, is_simulated in labels if not is_simulated}
     return [
         (f"{name}, simulated" if is_simulated and name in recorded else name, sensor, is_derived, is_simulated)
         for name, sensor, is_derived, is_simulated in labels
     ]
-
-
-def _is_simulated(description: Mapping[str, Any]) -> bool:
-    """Whether a recording's description states that its contacts are simulated."""
-    recorder = description.get("recorded_by")
-    return isinstance(recorder, Mapping) and recorder.get("contact") == "simulated"
 
 
 def _name(row: Mapping[str, str]) -> str:

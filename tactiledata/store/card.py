@@ -12,7 +12,9 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.store.layout import CARD, MANIFEST, heap_path, rgb_path, table_folder
+from tactiledata.store.simulated import kinds_of
 from tactiledata.store.statistics import standard_deviation
 
 LINES_SHOWN = 40
@@ -42,6 +44,7 @@ def card(store_path: Path, manifest: Mapping[str, Any]) -> str:
         f"{rows['frames']:,} frames in {rows['trajectories']:,} trajectories from {rows['sources']:,} recordings; "
         f"format `{manifest['format']}`, digest `{manifest['digest'][:16]}`.",
         "",
+        *_simulated(store_path, manifest),
         *_table("Recordings", ("status", "recordings"), statuses),
         *_table("Trajectories by sensor", ("sensor", "trajectories"), sensors),
         *_table("Trajectories by indenter", ("indenter", "trajectories"), indenters),
@@ -53,6 +56,14 @@ def card(store_path: Path, manifest: Mapping[str, Any]) -> str:
         *_loading(manifest),
     ]
     return "\n".join(parts)
+
+
+def _simulated(store_path: Path, manifest: Mapping[str, Any]) -> list[str]:
+    folder = store_path / table_folder("sources")
+    tables = [pq.read_table(folder / part["file"], columns=["description"]) for part in manifest["index"]["sources"]]
+    kinds = [kind for table in tables for kind in kinds_of(table["description"].to_pylist())]
+    sentence = SimulatedCount.of(kinds).sentence
+    return [sentence, ""] if sentence else []
 
 
 def _counts(store_path: Path, manifest: Mapping[str, Any]) -> list[Counter[str]]:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
+from tactiledata.store.simulated import simulated_recordings
+
 if TYPE_CHECKING:
     from tactiledata.store.reader import Store
 
@@ -20,6 +22,7 @@ def overview(store: Store) -> dict[str, Any]:
         "sources": sources.num_rows,
         "trajectories": trajectories.num_rows,
         "frames": store.n_frames,
+        "simulated_recordings": simulated_recordings(store).document(),
         "digest": store.digest,
         "cameras": list(store.cameras),
         "by_sensor": _by_sensor(store, trajectories),

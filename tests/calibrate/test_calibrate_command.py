@@ -36,7 +36,12 @@ def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypat
     assert code == 0
     assert "95 % interval" in printed
     first = out.read_bytes()
-    assert (tmp_path / "calibration.html").read_text().count("data:image/png") == 3
+    page = (tmp_path / "calibration.html").read_text()
+    assert page.count("data:image/png") == 3
+    assert page.count("Simulated recordings.</figcaption>") == 3
+    assert "<h1>Calibration of the gel (simulated recordings)</h1>" in page
+    assert "Simulated recordings: all " in printed
+    assert json.loads(first)["simulated_recordings"]["simulated"] >= 2
     code, printed, _ = run_command(capsys, monkeypatch, *arguments, "--json")
     assert code == 0
     assert out.read_bytes() == first

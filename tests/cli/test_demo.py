@@ -20,5 +20,8 @@ def test_it_ends_with_meshes_a_calibration_and_pages(tmp_path, capsys):
     # four touches are too few to name what they lack, and it says so by leaving the step out
     assert told["diagnosis"] is None
     for page in ("report.html", "calibration.html"):
-        assert "<img" in (out / page).read_text()
+        text = (out / page).read_text()
+        assert "<img" in text
+        assert "(simulated recordings)</h1>" in text
+    assert told["simulated_recordings"] == {"simulated": 2, "real": 0, "not_stated": 0}
     assert (out / "recorded.png").stat().st_size > 10_000

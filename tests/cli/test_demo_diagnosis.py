@@ -30,5 +30,5 @@ def test_it_names_what_its_world_conceals(tmp_path):
     assert diagnosis["naming"]["verdict"] == "named"
     assert diagnosis["naming"]["names"] == ["relaxation"]
     assert any("The simulation lacks viscoelastic relaxation" in one for one in told)
-    assert any("was recorded with viscoelastic relaxation" in one for one in told)
+    assert any("were made with viscoelastic relaxation" in one for one in told)
     assert page.is_file()

@@ -31,7 +31,9 @@ def test_the_command_writes_the_page_with_its_picture(tiny_store, tmp_path, caps
     """One file that stands alone, and the picture beside it."""
     code, out, err = run_command(capsys, "report", tiny_store, "--out", tmp_path / "page", "--json")
     assert code == 0, err
-    files = {name: Path(path) for name, path in json.loads(out).items()}
+    document = json.loads(out)
+    assert document.pop("simulated_recordings") == {"simulated": 2, "real": 0, "not_stated": 0}
+    files = {name: Path(path) for name, path in document.items()}
     assert files["picture"].read_bytes().startswith(b"\x89PNG")
     text = files["page"].read_text(encoding="utf-8")
     assert "data:image/png;base64," in text

@@ -58,6 +58,10 @@ def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypat
     assert document["sentences"][0] in printed
     page = (tmp_path / "first" / "report.html").read_text()
     assert page.count("data:image/png") >= 3
+    assert page.count("Simulated recordings.</figcaption>") == page.count("<figcaption>")
+    assert "(simulated recordings)</h1>" in page
+    assert "Simulated recordings: all 10 trajectories." in printed
+    assert document["simulated_recordings"] == {"simulated": 10, "real": 0, "not_stated": 0}
     assert document["zeros"] == []
     notes = " ".join(document["notes"])
     assert "not tried: thickness of the gel: the gel plays it at --fidelity finite-strain only" in notes

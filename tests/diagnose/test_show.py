@@ -101,6 +101,7 @@ def test_document_and_page_say_it(which, request):
     places = [html.index(text) for text in (*begin, *(f"<h2>{title}</h2>" for title in titles))]
     assert places == sorted(places)
     assert "nan" not in html.split("base64")[0]
+    assert "simulated recordings" not in html.lower()
 
 
 def test_the_same_simulation_tells_what_it_has_not_seen():

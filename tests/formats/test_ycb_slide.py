@@ -9,6 +9,7 @@ from generators import ycb_slide
 from generators.collect import codes, read
 from scipy.spatial.transform import Rotation
 
+from tactiledata.contract.simulated import recording_kind
 from tactiledata.errors import BrokenLog, UnsafeContent, UsageError
 from tactiledata.formats.optitrack import contact_poses, find_jumps, nearest_rows
 from tactiledata.formats.ycb_slide import BACKGROUNDS, YcbSlideFormat, background_of
@@ -43,6 +44,8 @@ def test_layout_real_and_simulated(tmp_path, rng):
         home = root.joinpath(*recording.source.key.split("/")[1:])
         for image in sink.of("digit"):
             assert image.payload == (home / image.name).read_bytes()
+        kind = "simulated" if "/sim/" in recording.source.key else "real"
+        assert recording_kind(recording.description.document) == kind
         assert all(path.startswith(recording.source.path) for path in recording.source.files)
         assert all(os.path.exists(path) for path in recording.source.files)  # noqa: PTH110
     assert FORMAT.inspect(taken[0][0].source).facts["sensors"] == ["ycb-slide-bg0", "ycb-slide-bg0-webcam"]

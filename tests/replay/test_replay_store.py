@@ -231,3 +231,5 @@ def test_the_page_shows_every_mesh(replayed, tmp_path):
     text = write_replay_page(store, "coarse", tmp_path).read_text()
     assert "preview" in text
     assert "data:image/png;base64," in text
+    assert "<h1>What was replayed (simulated recordings)</h1>" in text
+    assert "Simulated recordings.</figcaption>" in text
