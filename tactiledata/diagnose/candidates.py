@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -71,33 +71,38 @@ class Candidates:
     carriers : c of them
     names, complexities : m terms
     terms : (n, m)
+    definitions : dict, term -> how the atoms in it are computed
     """
 
     carriers: tuple[Carrier, ...]
     names: tuple[str, ...]
     complexities: tuple[int, ...]
     terms: Array
+    definitions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, carriers: Sequence[Carrier], atoms: Sequence[Atom]) -> Candidates:
         """Atoms, and their products of degree two; products that repeat one another are left out."""
         names, complexities = [one.name for one in atoms], [one.complexity for one in atoms]
         columns = [one.values for one in atoms]
+        meant = {one.name: (one.definition,) for one in atoms}
         for first, one in enumerate(atoms):
             for other in atoms[first:]:
                 product = one.values * other.values
                 if np.ptp(product) <= 0 or np.array_equal(product, one.values) or np.array_equal(product, other.values):
                     continue
+                parts = (one.definition, other.definition)
                 names.append(f"{one.name} × {other.name}" if other is not one else f"{one.name}^2")
+                meant[names[-1]] = tuple(dict.fromkeys(parts))
                 complexities.append(one.complexity + other.complexity)
                 columns.append(product)
         matrix = np.column_stack(columns) if columns else np.zeros((len(carriers[0].field), 0))
-        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix)
+        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix, meant)
 
     def part(self, rows: NDArray[np.bool_]) -> Candidates:
         """The same candidates in the frames of a mask (n,)."""
         kept = tuple(Carrier(one.name, one.field[rows], one.unit) for one in self.carriers)
-        return Candidates(kept, self.names, self.complexities, self.terms[rows])
+        return Candidates(kept, self.names, self.complexities, self.terms[rows], self.definitions)
 
     def __len__(self) -> int:
         return len(self.carriers) * len(self.names)
@@ -109,6 +114,11 @@ class Candidates:
     def name_of(self, number: int) -> str:
         """Term of a candidate."""
         return self.names[number % len(self.names)]
+
+    def definitions_of(self, numbers: Sequence[int]) -> tuple[str, ...]:
+        """How the atoms are computed that the terms of some candidates are made of, each once."""
+        parts = [part for number in numbers for part in self.definitions.get(self.name_of(number), ())]
+        return tuple(dict.fromkeys(parts))
 
     def full_name(self, number: int) -> str:
         """Carrier and term of a candidate."""

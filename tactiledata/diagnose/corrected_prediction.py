@@ -23,7 +23,8 @@ def corrected_words(form: OpenForm, components: Sequence[str], units: Sequence[s
             continue
         factor = "".join(_signed(*one) for one in [(beside.get(f"{SCALE_OF}{name}", 0.0), ""), *scaled])
         more = "".join(_signed(*one, unit=unit) for one in [*added, (beside.get(f"{OFFSET_OF}{name}", 0.0), "")])
-        said.append(f"corrected {name} = predicted {name} × (1{factor}){more}")
+        scale = f" × (1{factor})" if factor else ""
+        said.append(f"corrected {name} = predicted {name}{scale}{more}")
     return said
 
 
