@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.black_box import BlackBox, black_box
+from tactiledata.diagnose.candidates import carriers
 from tactiledata.diagnose.corrected_prediction import corrected_words
 from tactiledata.diagnose.empirical import Empirical, empirical
 from tactiledata.diagnose.gap import Gap, gap_closed, is_improved, scatter
@@ -20,6 +21,7 @@ from tactiledata.diagnose.locate import Located, LocateOptions, locate
 from tactiledata.diagnose.open_form import OpenForm, find_candidates, open_form
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.shifted import shift_carriers
 from tactiledata.diagnose.wording import percent
 
 Array = NDArray[np.float64]
@@ -156,10 +158,11 @@ def explain(
     floor_is = "the noise" if options.noise is not None else "the scatter from row to row"
     if located.is_structured:
         begin(1)
-        form = open_form(residuals, signatures, scales, time, options.seed)
+        carried = [*carriers(residuals), *shift_carriers(residuals)]
+        form = open_form(residuals, signatures, scales, time, options.seed, carried)
         if form.terms:
             begin(2)
-            held = held_out(residuals, find_candidates(residuals, scales, time), options.seed)
+            held = held_out(residuals, find_candidates(residuals, scales, time, carried), options.seed)
             floor = 1.0 if options.noise is not None else scatter(held.after, residuals.starts)
             if not np.isfinite(floor):
                 floor, floor_is = 0.0, "zero, as groups of one or two rows tell no noise"
