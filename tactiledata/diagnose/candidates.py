@@ -13,7 +13,7 @@ from tactiledata.diagnose.atoms import Atom
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.scores import Contributions, along, joined_refits
-from tactiledata.diagnose.wording import with_interval
+from tactiledata.diagnose.wording import quantity, with_interval
 
 Array = NDArray[np.float64]
 
@@ -48,10 +48,13 @@ class Carrier:
     def words(self, term: str, value: float, half_width: float) -> str:
         """``"E (1 + 0.081 ± 0.010 × log10(speed/(1.0 mm/s)))"``, or ``"fx + 0.30 ± 0.05 N × …"``."""
         if self.shifted:
+            # below a contact that was found too early the prediction bends: its slope is no measure of how far
+            is_exact = value > 0
             size = with_interval(abs(value), half_width, self.unit)
+            size = size if is_exact else f"about {quantity(abs(value), self.unit)}"
             of = self.name.removesuffix(f" over {self.shifted}")
             times = "" if term == CONSTANT else f" × {term}"
-            return f"{of} as predicted where {self.shifted} is ({size}){times} {'larger' if value > 0 else 'smaller'}"
+            return f"{of} as predicted where {self.shifted} is ({size}){times} {'larger' if is_exact else 'smaller'}"
         if self.unit == "1":
             sign = "+" if value > 0 else "-"
             return f"{self.name} (1 {sign} ({with_interval(abs(value), half_width, '1')}) × {term})"

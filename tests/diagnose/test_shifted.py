@@ -31,7 +31,16 @@ def test_a_contact_that_is_found_late_is_named_with_its_size(late):
     assert (term.carrier, term.term) == ("fz over depth", "1")
     assert abs(term.coefficient - late) < max(term.half_width, 0.2 * abs(late))
     assert term.words.startswith("fz as predicted where depth is (0.")
-    assert (" larger, chosen" if late > 0 else " smaller, chosen") in term.words
+    assert " mm) larger, chosen" in term.words
+
+
+@pytest.mark.slow
+def test_a_contact_that_is_found_early_is_named_without_an_interval():
+    """The slope from a depth on is no measure of what lies below the contact: 0.03 is said as about 0.04."""
+    (term,) = terms(pressed(1, lambda depth, speed: 8.0 * np.maximum(depth - 0.03, 0) ** 1.5))
+    assert (term.carrier, term.term) == ("fz over depth", "1")
+    assert term.words.startswith("fz as predicted where depth is (about 0.04")
+    assert " mm) smaller, chosen" in term.words
 
 
 @pytest.mark.slow
