@@ -152,7 +152,7 @@ def _table(
     with progress("diagnosing", quiet=quiet) as tell:
         read, explanation, document = diagnose_table(path, meant, group, seed, tell)
     written = [] if out is None else list(write_diagnosis(out, path.name, read, explanation, document))
-    return document, written, explanation.located.is_structured
+    return document, written, explanation.is_found
 
 
 def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[dict[str, Any], list[Path], bool]:

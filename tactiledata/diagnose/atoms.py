@@ -36,11 +36,14 @@ class Atom:
     values : (n,)
     complexity : int
         What it costs to say it: 1 for a covariate over its scale.
+    definition : str
+        From which a reader can compute it.
     """
 
     name: str
     values: Array
     complexity: int
+    definition: str
 
 
 def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time: str | None = None) -> list[Atom]:
@@ -83,8 +86,10 @@ def _scaled(residuals: Residuals, scales: Mapping[str, float]) -> Iterator[Atom]
         if is_logarithmic(covariate.values):
             # a logarithm is counted from 1 where that is among the values: people know it by heart
             one = 1.0 if covariate.values.min() <= 1.0 <= covariate.values.max() and name not in scales else scale
-            yield Atom(f"log10({name}/({quantity(one, covariate.unit)}))", np.log10(covariate.values / one), 1)
-        yield Atom(said, covariate.values / scale, 1)
+            called = f"log10({name}/({quantity(one, covariate.unit)}))"
+            meant = f"{called} is the logarithm to base 10 of {_in(name, covariate.unit)} over {one:g}"
+            yield Atom(called, np.log10(covariate.values / one), 1, meant)
+        yield Atom(said, covariate.values / scale, 1, f"{said} is {_in(name, covariate.unit)} over {scale:g}")
 
 
 def _levels(residuals: Residuals) -> Iterator[Atom]:
@@ -92,7 +97,9 @@ def _levels(residuals: Residuals) -> Iterator[Atom]:
         levels = np.unique(texts)
         if 2 <= len(levels) <= MOST_LEVELS:
             for level in levels:
-                yield Atom(f"[{label} is {level}]", (texts == level).astype(np.float64), 1)
+                said = f"[{label} is {level}]"
+                meant = f"{said} is 1 in rows where it holds, and 0 in others"
+                yield Atom(said, (texts == level).astype(np.float64), 1, meant)
 
 
 def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | None) -> Iterator[Atom]:
@@ -104,7 +111,10 @@ def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | No
     for name, covariate in inside[:MOST_HISTORIES]:
         scale = scale_of(name, covariate.values, scales)
         said = f"({quantity(scale, covariate.unit)})"
-        yield Atom(f"largest {name} so far/{said}", largest_so_far(covariate.values, residuals.starts) / scale, 2)
+        over = f"{_in(name, covariate.unit)} in rows of its group up to this one, in order of time, over {scale:g}"
+        called = f"largest {name} so far/{said}"
+        largest = largest_so_far(covariate.values, residuals.starts) / scale
+        yield Atom(called, largest, 2, f"{called} is the largest {over}")
         if time is None:
             continue
         seconds = _seconds(residuals.covariates[time])
@@ -114,7 +124,22 @@ def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | No
         for fading in FADINGS:
             if 0.3 * shortest <= fading <= 3.0 * span:
                 memory = fading_memory(covariate.values, seconds, residuals.starts, fading)
-                yield Atom(f"{name} remembered for {rounded(fading, 1)} s/{said}", memory / scale, 2)
+                called = f"{name} remembered for {rounded(fading, 1)} s/{said}"
+                yield Atom(
+                    called, memory / scale, 2, f"{called} is m/{scale:g}: {_remembered(name, covariate, fading)}"
+                )
+
+
+def _in(name: str, unit: str) -> str:
+    return name if unit in ("", "1", "?") else f"{name} in {unit}"
+
+
+def _remembered(name: str, covariate: Covariate, fading: float) -> str:
+    """How a fading memory m is computed, row by row."""
+    return (
+        f"in the first row of a group m is {_in(name, covariate.unit)}; in each later row, in order of time, m is its "
+        f"value of the row before times exp(-(seconds since that row)/{fading:g}), plus the change of {name} since it"
+    )
 
 
 def _ratios(residuals: Residuals) -> Iterator[Atom]:
@@ -122,7 +147,8 @@ def _ratios(residuals: Residuals) -> Iterator[Atom]:
     known = _known(residuals)
     for (name, values, unit), (other, below, unit_below) in itertools.permutations(known, 2):
         if unit.exponents == unit_below.exponents != NONE and (below > 0).all():
-            yield Atom(f"{name}/{other}", values * unit.factor / (below * unit_below.factor), 2)
+            meant = f"{name}/{other} is their ratio, both in the same unit"
+            yield Atom(f"{name}/{other}", values * unit.factor / (below * unit_below.factor), 2, meant)
 
 
 def _groups(residuals: Residuals) -> Iterator[Atom]:
@@ -136,7 +162,7 @@ def _groups(residuals: Residuals) -> Iterator[Atom]:
                 continue
             values = np.prod([(v * u.factor) ** p for (_, v, u), p in zip(three, powers, strict=True)], axis=0)
             name = " ".join(n if p == 1 else f"{n}^{p}" for (n, _, _), p in zip(three, powers, strict=True))
-            yield Atom(f"({name})", values, 3)
+            yield Atom(f"({name})", values, 3, f"({name}) is that product with every factor in SI units")
 
 
 def _total(three: tuple[tuple[str, Array, Unit], ...], powers: tuple[int, ...]) -> tuple[float, ...]:

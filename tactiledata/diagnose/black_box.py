@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import t as student
 
 from tactiledata.diagnose.features import features
 from tactiledata.diagnose.folds import folds
@@ -18,6 +19,10 @@ from tactiledata.diagnose.projection import Projection
 
 Array = NDArray[np.float64]
 
+LEVEL = 0.01
+"""Small beside the 5 % of all locators, as it is asked beside them."""
+WORTH = 0.02
+"""Share of the squares of held-out groups that is worth a sentence."""
 TREES = 60
 LEAVES = 12
 
@@ -34,11 +39,19 @@ class BlackBox:
         Sums of squares of each unit of exchange that they leave, own parameters at their most likely values.
     explained : float
         Share of the squares that they explain, not below 0.
+    p : float
+        Of the agreement between residuals and what was predicted of them.
     """
 
     predicted: Array
     squares: Array
     explained: float
+    p: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether there is structure that they foresee: enough to be said, and not by chance."""
+        return self.explained >= WORTH and self.p <= LEVEL
 
 
 def black_box(projection: Projection, seed: int = 0) -> BlackBox:
@@ -71,4 +84,16 @@ def black_box(projection: Projection, seed: int = 0) -> BlackBox:
     if squares.sum() >= before:
         predicted = np.zeros_like(predicted)
         squares = residuals.by_unit((projection.score**2).sum(axis=1))
-    return BlackBox(predicted, squares, max(0.0, 1.0 - float(squares.sum()) / max(before, 1e-300)))
+    explained = max(0.0, 1.0 - float(squares.sum()) / max(before, 1e-300))
+    return BlackBox(predicted, squares, explained, _p(projection, predicted))
+
+
+def _p(projection: Projection, predicted: Array) -> float:
+    """Chance of so much agreement of residuals with their predictions.
+
+    A pair of units of different folds predicts one another, so that agreements come in pairs: their sum scatters by the
+    square root of 2 more than it would if they were independent.
+    """
+    agreement = projection.residuals.by_unit((projection.score * predicted).sum(axis=1))
+    size = float(np.sqrt(2.0 * (agreement**2).sum()))
+    return float(student.sf(float(agreement.sum()) / size, len(agreement) - 1)) if size > 0 else 1.0

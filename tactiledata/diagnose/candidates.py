@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,9 +13,12 @@ from tactiledata.diagnose.atoms import Atom
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.scores import Contributions, along, joined_refits
-from tactiledata.diagnose.wording import with_interval
+from tactiledata.diagnose.wording import quantity, with_interval
 
 Array = NDArray[np.float64]
+
+CONSTANT = "1"
+"""The term of a carrier that is alone."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +33,28 @@ class Carrier:
         Whitened change of the simulation where the term is 1 and its coefficient 1 ``unit``.
     unit : str
         Of the coefficient: ``"1"`` for a share.
+    shifted : str
+        The covariate by whose shift it changes; empty where none is shifted.
+    definition : str
+        How the field of a shift is computed.
     """
 
     name: str
     field: Array
     unit: str
+    shifted: str = ""
+    definition: str = ""
 
     def words(self, term: str, value: float, half_width: float) -> str:
         """``"E (1 + 0.081 ± 0.010 × log10(speed/(1.0 mm/s)))"``, or ``"fx + 0.30 ± 0.05 N × …"``."""
+        if self.shifted:
+            # below a contact that was found too early the prediction bends: its slope is no measure of how far
+            is_exact = value > 0
+            size = with_interval(abs(value), half_width, self.unit)
+            size = size if is_exact else f"about {quantity(abs(value), self.unit)}"
+            of = self.name.removesuffix(f" over {self.shifted}")
+            times = "" if term == CONSTANT else f" × {term}"
+            return f"{of} as predicted where {self.shifted} is ({size}){times} {'larger' if is_exact else 'smaller'}"
         if self.unit == "1":
             sign = "+" if value > 0 else "-"
             return f"{self.name} (1 {sign} ({with_interval(abs(value), half_width, '1')}) × {term})"
@@ -71,33 +88,41 @@ class Candidates:
     carriers : c of them
     names, complexities : m terms
     terms : (n, m)
+    definitions : dict, term -> how the atoms in it are computed
     """
 
     carriers: tuple[Carrier, ...]
     names: tuple[str, ...]
     complexities: tuple[int, ...]
     terms: Array
+    definitions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, carriers: Sequence[Carrier], atoms: Sequence[Atom]) -> Candidates:
         """Atoms, and their products of degree two; products that repeat one another are left out."""
         names, complexities = [one.name for one in atoms], [one.complexity for one in atoms]
         columns = [one.values for one in atoms]
+        meant: dict[str, tuple[str, ...]] = {one.name: (one.definition,) for one in atoms}
         for first, one in enumerate(atoms):
             for other in atoms[first:]:
                 product = one.values * other.values
                 if np.ptp(product) <= 0 or np.array_equal(product, one.values) or np.array_equal(product, other.values):
                     continue
+                parts = (one.definition, other.definition)
                 names.append(f"{one.name} × {other.name}" if other is not one else f"{one.name}^2")
+                meant[names[-1]] = tuple(dict.fromkeys(parts))
                 complexities.append(one.complexity + other.complexity)
                 columns.append(product)
+        if any(carrier.shifted for carrier in carriers):
+            names, complexities = [CONSTANT, *names], [0, *complexities]
+            columns = [np.ones(len(carriers[0].field)), *columns]
         matrix = np.column_stack(columns) if columns else np.zeros((len(carriers[0].field), 0))
-        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix)
+        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix, meant)
 
     def part(self, rows: NDArray[np.bool_]) -> Candidates:
         """The same candidates in the frames of a mask (n,)."""
-        kept = tuple(Carrier(one.name, one.field[rows], one.unit) for one in self.carriers)
-        return Candidates(kept, self.names, self.complexities, self.terms[rows])
+        kept = tuple(Carrier(one.name, one.field[rows], one.unit, one.shifted, one.definition) for one in self.carriers)
+        return Candidates(kept, self.names, self.complexities, self.terms[rows], self.definitions)
 
     def __len__(self) -> int:
         return len(self.carriers) * len(self.names)
@@ -109,6 +134,12 @@ class Candidates:
     def name_of(self, number: int) -> str:
         """Term of a candidate."""
         return self.names[number % len(self.names)]
+
+    def definitions_of(self, numbers: Sequence[int]) -> tuple[str, ...]:
+        """How the atoms are computed that the terms of some candidates are made of, each once."""
+        parts = [part for number in numbers for part in self.definitions.get(self.name_of(number), ())]
+        parts += [meant for number in numbers if (meant := self.carrier_of(number).definition)]
+        return tuple(dict.fromkeys(parts))
 
     def full_name(self, number: int) -> str:
         """Carrier and term of a candidate."""

@@ -16,6 +16,8 @@ from tactiledata.errors import TactileDataError, UnknownName, UsageError
 TIMES = ("time", "t", "seconds")
 GROUP_NAMES = ("group", "trajectory", "trial")
 OBSERVED, PREDICTED, NOISE = "observed", "predicted", "noise"
+FORCES, LENGTHS = ("N", "mN", "uN", "kN"), ("m", "mm", "cm", "um")
+"""Side by side they are a torque."""
 PAGE = "docs/diagnose-table.md shows both ways of naming columns."
 
 
@@ -106,17 +108,39 @@ def columns_of(frame: pd.DataFrame, document: Mapping[str, Any] | None = None, g
 def split_unit(column: str) -> tuple[str, str]:
     """Name and unit of a column: ``"depth_mm"`` is depth in mm, ``"speed_mm_s"`` and ``"speed_mm_per_s"`` are in mm/s.
 
-    Of two units side by side the second divides, but in ``N_m`` and ``N_mm``. An ending that is no unit belongs to the
-    name, and the unit is ``"?"``.
+    What follows ``per`` divides: ``"rate_per_s"`` is in 1/s, ``"k_N_m_per_rad"`` in N m/rad. Without ``per`` the second
+    of two units side by side divides, but in ``N_m`` and ``N_mm``. An ending that is no unit belongs to the name, and
+    the unit is ``"?"``.
     """
     parts = column.split("_")
     for position in range(1, len(parts)):
-        words = [word for word in parts[position:] if word != "per"]
-        joiner = " " if words[:1] in (["N"], ["mN"]) and words[1:] in (["m"], ["mm"]) and "per" not in parts else "/"
-        unit = joiner.join(words)
-        if not unit[:1].isdigit() and find_unit(unit) is not None:
+        unit = _chained(parts[position:])
+        if unit is not None and find_unit(unit) is not None:
             return "_".join(parts[:position]), unit
     return column, "?"
+
+
+def _chained(words: Sequence[str]) -> str | None:
+    """The unit that words side by side mean, as ``"N m/rad"``; ``None`` where they mean none."""
+    if "deg" in words[:-1] and words[words.index("deg") + 1] == "C":
+        place = words.index("deg")
+        words = [*words[:place], "degC", *words[place + 2 :]]
+    if words[-1] == "per" or any(word[:1].isdigit() or not word for word in words):
+        return None
+    chained, divides, before = "", False, ""
+    for word in words:
+        if word == "per":
+            divides, chained = True, chained or "1"
+            continue
+        is_product = not divides and (not before or _is_product(before, word, "per" in words))
+        chained += word if not chained else f" {word}" if is_product else f"/{word}"
+        before = word
+    return chained
+
+
+def _is_product(before: str, word: str, is_per: bool) -> bool:
+    """Whether a unit beside another one multiplies it: before ``per``, with its own sign, or a force's length."""
+    return is_per or "-" in word or (before in FORCES and word in LENGTHS)
 
 
 def _no_number(column: pd.Series) -> None:
@@ -169,20 +193,36 @@ def _group(names: Sequence[str], group: str | None) -> str:
     return found
 
 
+def _role(column: str, names: Sequence[str]) -> tuple[str, str, str] | None:
+    """Name of the quantity, role and unit of a column; ``None`` of one that has no role.
+
+    What follows the role is a unit: a known one, or any other where observed and predicted end alike.
+    """
+    bare, unit = split_unit(column)
+    for role in (OBSERVED, PREDICTED, NOISE):
+        if bare.endswith(f"_{role}"):
+            return bare.removesuffix(f"_{role}"), role, unit
+        name, _, ending = column.rpartition(f"_{role}_")
+        if name and all(f"{name}_{each}_{ending}" in names for each in (OBSERVED, PREDICTED)):
+            return name, role, ending.replace("_", " ")
+    return None
+
+
 def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
     found: dict[str, dict[str, tuple[str, str]]] = {}
     for column in names:
-        bare, unit = split_unit(column)
-        for role in (OBSERVED, PREDICTED, NOISE):
-            if bare.endswith(f"_{role}"):
-                roles = found.setdefault(bare.removesuffix(f"_{role}"), {})
-                if role in roles:
-                    raise UsageError(
-                        f"{roles[role][0]} and {column} mean the same",
-                        f"one column that is {role}",
-                        "Drop or rename one.",
-                    )
-                roles[role] = (column, unit)
+        meant = _role(column, names)
+        if meant is None:
+            continue
+        name, role, unit = meant
+        roles = found.setdefault(name, {})
+        if role in roles:
+            raise UsageError(
+                f"{roles[role][0]} and {column} mean the same",
+                f"one column that is {role}; what follows that word is the unit",
+                "Drop or rename one.",
+            )
+        roles[role] = (column, unit)
     quantities = []
     for name, roles in found.items():
         for role, other in ((OBSERVED, PREDICTED), (PREDICTED, OBSERVED)):

@@ -19,11 +19,18 @@ def corrected_words(form: OpenForm, components: Sequence[str], units: Sequence[s
     for name, unit in zip(components, units, strict=True):
         scaled = [(term.coefficient, term.term) for term in form.terms if term.carrier == f"{SCALE_OF}{name}"]
         added = [(term.coefficient, term.term) for term in form.terms if term.carrier == name]
-        if not scaled and not added:
+        shifts = [one for one in form.terms if one.carrier.startswith(f"{name} over ")]
+        moved = "".join(
+            f" {'+' if one.coefficient > 0 else '-'} {rounded(abs(one.coefficient), DIGITS)}"
+            f"{'' if one.term == '1' else f' × {one.term}'} × slope of predicted {one.carrier}"
+            for one in shifts
+        )
+        if not scaled and not added and not shifts:
             continue
         factor = "".join(_signed(*one) for one in [(beside.get(f"{SCALE_OF}{name}", 0.0), ""), *scaled])
         more = "".join(_signed(*one, unit=unit) for one in [*added, (beside.get(f"{OFFSET_OF}{name}", 0.0), "")])
-        said.append(f"corrected {name} = predicted {name} × (1{factor}){more}")
+        scale = f" × (1{factor})" if factor else ""
+        said.append(f"corrected {name} = predicted {name}{scale}{moved}{more}")
     return said
 
 

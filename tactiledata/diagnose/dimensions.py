@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 Exponents = tuple[float, ...]
 
-NONE: Exponents = (0.0, 0.0, 0.0, 0.0, 0.0)
-"""Of length, mass, time, temperature, current."""
+NONE: Exponents = (0.0,) * 7
+"""Of length, mass, time, temperature, current, pixels, counts of a converter."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Unit:
     ----------
     factor : float
         To SI.
-    exponents : of length, mass, time, temperature, current
+    exponents : of length, mass, time, temperature, current, pixels, counts of a converter
     """
 
     factor: float
@@ -41,24 +41,52 @@ class Unit:
         return not any(self.exponents)
 
 
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9, "p": 1e-12}
+BASE: dict[tuple[int, ...], dict[str, float]] = {
+    (1, 0, 0, 0, 0, 0, 0): {"m": 1.0},
+    (0, 1, 0, 0, 0, 0, 0): {"g": 1e-3},
+    (0, 0, 1, 0, 0, 0, 0): {"s": 1.0},
+    (0, 0, 0, 1, 0, 0, 0): {"K": 1.0},
+    (0, 0, 0, 0, 1, 0, 0): {"A": 1.0},
+    (1, 1, -2, 0, 0, 0, 0): {"N": 1.0},
+    (-1, 1, -2, 0, 0, 0, 0): {"Pa": 1.0, "bar": 1e5},
+    (2, 1, -2, 0, 0, 0, 0): {"J": 1.0, "Nm": 1.0},
+    (2, 1, -3, 0, 0, 0, 0): {"W": 1.0},
+    (2, 1, -3, 0, -1, 0, 0): {"V": 1.0},
+    (2, 1, -3, 0, -2, 0, 0): {"ohm": 1.0, "Ohm": 1.0},
+    (0, 1, -2, 0, -1, 0, 0): {"T": 1.0},
+    (0, 0, -1, 0, 0, 0, 0): {"Hz": 1.0},
+    (0, 0, 0, 0, 0, 0, 0): {"rad": 1.0},
+}
+"""Units that take a prefix."""
+PLAIN: dict[tuple[int, ...], dict[str, float]] = {
+    (1, 0, 0, 0, 0, 0, 0): {"cm": 1e-2, "in": 0.0254},
+    (0, 0, 1, 0, 0, 0, 0): {"min": 60.0, "h": 3600.0},
+    (0, 0, 0, 1, 0, 0, 0): {"degC": 1.0, "°C": 1.0, "C": 1.0},
+    (-1, 1, -2, 0, 0, 0, 0): {"hPa": 1e2, "psi": 6894.757},
+    (2, 1, -2, 0, 0, 0, 0): {"Nmm": 1e-3},
+    (-2, -1, 4, 0, 2, 0, 0): {"pF": 1e-12, "nF": 1e-9, "uF": 1e-6, "µF": 1e-6},
+    (0, 0, -1, 0, 0, 0, 0): {"rpm": math.pi / 30},
+    (0, 0, 0, 0, 0, 1, 0): {"px": 1.0, "pixels": 1.0},
+    (0, 0, 0, 0, 0, 0, 1): {"counts": 1.0},
+    (0, 0, 0, 0, 0, 0, 0): {"1": 1.0, "deg": math.pi / 180, "percent": 1e-2, "pct": 1e-2, "%": 1e-2, "ppm": 1e-6},
+}
+"""Units that take none."""
+
+
 def _table() -> dict[str, Unit]:
-    length, mass, time = (1, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 0, 1, 0, 0)
-    force, pressure, energy = (1, 1, -2, 0, 0), (-1, 1, -2, 0, 0), (2, 1, -2, 0, 0)
-    known: dict[Exponents, dict[str, float]] = {
-        length: {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "in": 0.0254},
-        mass: {"kg": 1.0, "g": 1e-3},
-        time: {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
-        (0, 0, 0, 1, 0): {"K": 1.0, "degC": 1.0, "°C": 1.0, "C": 1.0},
-        (0, 0, 0, 0, 1): {"A": 1.0, "mA": 1e-3},
-        force: {"N": 1.0, "mN": 1e-3, "kN": 1e3},
-        pressure: {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
-        energy: {"J": 1.0, "mJ": 1e-3, "Nm": 1.0, "Nmm": 1e-3, "mNm": 1e-3},
-        (2, 1, -3, 0, 0): {"W": 1.0},
-        (2, 1, -3, 0, -1): {"V": 1.0, "mV": 1e-3},
-        (0, 0, -1, 0, 0): {"Hz": 1.0, "rpm": math.pi / 30},
-        NONE: {"1": 1.0, "rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180, "percent": 1e-2, "%": 1e-2, "ppm": 1e-6},
+    known = {
+        f"{prefix}{name}": Unit(size * factor, tuple(map(float, exponents)))
+        for exponents, names in BASE.items()
+        for name, factor in names.items()
+        for prefix, size in {"": 1.0, **PREFIXES}.items()
     }
-    return {name: Unit(factor, exponents) for exponents, names in known.items() for name, factor in names.items()}
+    plain = {
+        name: Unit(factor, tuple(map(float, exponents)))
+        for exponents, names in PLAIN.items()
+        for name, factor in names.items()
+    }
+    return known | plain
 
 
 UNITS = _table()

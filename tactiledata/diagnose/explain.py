@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.black_box import BlackBox, black_box
+from tactiledata.diagnose.candidates import carriers
 from tactiledata.diagnose.corrected_prediction import corrected_words
 from tactiledata.diagnose.empirical import Empirical, empirical
-from tactiledata.diagnose.gap import Gap, gap_closed, scatter
+from tactiledata.diagnose.gap import Gap, gap_closed, is_improved, scatter
 from tactiledata.diagnose.gap_words import gap_words, growth_words
 from tactiledata.diagnose.held_out import HeldOut, held_out
 from tactiledata.diagnose.learning_library import need_learning_library
@@ -20,13 +21,21 @@ from tactiledata.diagnose.locate import Located, LocateOptions, locate
 from tactiledata.diagnose.open_form import OpenForm, find_candidates, open_form
 from tactiledata.diagnose.projection import project
 from tactiledata.diagnose.residuals import Residuals
+from tactiledata.diagnose.shifted import shift_carriers
 from tactiledata.diagnose.wording import percent
 
 Array = NDArray[np.float64]
 Tell = Callable[..., None]
-Answer = Literal["nothing found", "explained", "partly explained", "not explained"]
+Answer = Literal[
+    "nothing found", "calibration", "structured, not named", "explained", "partly explained", "not explained"
+]
 
 STEPS = ("locating", "looking for a formula", "what it does for held-out groups", "the ceiling", "what is left")
+COMMON = "a common offset"
+"""The locator that finds calibrations."""
+UNNAMED = (
+    "Structured, not named: a black box foresees a part of groups that it has not seen, and nothing else names it."
+)
 WORTH = 0.02
 """Share of the squares of held-out groups from which on a formula is worth a sentence."""
 
@@ -61,31 +70,52 @@ class Explanation:
     surface: Empirical | None
 
     @property
+    def is_found(self) -> bool:
+        """Whether there is anything beside noise: what a locator is sure of, or what a black box foresees."""
+        return self.located.is_structured or self.ceiling.is_certain
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the formula makes groups better that had no part in it, surely and by enough to be said."""
+        if self.held is None or self.gap is None:
+            return False
+        is_enough = not np.isfinite(self.gap.closed) or self.gap.closed >= WORTH
+        return is_enough and is_improved(self.held.squares_before, self.held.squares_after)
+
+    @property
     def answer(self) -> Answer:
-        """In two words."""
-        if not self.located.is_structured:
-            return "nothing found"
-        if self.left_over is None:
+        """In a few words."""
+        certain = [name for name in self.located.p if self.located.is_certain(name)]
+        if certain in ([], [COMMON]) and not self.is_held:
+            if self.ceiling.is_certain:
+                return "structured, not named"
+            return "calibration" if certain else "nothing found"
+        if self.left_over is None or not self.is_held:
             return "not explained"
         return "partly explained" if self.left_over.is_structured else "explained"
 
     def sentences(self) -> list[str]:
         """For people, the answer first."""
         if self.form is None:
-            return [*self.located.sentences(), _ceiling(self.ceiling)]
+            return [*([UNNAMED] if self.ceiling.is_certain else self.located.sentences()), _ceiling(self.ceiling)]
         said = list(self.located.sentences())
+        unheld = " The best one does not hold on groups that had no part in it." if self.form.terms else ""
         first = {
+            "calibration": "A calibration is off, and nothing else is found: a common offset (zero) or scale.",
+            "structured, not named": UNNAMED,
             "explained": f"Something is missing, and a formula explains it: {self.form.words}.",
             "partly explained": f"Something is missing; a formula explains a part of it: {self.form.words}.",
-            "not explained": "Something is missing, and no short formula explains it.",
+            "not explained": f"Something is missing, and no short formula explains it.{unheld}",
         }[self.answer]
         residuals = self.located.projection.residuals
-        corrected = corrected_words(self.form, residuals.components, residuals.units)
-        said[:0] = [first, *(f"All refitted together: {one}." for one in corrected)]
+        shown = self.form.terms and self.is_held
+        corrected = corrected_words(self.form, residuals.components, residuals.units) if shown else []
+        meant = [f"Here {one}." for one in self.form.definitions] if corrected else []
+        said[:0] = [first, *(f"All refitted together: {one}." for one in corrected), *meant]
         if self.gap is not None and self.form.terms:
             said.append(_gap(self.gap, self.floor_is))
         said.append(_ceiling(self.ceiling))
-        if self.left_over is not None:
+        if self.left_over is not None and self.is_held:
             left = "structure is left" if self.left_over.is_structured else "no structure is left"
             said.append(f"After the formula {left}.")
         return [*said, *([self.surface.words] if self.surface is not None else [])]
@@ -128,10 +158,11 @@ def explain(
     floor_is = "the noise" if options.noise is not None else "the scatter from row to row"
     if located.is_structured:
         begin(1)
-        form = open_form(residuals, signatures, scales, time, options.seed)
+        carried = [*carriers(residuals), *shift_carriers(residuals)]
+        form = open_form(residuals, signatures, scales, time, options.seed, carried)
         if form.terms:
             begin(2)
-            held = held_out(residuals, find_candidates(residuals, scales, time), options.seed)
+            held = held_out(residuals, find_candidates(residuals, scales, time, carried), options.seed)
             floor = 1.0 if options.noise is not None else scatter(held.after, residuals.starts)
             if not np.isfinite(floor):
                 floor, floor_is = 0.0, "zero, as groups of one or two rows tell no noise"
@@ -162,7 +193,7 @@ def _surface(located: Located, seed: int) -> Empirical | None:
 def _gap(gap: Gap, floor_is: str) -> str:
     if not np.isfinite(gap.closed):
         return f"On groups that had no part in it the error is already at its floor, {floor_is}."
-    if gap.closed < 0:
+    if gap.closed < 0 and percent(-gap.closed) != percent(0.0):
         return (
             f"On groups that had no part in it the formula does not hold: the gap between the error and {floor_is}"
             f" grows by {growth_words(gap)}."

@@ -67,6 +67,7 @@ def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list
     said = [
         ("", form.words),
         *(("", line) for line in corrected_words(form, residuals.components, residuals.units)),
+        *(("", f"Here {line}.") for line in form.definitions),
         ("info", text),
     ]
     sections = [Section("As a formula", said, columns, rows)]

@@ -67,6 +67,7 @@ class OpenForm:
     behaves_like : known signatures that the sum resembles, the nearest first
     beside : by how much the shared parameters move when they are refitted together with the terms
     words : str
+    definitions : how everything in the terms is computed, in words
     """
 
     terms: tuple[Term, ...]
@@ -77,6 +78,7 @@ class OpenForm:
     behaves_like: tuple[Likeness, ...]
     beside: tuple[Change, ...]
     words: str
+    definitions: tuple[str, ...] = ()
 
 
 def open_form(
@@ -144,7 +146,8 @@ def _summed(
     resembled = likenesses(project(residuals), fitted, signatures)
     like = next((f"; it behaves like {one.name} (cosine {one.cosine:.2f})" for one in resembled if one.is_near), "")
     words = f"{'; '.join(term.words for term in terms)}{like}"
-    return OpenForm(tuple(terms), fields, fitted, len(candidates), bound, resembled, beside, words)
+    meant = candidates.definitions_of([one.number for one in accepted])
+    return OpenForm(tuple(terms), fields, fitted, len(candidates), bound, resembled, beside, words, meant)
 
 
 def _or(alike: tuple[str, ...]) -> str:

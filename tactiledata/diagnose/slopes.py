@@ -43,14 +43,22 @@ class Change:
 
     @property
     def words(self) -> str:
-        """``"E falls by 11 ± 2 %"``."""
+        """``"E falls by 11 ± 2 %"``; no number where it is not known to the parameter's own size."""
+        if self._is_untold:
+            return f"{self.parameter.name} changes by more than its own size, which these data cannot tell"
         return signed_change(self.parameter.name, *self._told)
 
     @property
     def standing(self) -> str:
         """Of a change that holds everywhere, ``"E is 11 ± 2 % too high"``."""
+        if self._is_untold:
+            return f"{self.parameter.name} cannot be told from these data"
         value, half_width, unit = self._told
         return f"{self.parameter.name} is {with_interval(abs(value), half_width, unit)} {TOO[value > 0]}"
+
+    @property
+    def _is_untold(self) -> bool:
+        return self.is_relative and abs(self.parameter.value) < self.half_width < np.inf
 
     @property
     def _told(self) -> tuple[float, float, str]:

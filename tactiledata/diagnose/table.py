@@ -14,6 +14,7 @@ from tactiledata.diagnose.columns import Columns, columns_of, is_text
 from tactiledata.diagnose.free_air import in_contact
 from tactiledata.diagnose.ladder import MOST_LEVELS
 from tactiledata.diagnose.residuals import FEWEST_UNITS, Covariate, Parameter, Residuals
+from tactiledata.diagnose.wording import quantity
 from tactiledata.errors import TactileDataError
 
 Array = NDArray[np.float64]
@@ -26,6 +27,8 @@ MOST_ROWS = 20_000
 """More rows of the same groups cost time and tell little."""
 LARGEST, SMALLEST = 1e30, 1e-30
 """Of numbers, and of a noise; what lies beyond is a slip, and squares of it cannot be computed with."""
+SMALLEST_SPREAD = 0.2
+"""Of a prediction, times the scatter about it; a share of less is moved by chance as an offset is."""
 MOST_MISSING = 0.2
 """Share of rows without it from which on a covariate is left out rather than the rows."""
 
@@ -77,7 +80,7 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     scatter = _own_scatter(observed, predicted, columns)
     if not is_known:
         noise = np.broadcast_to(scatter, observed.shape)
-    parameters, slopes = _offset_and_scale(columns, predicted, noise)
+    parameters, slopes = _offset_and_scale(columns, observed, predicted, scatter, noise, notes)
     residuals = Residuals(
         (observed - predicted) / noise,
         tuple(one.name for one in columns.quantities),
@@ -248,14 +251,30 @@ def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
     return scatter
 
 
-def _offset_and_scale(columns: Columns, predicted: Array, noise: Array) -> tuple[tuple[Parameter, ...], Array]:
+def _offset_and_scale(
+    columns: Columns, observed: Array, predicted: Array, scatter: Array, noise: Array, notes: list[str]
+) -> tuple[tuple[Parameter, ...], Array]:
     parameters, slopes = [], []
     for place, one in enumerate(columns.quantities):
+        has_scale = _tells_scale(observed[:, place], predicted[:, place], float(scatter[place]))
+        if not has_scale:
+            notes.append(
+                f"scale and offset of {one.name} cannot be told apart from these data: its prediction varies by "
+                f"{quantity(float(np.std(predicted[:, place])), one.unit)}, and observations scatter by "
+                f"{quantity(float(scatter[place]), one.unit)} about it; only the offset is asked"
+            )
         for name, field, value in (("offset", np.ones(len(predicted)), np.nan), ("scale", predicted[:, place], 1.0)):
-            if name == "scale" and np.ptp(field) == 0:
+            if name == "scale" and not has_scale:
                 continue
             slope = np.zeros_like(predicted)
             slope[:, place] = field / noise[:, place]
             slopes.append(slope)
             parameters.append(Parameter(f"the {name} of {one.name}", one.unit if name == "offset" else "1", value))
     return tuple(parameters), np.stack(slopes, axis=2)
+
+
+def _tells_scale(observed: Array, predicted: Array, scatter: float) -> bool:
+    """Whether a prediction tells its scale from an offset: it varies enough, or explains most of the observation."""
+    spread = float(np.std(predicted))
+    is_followed = scatter**2 < 0.5 * float(np.var(observed))
+    return spread > 0 and (is_followed or spread > SMALLEST_SPREAD * scatter)

@@ -75,6 +75,7 @@ def form_document(explanation: Explanation) -> dict[str, Any] | None:
         return None
     return {
         "words": form.words,
+        "definitions": list(form.definitions),
         "candidates": form.candidates,
         "false_terms_bound": form.false_terms,
         "terms": [{**vars(term), "alike": list(term.alike)} for term in form.terms],

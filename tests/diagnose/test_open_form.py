@@ -27,6 +27,12 @@ from tactiledata.diagnose.stability import false_terms_bound, halves, pursue
         ("N m", 1.0, (2, 1, -2, 0, 0)),
         ("mm^2", 1e-6, (2, 0, 0, 0, 0)),
         ("1/s", 1.0, (0, 0, -1, 0, 0)),
+        ("nN", 1e-9, (1, 1, -2, 0, 0)),
+        ("mbar", 100.0, (-1, 1, -2, 0, 0)),
+        ("pF", 1e-12, (-2, -1, 4, 0, 2)),
+        ("pct", 0.01, NONE),
+        ("px/s", 1.0, (0, 0, -1, 0, 0, 1, 0)),
+        ("counts", 1.0, (0, 0, 0, 0, 0, 0, 1)),
         ("kPa s", 1e3, (-1, 1, -1, 0, 0)),
         ("deg", np.pi / 180, NONE),
     ],
@@ -35,7 +41,7 @@ def test_units_are_read(text, factor, exponents):
     """Factor to SI and exponents."""
     unit = find_unit(text)
     assert unit.factor == pytest.approx(factor)
-    assert unit.exponents == tuple(map(float, exponents))
+    assert unit.exponents == tuple(map(float, exponents)) + (0.0, 0.0) * (len(exponents) == 5)
 
 
 @pytest.mark.parametrize("text", ["", "furlong", "mm/", "N//m", "1e3"])

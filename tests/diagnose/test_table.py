@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tables import presses
 
 from tactiledata.contract.schema import check_document
+from tactiledata.diagnose.atoms import atoms
 from tactiledata.diagnose.columns import columns_of, split_unit
 from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
 from tactiledata.diagnose.read_table import read_table
@@ -37,6 +38,21 @@ def saved(folder, table, name="table.csv"):
         ("speed_mm_s", "speed", "mm/s"),
         ("torque_N_m", "torque", "N m"),
         ("stiffness_N_per_mm", "stiffness", "N/mm"),
+        ("strain_rate_per_s", "strain_rate", "1/s"),
+        ("c1_per_mm", "c1", "1/mm"),
+        ("jerk_per_s2", "jerk", "1/s2"),
+        ("speed_rad_per_s", "speed", "rad/s"),
+        ("speed_m_per_s", "speed", "m/s"),
+        ("pressure_N_per_mm2", "pressure", "N/mm2"),
+        ("spring_N_m_per_rad", "spring", "N m/rad"),
+        ("damping_N_s_per_m", "damping", "N s/m"),
+        ("heat_J_per_kg_K", "heat", "J/kg/K"),
+        ("ramp_N_per_mm_per_s", "ramp", "N/mm/s"),
+        ("stiffness_N_m-1", "stiffness", "N m-1"),
+        ("gel_deg_C", "gel", "degC"),
+        ("signal_counts", "signal", "counts"),
+        ("depth_mm_1", "depth_mm_1", "?"),
+        ("force_per", "force_per", "?"),
         ("index", "index", "?"),
         ("sensor_1", "sensor_1", "?"),
         ("step_time", "step_time", "?"),
@@ -46,6 +62,36 @@ def saved(folder, table, name="table.csv"):
 def test_units_are_read_off_names(column, name, unit):
     """An ending that is a unit is one; any other belongs to the name."""
     assert split_unit(column) == (name, unit)
+
+
+@pytest.mark.parametrize("unit", ["nN", "uN", "px", "bar", "counts", "pct", "degC", "V", "mV_per_N", "furlong", "a_u"])
+def test_observed_and_predicted_may_be_in_any_unit(unit):
+    """A unit that is not known is a word of its own, read where both end in it."""
+    table = presses().rename(columns=lambda name: name.replace("_N", f"_{unit}") if name.startswith("fz") else name)
+    (quantity,) = columns_of(table).quantities
+    said = {"mV_per_N": "mV/N", "a_u": "a u"}.get(unit, unit)
+    assert (quantity.name, quantity.unit, quantity.noise) == ("fz", said, f"fz_noise_{unit}")
+    assert residuals_of(table).residuals.units == (said,)
+
+
+def test_an_ending_that_only_one_has_is_no_unit():
+    """A covariate whose name goes on after "observed" stays one; two pairs of one name are refused."""
+    table = presses().assign(fz_observed_left=lambda t: t.depth_mm)
+    assert columns_of(table).covariates["fz_observed_left"] == ("fz_observed_left", "?")
+    twice = table.assign(fz_predicted_left=1.0)
+    with pytest.raises(UsageError, match="mean the same"):
+        columns_of(twice)
+
+
+def test_a_rate_makes_no_number_with_a_time():
+    """Neither time over rate nor a rate over seconds; what shares its dimension is its ratio."""
+    rng = np.random.default_rng(0)
+    table = presses().assign(strain_rate_per_s=lambda t: rng.uniform(0.01, 0.05, len(t)),
+                             f0_Hz=lambda t: rng.uniform(1, 2, len(t)))  # fmt: skip
+    names = [atom.name for atom in atoms(residuals_of(table).residuals, time="time")]
+    assert not [name for name in names if "time/strain_rate" in name or "strain_rate/time" in name]
+    assert "strain_rate/(0.050 1/s)" in names or "strain_rate/(0.040 1/s)" in names or "strain_rate/(0.050/s)" in names
+    assert "strain_rate/f0" in names
 
 
 def test_names_say_what_columns_are():
