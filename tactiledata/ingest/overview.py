@@ -10,7 +10,7 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.take import FrameFlag, findings_of
+from tactiledata.contract.take import UNUSABLE, findings_of
 from tactiledata.contract.wording import counted
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
@@ -73,7 +73,7 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     trajectory = store.trajectories().slice(row, 1).to_pylist()[0]
     start, stop = trajectory["frame_start"], trajectory["frame_stop"]
     frames = store.frames(["t_ns", "contact_force", "flags", "sensor"]).slice(start, stop - start)
-    usable = (frames["flags"].to_numpy() & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+    usable = (frames["flags"].to_numpy() & UNUSABLE) == 0
     if not usable.any():
         return None
     force = np.where(usable, np.nan_to_num(frames["contact_force"].to_numpy(), nan=0.0), -1.0)
