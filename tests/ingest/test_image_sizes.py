@@ -13,7 +13,15 @@ from tactiledata.errors import BrokenLog
 from tactiledata.formats.picture_kinds import remarks_on
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.loaders.numpy import TactileArrays
+from tactiledata.store.payload_checks import _size_fault
 from tactiledata.store.reader import Store
+
+
+def test_check_reports_what_a_store_never_decodes():
+    """Rows whose table says more pixels than the limit are a fault; one at the limit is none."""
+    assert "16.8 million" in _size_fault(b"x", 4096, 4097)
+    assert not _size_fault(b"x", 4096, 4096)
+    assert not _size_fault(None, 30_000, 30_000)
 
 
 def bomb(side=30_000):
@@ -30,7 +38,7 @@ def test_too_large_picture_is_never_decoded(tmp_path, monkeypatch):
     """A picture beyond the limit is refused by its header; ingest names it and keeps its moment."""
     (tmp_path / "a.png").write_bytes(bomb())
     monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("decoded"))
-    with pytest.raises(BrokenLog, match="900.0 million pixels"):
+    with pytest.raises(BrokenLog, match=r"900\.0 million pixels"):
         decode_rgb(bomb())
     report = ingest([tmp_path], tmp_path / "ds.zarr")
     assert [f.severity for f in report.sources[0].findings if f.code == "image-too-large"] == ["damage"]
