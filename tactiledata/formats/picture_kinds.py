@@ -16,29 +16,16 @@ from tactiledata.contract.records import Severity
 USED_BITS = 12
 """Of 16. Values that stay below 2 ** 12 leave the upper 8 bits below 16 of 255: a picture that is as good as black."""
 
-SEVERITIES: dict[str, Severity] = {
-    "image-too-large": "damage",
-    "image-encoding": "damage",
-    "image-depth": "warning",
-    "greyscale-image": "warning",
-    "image-alpha": "warning",
-}
-"""Findings by code. The moment of a picture with a finding of damage is kept without the picture."""
-
 ALPHA_LEFT_OUT = "has an alpha channel: it is left out, and colours are read as they are stored"
 
 
 @dataclass(frozen=True)
 class Remark:
-    """What is said of one picture: a code of `SEVERITIES` and the sentence's end, after the picture's name."""
+    """What is said of one picture: a finding's code and severity, and the sentence's end after the picture's name."""
 
     code: str
+    severity: Severity
     words: str
-
-    @property
-    def severity(self) -> Severity:
-        """The severity of the finding."""
-        return SEVERITIES[self.code]
 
     @property
     def is_lost(self) -> bool:
@@ -53,18 +40,20 @@ def remarks_on(header: ImageHeader, payload: bytes) -> list[Remark]:
     16-bit grey (a depth map as a rule), 16-bit colours of which only the lower bits are used.
     """
     if fault := size_fault(header.height, header.width):
-        return [Remark("image-too-large", f"is not taken: its {fault}; crop it to the gel or scale it down")]
+        return [Remark("image-too-large", "damage", f"is not taken: its {fault}; crop it to the gel or scale it down")]
     if refusal := _refusal(header, payload):
-        return [Remark("image-encoding", f"{refusal}; save it as 8-bit RGB")]
+        return [Remark("image-encoding", "damage", f"{refusal}; save it as 8-bit RGB")]
     remarks = []
     if header.bits > 8:
-        remarks.append(Remark("image-depth", f"has {header.bits} bits a channel: the upper 8 are read"))
+        remarks.append(Remark("image-depth", "warning", f"has {header.bits} bits a channel: the upper 8 are read"))
     elif header.bits < 8:
-        remarks.append(Remark("image-depth", f"has {header.bits} bits a channel: values are spread over 0 to 255"))
+        remarks.append(
+            Remark("image-depth", "warning", f"has {header.bits} bits a channel: values are spread over 0 to 255")
+        )
     if header.channels < 3:
-        remarks.append(Remark("greyscale-image", "is grey: its values are read as three equal channels"))
+        remarks.append(Remark("greyscale-image", "warning", "is grey: its values are read as three equal channels"))
     if header.has_alpha:
-        remarks.append(Remark("image-alpha", ALPHA_LEFT_OUT))
+        remarks.append(Remark("image-alpha", "warning", ALPHA_LEFT_OUT))
     return remarks
 
 

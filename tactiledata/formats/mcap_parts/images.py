@@ -19,7 +19,7 @@ from tactiledata.formats.mcap_parts.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, 
 from tactiledata.formats.mcap_parts.collect import FaultCount
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, frame_of, stamp_of, value_at
 from tactiledata.formats.mcap_parts.roles import COMPRESSED_KINDS, ImageRole
-from tactiledata.formats.picture_kinds import ALPHA_LEFT_OUT, SEVERITIES, remarks_on
+from tactiledata.formats.picture_kinds import ALPHA_LEFT_OUT, Remark, remarks_on
 
 RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}
 """Bytes a pixel and channel order of the raw encodings that are colour pictures; 8UC3 is OpenCV's, blue first."""
@@ -84,7 +84,7 @@ class CameraBuffer:
     faults: FaultCount = field(default_factory=FaultCount)
     broken: FaultCount = field(default_factory=FaultCount)
     truncated: FaultCount = field(default_factory=FaultCount)
-    remarks: dict[str, FaultCount] = field(default_factory=dict)
+    remarks: dict[str, tuple[Remark, FaultCount]] = field(default_factory=dict)
     claims: dict[str, set[str]] = field(default_factory=dict)
     serials: dict[str, str] = field(default_factory=dict)
     serials_used: Counter[str] = field(default_factory=Counter)
@@ -121,9 +121,9 @@ class CameraBuffer:
             )
         )
 
-    def remark(self, log_ns: int, code: str, words: str) -> None:
-        """Count one more image with a code of `SEVERITIES`."""
-        self.remarks.setdefault(code, FaultCount()).add(log_ns, words)
+    def remark(self, log_ns: int, remark: Remark) -> None:
+        """Count one more image of which this is said."""
+        self.remarks.setdefault(remark.code, (remark, FaultCount()))[1].add(log_ns, remark.words)
 
     def findings(self) -> list[Finding]:
         """What was wrong with the images, and with who took them."""
@@ -135,9 +135,9 @@ class CameraBuffer:
         found += self.truncated.finding(
             "image-truncated", f"{{count}} images of {topic} end before their end mark", camera
         )
-        for code, severity in SEVERITIES.items():
+        for remark, counted in self.remarks.values():
             text = f"{{count}} images of {topic}: the first {{reason}}"
-            found += self.remarks.get(code, FaultCount()).finding(code, text, camera, severity)
+            found += counted.finding(remark.code, text, camera, remark.severity)
         if len(self.claims) > 1:
             said = "; ".join(
                 f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items())
@@ -230,7 +230,7 @@ def _encoded(payload: bytes, style: str, camera: CameraBuffer, log_ns: int) -> t
         return None
     remarks = remarks_on(header, payload)
     for remark in remarks:
-        camera.remark(log_ns, remark.code, remark.words)
+        camera.remark(log_ns, remark)
     if any(remark.is_lost for remark in remarks):
         return None
     if not header.is_complete:
@@ -244,7 +244,7 @@ def _raw(
     """Raw pixels as RGB, row-major, without padding."""
     if style not in RAW_CHANNELS:
         words = f"has the encoding {style!r}, no colour picture ({', '.join(RAW_CHANNELS)} are read)"
-        camera.remark(log_ns, "image-encoding", words)
+        camera.remark(log_ns, Remark("image-encoding", "damage", words))
         return None
     channels, order = RAW_CHANNELS[style]
     order = camera.role.channel_order or order
@@ -259,10 +259,10 @@ def _raw(
         )
         return None
     if fault := size_fault(height, width):
-        camera.remark(log_ns, "image-too-large", f"is not taken: its {fault}")
+        camera.remark(log_ns, Remark("image-too-large", "damage", f"is not taken: its {fault}"))
         return None
     if channels == 4:
-        camera.remark(log_ns, "image-alpha", ALPHA_LEFT_OUT)
+        camera.remark(log_ns, Remark("image-alpha", "warning", ALPHA_LEFT_OUT))
     if order == "rgb" and channels == 3 and step == width * 3:
         return payload, "raw", height, width
     rows = np.frombuffer(payload, np.uint8).reshape(height, step)[:, : width * channels]
