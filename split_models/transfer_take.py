@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from split_models.transfer_methods import TransferMethod
 from tactiledata.contract.provenance import digest_of, provenance
 from tactiledata.contract.records import FrameValues, Image, Source
-from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag, Reference, Take, findings_table
+from tactiledata.contract.take import FRAME_SCHEMA, UNUSABLE, Reference, Take, findings_table
 from tactiledata.errors import UsageError
 from tactiledata.ingest.trajectories import trajectory_uid
 from tactiledata.store.pieces import Piece, take_of
@@ -66,7 +66,7 @@ class Transfer:
         could name no parent.
         """
         table = piece.origin.frames.slice(piece.first_frame, piece.facts["frames"])
-        whole = (np.asarray(table["flags"]) & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+        whole = (np.asarray(table["flags"]) & UNUSABLE) == 0
         chosen = np.asarray(pc.is_in(table["sensor"].cast(pa.string()), pa.array(list(self.backgrounds), pa.string())))
         inside = np.asarray(table["trajectory"]) >= 0
         return piece.first_frame + np.flatnonzero(whole & chosen & inside)

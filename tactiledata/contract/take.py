@@ -159,6 +159,11 @@ class FrameFlag:
     BROKEN = 2  # the bytes do not decode; kept as they came
     GAP = 4  # an aligned value lies in a gap longer than allowed
     OUTSIDE = 8  # outside any trajectory
+    STRAY_SIZE = 16  # another size than nearly all images of its sensor in the recording; kept as it came
+
+
+UNUSABLE = FrameFlag.MISSING | FrameFlag.BROKEN | FrameFlag.STRAY_SIZE
+"""Bits of frames that nothing learns from or compares with: no image, one that does not decode, one of another size."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ Shared by all formats, as `base` is: members of the family may import it.
 from __future__ import annotations
 
 import stat
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,12 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
+from tactiledata.contract.image_bytes import decode_rgb
+from tactiledata.contract.image_sizes import Size, share_words, stray_sizes
 from tactiledata.contract.records import Finding
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.image_bytes import decode_rgb
 
 MAX_IMAGE_BYTES = 2**28
 """Bytes above which a file is no tactile image."""
+
+MOST_SIZES = 3
+"""Sizes that a sentence names."""
 
 
 @dataclass(frozen=True)
@@ -96,23 +100,23 @@ def fetch_backgrounds(description: LogDescription, fetch: Callable[[str, str], t
 
 
 def size_findings(
-    references: Mapping[str, NDArray[np.uint8]], sizes: Mapping[str, Collection[tuple[int, int]]]
+    references: Mapping[str, NDArray[np.uint8]], sizes: Mapping[str, Mapping[Size, int]]
 ) -> tuple[Finding, ...]:
-    """What is said about backgrounds whose size is not that of their sensor's images.
+    """What is said about backgrounds whose size is not that of their sensor's images; strays of size are no matter.
 
     Parameters
     ----------
     references : dict, sensor -> (H, W, 3)
-    sizes : dict, sensor -> (height, width) of its images, pixels
+    sizes : dict, sensor -> (height, width) in pixels -> number of its images
     """
     findings = []
     for sensor, picture in references.items():
         size = picture.shape[:2]
-        others = sorted(set(sizes.get(sensor, ())) - {size})
+        counts = sizes.get(sensor, {})
+        others = sorted(set(counts) - stray_sizes(counts) - {size})
         if others:
-            words = ", ".join(f"{height} x {width}" for height, width in others[:3])
-            message = (
-                f"the background of sensor {sensor} is {size[0]} x {size[1]} (rows x columns), its images are {words}"
-            )
+            total = sum(counts.values())
+            words = ", ".join(share_words(counts[other], total, other) for other in others[:MOST_SIZES])
+            message = f"the background of sensor {sensor} is {size[0]} x {size[1]} (rows x columns); {words}"
             findings.append(Finding("background-size", "damage", message))
     return tuple(findings)

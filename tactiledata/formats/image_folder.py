@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
+from tactiledata.contract.image_bytes import IMAGE_SUFFIXES, ImageHeader, decode_rgb, read_header
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding, Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog, UsageError
@@ -19,7 +20,6 @@ from tactiledata.formats.backgrounds import load_backgrounds, read_image_file
 from tactiledata.formats.corpus import CorpusFormat, files_in, raise_empty, stream_name
 from tactiledata.formats.csv_cells import listed
 from tactiledata.formats.described import described_trajectories
-from tactiledata.formats.image_bytes import IMAGE_SUFFIXES, ImageHeader, decode_rgb, read_header
 from tactiledata.formats.intake import Intake
 
 ANY_CAMERA = "tactile"
@@ -102,7 +102,7 @@ class ImageFolderFormat(CorpusFormat):
             taken_by = sensor if touch is None else touch.sensor or sensor
             intake.image(
                 camera or _model(description, taken_by),
-                lambda path=path: _tactile(intake, path),  # type: ignore[misc]
+                lambda path=path: read_image_file(path),  # type: ignore[misc]
                 index,
                 sensor=taken_by,
                 trajectory="" if touch is None else touch.name,
@@ -145,20 +145,6 @@ def _header(path: Path) -> ImageHeader | None:
         return read_header(read_image_file(path))
     except (OSError, BrokenLog):
         return None
-
-
-def _tactile(intake: Intake, path: Path) -> bytes:
-    """The bytes of an image, with a word where it does not look like a colour picture."""
-    payload = read_image_file(path)
-    try:
-        header = read_header(payload)
-    except BrokenLog:
-        return payload  # the intake says what is wrong
-    if header.channels < 3:
-        intake.note("greyscale-image", "warning", f"{path.name} is grey: tactile images are colour pictures")
-    if header.bits != 8:
-        intake.note("image-depth", "warning", f"{path.name} has {header.bits} bits a channel; readers take 8")
-    return payload
 
 
 def _note_folder(intake: Intake, found: _Folder) -> None:

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import read_header, size_fault
 from tactiledata.contract.records import Finding, FrameValues, Image, ImageSink, Severity
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.image_bytes import read_header
+from tactiledata.formats.picture_kinds import remarks_on
 
 MEMORY_LIMIT = 64 * 2**20
 """Bytes of values of one kind beyond which they wait in a temporary file instead of in memory."""
@@ -168,6 +169,11 @@ class Intake:
         except BrokenLog as error:
             self.note("image-unreadable", "damage", f"{name}: {error.found}", camera, trajectory)
             return missing
+        remarks = remarks_on(header, content)
+        for remark in remarks:
+            self.note(remark.code, remark.severity, f"{name} {remark.words}", camera)
+        if any(remark.is_lost for remark in remarks):
+            return missing
         if not header.is_complete:
             self.note("image-truncated", "damage", f"{name} ends before its end mark", camera, trajectory)
         return replace(missing, payload=content, encoding=header.encoding, height=header.height, width=header.width)
@@ -178,6 +184,9 @@ class Intake:
             self.note("image-unreadable", "damage", found, missing.camera, missing.trajectory)
             return missing
         height, width = pixels.shape[:2]
+        if fault := size_fault(height, width):
+            self.note("image-too-large", "damage", f"{missing.name} is not taken: its {fault}", missing.camera)
+            return missing
         return replace(missing, payload=pixels.tobytes(), encoding="raw", height=height, width=width)
 
     def frame_values(self) -> dict[str, FrameValues]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.corpus import (
@@ -22,7 +23,6 @@ from tactiledata.formats.corpus import (
     stream_name,
     subfolders,
 )
-from tactiledata.formats.image_bytes import decode_rgb
 from tactiledata.formats.intake import Intake, Payload
 from tactiledata.formats.natural_order import natural_key, natural_paths
 from tactiledata.formats.pickled_list import BytesList, index_bytes_list

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog
@@ -26,7 +27,6 @@ from tactiledata.formats.corpus import (
     sensor_for,
     subfolders,
 )
-from tactiledata.formats.image_bytes import decode_rgb
 from tactiledata.formats.intake import Intake
 from tactiledata.formats.modality import DECISION, look_of, votes_tactile
 from tactiledata.formats.natural_order import last_number, natural_key

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.records import Finding, FrameValues, Recording, Trajectory
-from tactiledata.contract.take import StoredSignal, Take, findings_table
+from tactiledata.contract.take import UNUSABLE, StoredSignal, Take, findings_table
 from tactiledata.ingest import frames as frame_tables
 from tactiledata.ingest.align import align
 from tactiledata.ingest.contact import ContactWrench, contact_wrench
 from tactiledata.ingest.identity import name_sensors, sensor_facts
+from tactiledata.ingest.image_sizes import mark_strays
 from tactiledata.ingest.rates import gap_findings
 from tactiledata.ingest.reference import find_references
 from tactiledata.ingest.segment import segment_by_contact, whole_recording
@@ -110,11 +111,16 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
     )
     ordered_sensors = [sensors[row] for row in order]
     frames = frame_tables.frames_table(captured, order, owner[order], ordered_sensors, force, flags)
+    frames, sizes = mark_strays(frames, [trajectory.name for trajectory in trajectories])
+    said.add(*sizes)
     spans = [(trajectory.start_ns, trajectory.end_ns) for trajectory in trajectories]
     for name, signal in timed.signals.items():
         said.add(*gap_findings(name, signal.t_ns, spans))
     said.add(*lost_spans_hit(trajectories, said.items))
-    references = find_references(recording, ordered_sensors, order, force, decode, said.add)
+    is_usable = (frames["flags"].to_numpy() & UNUSABLE) == 0
+    references = find_references(
+        recording, ordered_sensors, order, np.where(is_usable, force, np.float32(np.nan)), decode, said.add
+    )
     take = Take(
         source=recording.source,
         sha256=sha256,

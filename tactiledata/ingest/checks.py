@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
@@ -9,21 +10,26 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
+from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding
-from tactiledata.contract.take import FrameFlag, Take
+from tactiledata.contract.take import UNUSABLE, FrameFlag, Take
 from tactiledata.ingest.apart import apart_findings
+from tactiledata.ingest.image_sizes import size_counts
 from tactiledata.ingest.plausible import description_findings
 from tactiledata.ingest.spooled import SpooledImages
 from tactiledata.ingest.units_seen import unit_findings
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import Sensor
-from tactiledata.sensors.image_checks import channel_order, orientation_of
+from tactiledata.sensors.image_checks import channel_order, size_orientation
 
 TRAILERS = {"jpeg": b"\xff\xd9", "png": b"IEND"}
 """What a whole file of an encoding ends with (ITU T.81 B.1.1.3: end of image; PNG 11.2.5: the IEND chunk)."""
 
 TRAILER_BYTES = 64
 """Some encoders pad after the trailer; it is looked for in this many bytes at the end."""
+
+MOST_SIZES = 3
+"""Sizes of one sensor's images of which something is said."""
 
 FT_RANGE = 300.0
 """N. The Robotiq FT 300-S measures up to this; more is a fault, not a force."""
@@ -82,7 +88,8 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
     """Size and channel order of each sensor's first, middle and last image against what the sensor gives."""
     found: list[Finding] = []
     names = np.array(take.frames["sensor"].to_pylist(), dtype=object)
-    usable = np.array(take.frames["encoding"].to_pylist(), dtype=object) != "missing"
+    usable = (take.frames["flags"].to_numpy() & UNUSABLE) == 0
+    sizes = size_counts(take.frames)
     for sensor in sorted(set(names)):
         rows = np.flatnonzero((names == sensor) & usable)
         if not len(rows):
@@ -92,22 +99,26 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
         model = take.sensors.get(sensor, {}).get("model", "digit")
         known = SENSORS.get(model)
         if known is not None and known.camera is not None and images:
-            found.extend(_size_findings(sensor, images[0], known, known.camera.shape))
+            found.extend(_size_findings(sensor, sizes[sensor], known, known.camera.shape))
         found.extend(_channel_findings(sensor, images, take, model))
     return found
 
 
-def _size_findings(sensor: str, image: NDArray[np.uint8], known: Sensor, shape: tuple[int, int]) -> list[Finding]:
-    verdict = orientation_of(image, known)
-    if verdict == "ok":
-        return []
-    rows, columns = shape
-    size = f"{image.shape[0]} rows x {image.shape[1]} columns"
-    if verdict == "swapped":
-        text = f"images of {sensor!r} have {size}; a {known.name} gives {rows} x {columns}: height and width swapped"
-        return [Finding("image-swapped", "warning", text)]
-    text = f"images of {sensor!r} have {size}; a {known.name} gives {rows} rows x {columns} columns"
-    return [Finding("image-size", "info", text)]
+def _size_findings(sensor: str, counts: Counter[Size], known: Sensor, shape: tuple[int, int]) -> list[Finding]:
+    """What is said of the sizes that a sensor's images have, where they are not the sensor model's."""
+    found, total = [], sum(counts.values())
+    for size, count in counts.most_common(MOST_SIZES):
+        verdict = size_orientation(size, known)
+        if verdict == "ok":
+            continue
+        which = "images" if count == total else f"{count} of {total} images"
+        text = f"{which} of {sensor!r} have {size[0]} rows x {size[1]} columns; a {known.name} gives "
+        if verdict == "swapped":
+            text += f"{shape[0]} x {shape[1]}: height and width swapped"
+            found.append(Finding("image-swapped", "warning", text))
+        else:
+            found.append(Finding("image-size", "info", f"{text}{shape[0]} rows x {shape[1]} columns"))
+    return found
 
 
 def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, model: str) -> list[Finding]:

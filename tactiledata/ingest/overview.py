@@ -11,7 +11,7 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.take import FrameFlag, findings_of
+from tactiledata.contract.take import UNUSABLE, findings_of
 from tactiledata.contract.wording import counted
 from tactiledata.ingest.first_program import first_program
 from tactiledata.report.page import Picture, Section, render_page
@@ -84,7 +84,7 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     trajectory = store.trajectories().slice(row, 1).to_pylist()[0]
     start, stop = trajectory["frame_start"], trajectory["frame_stop"]
     frames = store.frames(["t_ns", "contact_force", "flags", "sensor"]).slice(start, stop - start)
-    usable = (frames["flags"].to_numpy() & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+    usable = (frames["flags"].to_numpy() & UNUSABLE) == 0
     if not usable.any():
         return None
     force = np.where(usable, frames["contact_force"].to_numpy(), np.nan)

@@ -34,6 +34,7 @@ def find_references(
     order : (n_frames,)
         Row in the sink of each frame.
     contact_force : (n_frames,) N
+        NaN also where a frame has no image that can be used.
     decode : callable
         Images of rows of the sink.
     say : callable

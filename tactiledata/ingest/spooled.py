@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from tactiledata.store.pictures import DECODE_FLAGS
+from tactiledata.contract.image_bytes import decode_rgb
+from tactiledata.errors import BrokenLog
 from tactiledata.store.shards import unpack_frame
 from tactiledata.store.spool import spool_name
 
@@ -72,8 +72,10 @@ class SpooledImages:
             image = np.empty((facts["height"], facts["width"], 3), np.uint8)
             unpack_frame(payload, image)
             return image
-        decoded = cv2.imdecode(np.frombuffer(payload, np.uint8), DECODE_FLAGS)
-        return None if decoded is None else decoded.astype(np.uint8, copy=False)
+        try:
+            return decode_rgb(payload)
+        except BrokenLog:
+            return None
 
     def _facts(self, row: int) -> dict:
         return {

@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.loaders.index import FrameIndex
 from tactiledata.loaders.streams import Stream
+
+SENSORS_DIFFER = "Give sensors with other pictures another camera name in the mapping, and ingest again with --replace."
+"""What to do where each sensor has one size."""
+RECORDINGS_DIFFER = (
+    "Ingest that recording again with --replace: single frames of another size are then marked and left out. A whole "
+    "recording of another size needs another camera name in its mapping, or images scaled to one size."
+)
+"""What to do where one sensor's pictures differ in size."""
 
 if TYPE_CHECKING:
     from tactiledata.store.reader import Store
@@ -33,11 +43,30 @@ def require_one_size(store: Store, index: FrameIndex, camera: str | None) -> Non
     if camera is None:
         return
     frames = store.frames(["height", "width"]).take(index.rows)
-    sizes = frames.group_by(["height", "width"]).aggregate([([], "count_all")]).to_pylist()
-    if len(sizes) > 1:
-        listed = ", ".join(f"{size['count_all']} of {size['height']} x {size['width']}" for size in sizes)
-        raise UsageError(
-            f"the frames of camera {camera!r} have several sizes: {listed}",
-            "one size, so that they can be stacked",
-            "Give sensors with other pictures another camera name in the mapping, and ingest again.",
-        )
+    height, width = (frames[name].to_numpy().astype(np.int64) for name in ("height", "width"))
+    sizes, kind, counts = np.unique(np.stack([height, width], axis=1), axis=0, return_inverse=True, return_counts=True)
+    if len(sizes) < 2:
+        return
+    kind = kind.reshape(-1)
+    by_count = np.argsort(-counts)
+    listed = ", ".join(f"{counts[size]} of {sizes[size][0]} x {sizes[size][1]}" for size in by_count)
+    rarest = int(by_count[-1])
+    place = int(np.flatnonzero(kind == rarest)[0])
+    where = f"frame {index.rows[place]}, in trajectory {_trajectory_name(store, int(index.trajectory[place]))}"
+    sensors = [{index.sensor_code[place] for place in np.flatnonzero(kind == size)} for size in range(len(sizes))]
+    is_by_sensor = sum(map(len, sensors)) == len(set.union(*sensors))
+    raise UsageError(
+        f"the frames of camera {camera!r} have several sizes (rows x columns): {listed}; the first of the rarest is "
+        f"{where}",
+        "one size, so that they can be stacked",
+        SENSORS_DIFFER if is_by_sensor else RECORDINGS_DIFFER,
+    )
+
+
+def _trajectory_name(store: Store, trajectory: int) -> str:
+    """Name of a trajectory and key of its recording, for people."""
+    if trajectory < 0:
+        return "none"
+    facts = store.trajectories(["trajectory", "source"]).slice(trajectory, 1).to_pylist()[0]
+    key = store.sources(["key"])["key"][facts["source"]].as_py()
+    return f"{facts['trajectory']!r} of {key}"

@@ -11,11 +11,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.take import UNUSABLE, FrameFlag
 from tactiledata.errors import MissingSplit, UsageError
 from tactiledata.splits.manifest import Split, frame_rows, load_split, partition_rows
 from tactiledata.splits.options import PARTITIONS
-from tactiledata.splits.select import UNUSABLE
 
 if TYPE_CHECKING:
     from tactiledata.store.reader import Store
@@ -123,7 +122,8 @@ def select(
     reasons = {
         "of another camera": ~of_camera,
         "no image recorded": of_camera & ((flags & FrameFlag.MISSING) != 0),
-        "image does not decode": of_camera & ((flags & UNUSABLE) == FrameFlag.BROKEN),
+        "image does not decode": of_camera & ((flags & (FrameFlag.MISSING | FrameFlag.BROKEN)) == FrameFlag.BROKEN),
+        "another size than its sensor's images": of_camera & ((flags & UNUSABLE) == FrameFlag.STRAY_SIZE),
     }
     left_out = {reason: int((belongs & mask).sum()) for reason, mask in reasons.items()}
     left_out[FILTERED] = int((belongs & ~kept).sum()) - sum(left_out.values())

@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
-from tactiledata.errors import SchemaError
+from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.rig import imperfections, ur5e
 from tactiledata.rig.describe import describe, trajectory_rows
 from tactiledata.rig.footprint import GelGrid
@@ -230,7 +230,10 @@ def background_of(scenario: Scenario, serial: str) -> NDArray[np.uint8]:
     path = path_inside(scenario.folder, name, f"sensors.{serial}.background")
     if not path.is_file():
         return load_background(name)
-    picture: Any = cv2.imread(str(path), cv2.IMREAD_COLOR_RGB)
+    try:
+        picture: Any = decode_rgb(path.read_bytes(), follow_orientation=True)
+    except BrokenLog:
+        picture = None
     if picture is None or picture.shape != (HEIGHT, WIDTH, 3):
         shape = "no image" if picture is None else f"an image of {picture.shape[0]} rows x {picture.shape[1]} columns"
         raise SchemaError(

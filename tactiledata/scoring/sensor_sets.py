@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import StoreError
 from tactiledata.sensors.image_checks import shows_contact
 from tactiledata.store.reader import Store
@@ -71,7 +71,7 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
     """
     frames = store.frames(["trajectory", "flags", "contact_force", "camera"])
     owner = np.asarray(frames["trajectory"])
-    whole = (np.asarray(frames["flags"]) & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+    whole = (np.asarray(frames["flags"]) & UNUSABLE) == 0
     force = np.asarray(frames["contact_force"].to_numpy(), np.float64)
     in_contact = np.isnan(force).all() | ((force >= CONTACT_FORCE[0]) & (force <= CONTACT_FORCE[1]))
     usable = np.flatnonzero(whole & in_contact & (owner >= 0) & _own_camera(store))

@@ -40,9 +40,13 @@ def orientation_of(image: Image, sensor: Sensor) -> Literal["ok", "swapped", "ot
     >>> orientation_of(np.zeros((240, 320, 3), np.uint8), SENSORS["digit"])
     'swapped'
     """
+    return size_orientation(image.shape[:2], sensor)
+
+
+def size_orientation(shape: tuple[int, ...], sensor: Sensor) -> Literal["ok", "swapped", "other size"]:
+    """As `orientation_of`, of a picture known by its rows and columns."""
     if sensor.camera is None:
         raise UsageError(f"sensor {sensor.name!r} takes no pictures", "a tactile sensor")
-    shape = image.shape[:2]
     if shape == sensor.camera.shape:
         return "ok"
     return "swapped" if shape == sensor.camera.shape[::-1] else "other size"

@@ -7,11 +7,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import StoreError
 
 FRAME_COLUMNS = ("trajectory", "flags", "contact_force")
-UNUSABLE = FrameFlag.MISSING | FrameFlag.BROKEN
 
 
 def taken_frames(frames: pa.Table, force: tuple[float, float] | None) -> NDArray[np.bool_]:

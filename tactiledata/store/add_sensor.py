@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
-from tactiledata.errors import MissingFile, UsageError
+from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.average_background import average_background, refuse_swapped_channels
 from tactiledata.sensors.base import Sensor
@@ -157,12 +157,14 @@ def read_picture(path: Path) -> NDArray[np.uint8]:
     refuse_lfs_pointer(path)
     size = path.stat().st_size
     content = path.read_bytes() if size <= LARGEST_PICTURE else b""
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR_RGB) if content else None
-    if image is None:
+    try:
+        return decode_rgb(content, follow_orientation=True)
+    except BrokenLog as error:
         raise UsageError(
-            f"{path} ({size} bytes) is not a picture that can be read", "a JPEG or PNG file", "Save it as PNG."
-        )
-    return np.ascontiguousarray(image, dtype=np.uint8)
+            f"{path} ({size} bytes) is not a picture that can be read: {error.found}",
+            f"a JPEG or PNG file of at most {MAX_DECODED_PIXELS} pixels",
+            "Save it as PNG, cropped to the gel.",
+        ) from error
 
 
 def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor, n_frames: int) -> list[Finding]:

@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.take import UNUSABLE
 from tactiledata.store.reader import Store
 
 FREE_AIR = 0.2
@@ -19,7 +19,7 @@ def free_air_median(store: Store, sensor: str) -> NDArray[np.uint8] | None:
     """The median (H, W, 3) of a sensor's frames without contact force; None where there are fewer than three."""
     frames = store.frames(["sensor", "flags", "contact_force"])
     force = np.asarray(frames["contact_force"].to_numpy(), np.float64)
-    whole = (np.asarray(frames["flags"]) & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+    whole = (np.asarray(frames["flags"]) & UNUSABLE) == 0
     rows = np.flatnonzero(whole & (force < FREE_AIR) & np.asarray(pc.equal(frames["sensor"].cast("string"), sensor)))
     if len(rows) < LEAST_FRAMES:
         return None

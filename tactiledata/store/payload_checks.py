@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import google_crc32c
 import numpy as np
 
+from tactiledata.contract.image_bytes import size_fault
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import TactileDataError
 from tactiledata.store.pictures import default_threads
@@ -35,7 +36,8 @@ def payload_faults(
     rows : range, optional
         Of the table of frames; all by default.
     """
-    table = store.frames(["crc32c", "flags"])
+    table = store.frames(["crc32c", "flags", "height", "width"])
+    height, width = (np.asarray(table[name]).astype(np.int64) for name in ("height", "width"))
     wanted = range(len(table)) if rows is None else rows
     crc32c, flags = np.asarray(table["crc32c"]), np.asarray(table["flags"])
 
@@ -47,7 +49,7 @@ def payload_faults(
             payloads = [_payload(store, row) for row in rows]
         faults = []
         for row, payload in zip(rows, payloads, strict=True):
-            fault = _fault(payload, int(crc32c[row]))
+            fault = _fault(payload, int(crc32c[row])) or _size_fault(payload, int(height[row]), int(width[row]))
             if not fault and decode and payload is not None and not flags[row] & FrameFlag.BROKEN:
                 fault = _decode_fault(store, row)
             if fault:
@@ -75,6 +77,11 @@ def _fault(payload: bytes | str | None, crc32c: int) -> str:
     if payload is not None and google_crc32c.value(payload) != crc32c:
         return "the payload does not fit its CRC-32C"
     return ""
+
+
+def _size_fault(payload: bytes | str | None, height: int, width: int) -> str:
+    fault = "" if payload is None else size_fault(height, width)
+    return f"the image is never decoded: its {fault}" if fault else ""
 
 
 def _decode_fault(store: Store, row: int) -> str:

@@ -7,15 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal
 
-import cv2
 import google_crc32c
 import numpy as np
 import pyarrow as pa
 import simplejpeg
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb, size_fault
 from tactiledata.contract.take import FrameFlag
-from tactiledata.errors import StoreError
+from tactiledata.errors import BrokenLog, StoreError
 from tactiledata.store.files import Span, StoreFiles, missing_file
 from tactiledata.store.layout import heap_path, rgb_path
 from tactiledata.store.manifest import settings_of
@@ -23,8 +23,6 @@ from tactiledata.store.shards import Entries, index_bytes, parse_index, unpack_f
 
 COLUMNS = ("camera", "encoding", "height", "width", "offset", "length", "crc32c", "flags")
 MOST_THREADS = 16
-DECODE_FLAGS = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
-"""A recorded image is what the camera saw; an orientation in its EXIF data is for photographs."""
 
 Picture = NDArray[np.uint8]
 
@@ -157,6 +155,7 @@ class Pictures:
         columns = self._load()
         if not len(rows):
             return []
+        self._require_decodable(rows)
         heights, widths = columns["height"][list(rows)], columns["width"][list(rows)]
         same = bool((heights == heights[0]).all() and (widths == widths[0]).all())
         out: list[Picture] | Picture
@@ -209,17 +208,31 @@ class Pictures:
                 target[...] = self._decoded(row, content, target.shape)
 
     def _decoded(self, row: int, content: bytes, shape: tuple[int, ...]) -> Picture:
+        expected = f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels"
         try:
-            picture = cv2.imdecode(np.frombuffer(content, np.uint8), DECODE_FLAGS) if content else None
-        except cv2.error:
-            picture = None
-        if picture is None or picture.shape != shape:
-            what = f"decodes to {picture.shape}" if picture is not None else "does not decode"
-            raise self._damaged(row, content, what, f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels")
-        return picture.astype(np.uint8, copy=False)
+            picture = decode_rgb(content)
+        except BrokenLog as error:
+            raise self._damaged(row, content, f"does not decode: {error.found}", expected) from error
+        if picture.shape != shape:
+            raise self._damaged(row, content, f"decodes to {picture.shape}", expected)
+        return picture
+
+    def _require_decodable(self, rows: Sequence[int]) -> None:
+        """Nothing, where all frames are within the limit of decoded size; else `StoreError`, before memory is taken."""
+        columns = self._load()
+        for row in rows:
+            if fault := size_fault(int(columns["height"][row]), int(columns["width"][row])):
+                raise StoreError(
+                    f"the image of frame {row} is not decoded: its {fault}",
+                    f"images of at most {MAX_DECODED_PIXELS} pixels",
+                    "`tactiledata check --repair` marks it, so that it is left out.",
+                    row=row,
+                )
 
     def _unpacked(self, row: int, content: bytes, target: Picture | None = None) -> Picture:
         _, _, height, width = self.facts(row)
+        if target is None:
+            self._require_decodable([row])
         picture = np.empty((height, width, 3), np.uint8) if target is None else target
         try:
             unpack_frame(content, picture)

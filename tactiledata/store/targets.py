@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import StoreError, TactileDataError, UnknownName
 from tactiledata.sensors.backgrounds import ALIASES, bundled_backgrounds, load_background, resolve_background
 from tactiledata.store.reader import Store
@@ -109,7 +109,7 @@ def _of_store(serial: str, store: Store) -> Target:
 
 def _median_frame(store: Store, serial: str) -> tuple[NDArray[np.uint8], int]:
     frames = store.frames(["sensor", "flags"])
-    whole = (np.asarray(frames["flags"]) & (FrameFlag.MISSING | FrameFlag.BROKEN)) == 0
+    whole = (np.asarray(frames["flags"]) & UNUSABLE) == 0
     rows = np.flatnonzero(whole & np.asarray(pc.equal(frames["sensor"].cast("string"), serial)))
     if not len(rows):
         raise StoreError(

@@ -111,11 +111,16 @@ def test_colour_picture_named_mask_is_a_frame(run):
     assert {"mask-left", "greyscale-image"} <= codes(recording)
 
 
+DEEP = np.full((32, 24, 3), 40_000, np.uint16)
 FAULTS = {
     "cut": (lambda run: (run / "9.png").write_bytes((run / "9.png").read_bytes()[:900]), "image-truncated", "damage"),
     "empty": (lambda run: (run / "9.png").write_bytes(b""), "image-unreadable", "damage"),
     "text": (lambda run: (run / "9.png").write_bytes(b"<html>"), "image-unreadable", "damage"),
-    "deep": (lambda run: cv2.imwrite(str(run / "9.png"), np.zeros((32, 24, 3), np.uint16)), "image-depth", "warning"),
+    "deep": (
+        lambda run: cv2.imwrite(str(run / "9.png"), DEEP),
+        "image-depth",
+        "warning",
+    ),
     "link": (lambda run: (run / "11.png").symlink_to("/etc/passwd"), "link-left", "warning"),
     "stranger": (lambda run: (run / "movie.mp4").write_bytes(b"x"), "not-an-image", "info"),
 }

@@ -7,13 +7,13 @@ from generators.collect import read
 from generators.folder_log import SENSOR, write
 
 from tactiledata.cli.families import inspect
+from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.lfs_pointer import is_lfs_pointer
 from tactiledata.contract.schema import read_document
 from tactiledata.diagnose.read_table import read_table
 from tactiledata.errors import BrokenLog, NotFetched
 from tactiledata.formats.csv_tables import read_csv_table
 from tactiledata.formats.folder import FolderFormat
-from tactiledata.formats.image_bytes import decode_rgb
 from tactiledata.formats.mcap_parts.survey import survey
 from tactiledata.formats.npz_members import load_members
 from tactiledata.formats.restricted_pickle import load_npy, load_pickle

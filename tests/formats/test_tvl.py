@@ -8,8 +8,8 @@ import pytest
 from generators import tvl
 from generators.collect import codes, read
 
+from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.errors import BrokenLog, UnsafeContent
-from tactiledata.formats.image_bytes import decode_rgb
 from tactiledata.formats.modality import DECISION, look_of, votes_tactile
 from tactiledata.formats.tvl import TvlFormat
 

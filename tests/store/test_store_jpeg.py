@@ -5,7 +5,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from tactiledata.store.pictures import DECODE_FLAGS, decode_jpeg_into
+from tactiledata.contract.image_bytes import decode_rgb
+from tactiledata.store.pictures import decode_jpeg_into
 
 BACKGROUNDS = sorted((Path(__file__).parents[2] / "tactiledata" / "sensors" / "digit_backgrounds").glob("*.jpg"))
 
@@ -13,7 +14,7 @@ BACKGROUNDS = sorted((Path(__file__).parents[2] / "tactiledata" / "sensors" / "d
 def test_both_decoders_agree_to_the_bit():
     """On 18 real DIGIT pictures, and on grey and otherwise sampled JPEG files."""
     files = [path.read_bytes() for path in BACKGROUNDS]
-    picture = cv2.imdecode(np.frombuffer(files[0], np.uint8), DECODE_FLAGS)
+    picture = decode_rgb(files[0])
     for sampling in (cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420):
         settings = [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, sampling, cv2.IMWRITE_JPEG_QUALITY, 90]
         files.append(cv2.imencode(".jpg", picture, settings)[1].tobytes())
@@ -22,13 +23,13 @@ def test_both_decoders_agree_to_the_bit():
     for content in files:
         target = np.zeros((320, 240, 3), np.uint8)
         assert decode_jpeg_into(content, target)
-        assert (target == cv2.imdecode(np.frombuffer(content, np.uint8), DECODE_FLAGS)).all()
+        assert (target == decode_rgb(content)).all()
 
 
 def test_other_sizes_and_other_files_are_handed_on():
     """A picture of another size, a cut file and a PNG file are not taken."""
     content = BACKGROUNDS[0].read_bytes()
-    picture = cv2.imdecode(np.frombuffer(content, np.uint8), DECODE_FLAGS)
+    picture = decode_rgb(content)
     assert not decode_jpeg_into(content, np.zeros((160, 120, 3), np.uint8))
     assert not decode_jpeg_into(content, np.zeros((320, 480, 3), np.uint8))
     assert not decode_jpeg_into(content[:-2000], np.zeros((320, 240, 3), np.uint8))

@@ -8,11 +8,11 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from tactiledata.contract.image_bytes import IMAGE_SUFFIXES
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.schema import read_document
 from tactiledata.errors import BrokenLog, TactileDataError, UnsafeContent
 from tactiledata.formats.csv_tables import read_csv_table
-from tactiledata.formats.image_bytes import IMAGE_SUFFIXES
 from tactiledata.formats.natural_order import natural_paths
 
 DESCRIPTION = "log.yaml"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from tactiledata.contract.description import LogDescription
+from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding, Image, ImageSink, Trajectory
 from tactiledata.formats.backgrounds import read_image_file
 from tactiledata.formats.corpus import stream_name
@@ -26,16 +28,16 @@ ANY_CAMERA = "tactile"
 
 
 class SizeWatch:
-    """A sink that notes which sizes the images of each sensor have, and passes them on."""
+    """A sink that counts the sizes of each sensor's images, and passes the images on."""
 
     def __init__(self, sink: ImageSink) -> None:
         self._sink = sink
-        self.sizes: dict[str, set[tuple[int, int]]] = {}
+        self.sizes: dict[str, Counter[Size]] = {}
 
     def add(self, image: Image) -> None:
         """Take one image."""
         if image.encoding != "missing":
-            self.sizes.setdefault(image.sensor, set()).add((image.height, image.width))
+            self.sizes.setdefault(image.sensor, Counter())[image.height, image.width] += 1
         self._sink.add(image)
 
 

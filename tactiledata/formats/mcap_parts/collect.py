@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tactiledata.contract.records import Finding, Signal, Stamps
+from tactiledata.contract.records import Finding, Severity, Signal, Stamps
 from tactiledata.errors import BrokenLog
 
 
@@ -29,12 +29,12 @@ class FaultCount:
         self.count += 1
         self.end_ns = log_ns
 
-    def finding(self, code: str, message: str, stream: str) -> list[Finding]:
+    def finding(self, code: str, message: str, stream: str, severity: Severity = "damage") -> list[Finding]:
         """The finding, where there was anything; ``message`` may name ``{count}`` and ``{reason}``."""
         if not self.count:
             return []
         text = message.format(count=self.count, reason=self.reason)
-        return [Finding(code, "damage", text, stream, start_ns=self.start_ns, end_ns=self.end_ns, count=self.count)]
+        return [Finding(code, severity, text, stream, start_ns=self.start_ns, end_ns=self.end_ns, count=self.count)]
 
 
 @dataclass

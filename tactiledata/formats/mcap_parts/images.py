@@ -12,13 +12,14 @@ from typing import Any
 import cv2
 import numpy as np
 
+from tactiledata.contract.image_bytes import MAX_SIDE, read_header, size_fault
 from tactiledata.contract.records import Finding, Image, ImageSink
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.image_bytes import MAX_SIDE, read_header
 from tactiledata.formats.mcap_parts.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
 from tactiledata.formats.mcap_parts.collect import FaultCount
 from tactiledata.formats.mcap_parts.decode import FAULTS, Decoder, frame_of, stamp_of, value_at
 from tactiledata.formats.mcap_parts.roles import COMPRESSED_KINDS, ImageRole
+from tactiledata.formats.picture_kinds import ALPHA_LEFT_OUT, Remark, remarks_on
 
 RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}
 """Bytes a pixel and channel order of the raw encodings that are colour pictures; 8UC3 is OpenCV's, blue first."""
@@ -83,7 +84,7 @@ class CameraBuffer:
     faults: FaultCount = field(default_factory=FaultCount)
     broken: FaultCount = field(default_factory=FaultCount)
     truncated: FaultCount = field(default_factory=FaultCount)
-    unusable: FaultCount = field(default_factory=FaultCount)
+    remarks: dict[str, tuple[Remark, FaultCount]] = field(default_factory=dict)
     claims: dict[str, set[str]] = field(default_factory=dict)
     serials: dict[str, str] = field(default_factory=dict)
     serials_used: Counter[str] = field(default_factory=Counter)
@@ -120,6 +121,10 @@ class CameraBuffer:
             )
         )
 
+    def remark(self, log_ns: int, remark: Remark) -> None:
+        """Count one more image of which this is said."""
+        self.remarks.setdefault(remark.code, (remark, FaultCount()))[1].add(log_ns, remark.words)
+
     def findings(self) -> list[Finding]:
         """What was wrong with the images, and with who took them."""
         camera, topic = self.role.camera, self.role.topic
@@ -130,9 +135,9 @@ class CameraBuffer:
         found += self.truncated.finding(
             "image-truncated", f"{{count}} images of {topic} end before their end mark", camera
         )
-        found += self.unusable.finding(
-            "image-encoding", f"{{count}} images of {topic} are no colour pictures: {{reason}}", camera
-        )
+        for remark, counted in self.remarks.values():
+            text = f"{{count}} images of {topic}: the first {{reason}}"
+            found += counted.finding(remark.code, text, camera, remark.severity)
         if len(self.claims) > 1:
             said = "; ".join(
                 f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items())
@@ -223,6 +228,11 @@ def _encoded(payload: bytes, style: str, camera: CameraBuffer, log_ns: int) -> t
     except BrokenLog as error:
         camera.broken.add(log_ns, f"{error.found} (format {style!r})")
         return None
+    remarks = remarks_on(header, payload)
+    for remark in remarks:
+        camera.remark(log_ns, remark)
+    if any(remark.is_lost for remark in remarks):
+        return None
     if not header.is_complete:
         camera.truncated.add(log_ns, "cut")
     return payload, header.encoding, header.height, header.width
@@ -233,7 +243,8 @@ def _raw(
 ) -> tuple[bytes, str, int, int] | None:
     """Raw pixels as RGB, row-major, without padding."""
     if style not in RAW_CHANNELS:
-        camera.unusable.add(log_ns, f"encoding {style!r}; {', '.join(RAW_CHANNELS)} are read")
+        words = f"has the encoding {style!r}, no colour picture ({', '.join(RAW_CHANNELS)} are read)"
+        camera.remark(log_ns, Remark("image-encoding", "damage", words))
         return None
     channels, order = RAW_CHANNELS[style]
     order = camera.role.channel_order or order
@@ -247,6 +258,11 @@ def _raw(
             f"{height} rows x {width} columns {style} with {step} bytes a row, and {len(payload)} bytes of pixels",
         )
         return None
+    if fault := size_fault(height, width):
+        camera.remark(log_ns, Remark("image-too-large", "damage", f"is not taken: its {fault}"))
+        return None
+    if channels == 4:
+        camera.remark(log_ns, Remark("image-alpha", "warning", ALPHA_LEFT_OUT))
     if order == "rgb" and channels == 3 and step == width * 3:
         return payload, "raw", height, width
     rows = np.frombuffer(payload, np.uint8).reshape(height, step)[:, : width * channels]

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from tactiledata.contract.image_bytes import decode_rgb, probe, read_header
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.image_bytes import decode_rgb, probe, read_header
 
 
 def picture(height: int = 32, width: int = 24, channels: int = 3) -> np.ndarray:

@@ -1,7 +1,7 @@
-"""What JPEG and PNG bytes say of themselves, read from their headers without decoding a pixel.
+"""What JPEG and PNG bytes say of themselves, and the one way in which they are decoded, within one limit.
 
-Shared by all formats, as `base` is: members of the family may import it. Decoding (for backgrounds, which are stored
-as arrays) is here too, so that every format gives the same RGB.
+All readers (formats, ingest, the store, sensors' backgrounds) decode here, so that all give the same RGB and none
+decodes a picture that would fill the memory.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ IMAGE_SUFFIXES = frozenset({".jpg", ".jpeg", ".png"})
 MAX_SIDE = 32_767
 """Pixels. The frames table keeps heights and widths as 16-bit integers."""
 
-MAX_DECODED_PIXELS = 2**26
-"""Pixels above which an image is not decoded: a few bytes from a stranger must not fill the memory."""
+MAX_DECODED_PIXELS = 2**24
+"""Pixels (4096 x 4096, 48 MiB of RGB) above which no image is decoded: a few bytes must not fill the memory. Cameras of
+tactile sensors give at most half of it."""
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}
@@ -43,9 +44,11 @@ class ImageHeader:
     height, width : int
         Pixels as stored; an orientation in the metadata is not followed.
     channels : int
-        Of the decoded picture: 1 grey, 2 grey with transparency, 3 colour, 4 colour with transparency.
+        1 grey, 2 grey with transparency, 3 colour, 4 colour with transparency (PNG) or four inks (JPEG).
     bits : int
         Of one channel.
+    has_alpha : bool
+        Whether it states transparency, by a channel or by a list of transparent colours.
     is_complete : bool
         Whether the bytes reach their end mark. A file that was cut has a good header and does not.
     """
@@ -55,6 +58,7 @@ class ImageHeader:
     width: int
     channels: int
     bits: int
+    has_alpha: bool
     is_complete: bool
 
 
@@ -96,24 +100,41 @@ def probe(payload: bytes) -> tuple[Encoding, int, int]:
     return header.encoding, header.height, header.width
 
 
-def decode_rgb(payload: bytes) -> NDArray[np.uint8]:
-    """The picture (H, W, 3), uint8 RGB, of JPEG or PNG bytes, turned by no orientation that the metadata state.
+def size_fault(height: int, width: int) -> str:
+    """Why an image of this size (pixels) is not decoded, with the limit; empty where it is within the limit."""
+    if height * width <= MAX_DECODED_PIXELS:
+        return ""
+    return (
+        f"{height} rows x {width} columns are {height * width / 1e6:.1f} million pixels, "
+        f"and at most {MAX_DECODED_PIXELS / 1e6:.1f} million are decoded"
+    )
+
+
+def decode_rgb(payload: bytes, follow_orientation: bool = False) -> NDArray[np.uint8]:
+    """The picture (H, W, 3), uint8 RGB, of JPEG or PNG bytes; turned as its metadata say only where asked.
 
     Raises
     ------
     BrokenLog
-        The bytes do not decode, or would fill the memory.
+        The bytes do not decode, or to more than ``MAX_DECODED_PIXELS``; then no pixel was decoded.
     """
     import cv2
 
     header = read_header(payload)
-    if header.height * header.width > MAX_DECODED_PIXELS:
-        raise _broken(f"a {header.encoding} image of {header.height} x {header.width}, too large to decode")
-    flags = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
-    picture = cv2.imdecode(np.frombuffer(payload, np.uint8), flags)
+    if fault := size_fault(header.height, header.width):
+        raise BrokenLog(
+            f"a {header.encoding} image whose {fault}",
+            f"an image of at most {MAX_DECODED_PIXELS} pixels",
+            "Crop it to the gel or scale it down.",
+        )
+    flags = cv2.IMREAD_COLOR_RGB | (0 if follow_orientation else cv2.IMREAD_IGNORE_ORIENTATION)
+    try:
+        picture = cv2.imdecode(np.frombuffer(payload, np.uint8), flags)
+    except cv2.error:
+        picture = None
     if picture is None:
         raise _broken(f"a {header.encoding} image of {header.height} x {header.width} that does not decode")
-    return np.ascontiguousarray(picture[:, :, ::-1])
+    return np.ascontiguousarray(picture, dtype=np.uint8)
 
 
 def _broken(found: str) -> BrokenLog:
@@ -129,17 +150,21 @@ def _png(payload: bytes) -> ImageHeader:
     if colour not in PNG_CHANNELS:
         raise _broken(f"a PNG with colour type {colour}")
     bits = 8 if colour == PNG_PALETTE else bits
-    return ImageHeader("png", height, width, PNG_CHANNELS[colour], bits, _png_is_complete(payload))
+    has_list, is_complete = _png_chunks(payload)
+    has_alpha = PNG_CHANNELS[colour] in (2, 4) or has_list
+    return ImageHeader("png", height, width, PNG_CHANNELS[colour], bits, has_alpha, is_complete)
 
 
-def _png_is_complete(payload: bytes) -> bool:
-    place = len(PNG_SIGNATURE)
+def _png_chunks(payload: bytes) -> tuple[bool, bool]:
+    """Whether a PNG lists transparent colours (chunk tRNS), and whether it reaches its end mark."""
+    place, has_list = len(PNG_SIGNATURE), False
     while place + 12 <= len(payload):
-        length = int.from_bytes(payload[place : place + 4], "big")
-        if payload[place + 4 : place + 8] == b"IEND":
-            return True
+        length, kind = int.from_bytes(payload[place : place + 4], "big"), payload[place + 4 : place + 8]
+        if kind == b"IEND":
+            return has_list, True
+        has_list |= kind == b"tRNS"
         place += 12 + length
-    return False
+    return has_list, False
 
 
 def _jpeg(payload: bytes) -> ImageHeader:
@@ -163,4 +188,4 @@ def _jpeg(payload: bytes) -> ImageHeader:
     bits, height, width, channels = frame
     # inside a scan every FF is stuffed, so the end mark found there is the end
     is_complete = payload.find(JPEG_END_MARK, place) >= 0
-    return ImageHeader("jpeg", height, width, channels, bits, is_complete)
+    return ImageHeader("jpeg", height, width, channels, bits, False, is_complete)
