@@ -12,6 +12,7 @@ from tactiledata.contract.simulated import SimulatedCount, recording_kind
 from tactiledata.ingest.overview import page, touch_picture
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.replay.overview import mesh_sections
+from tactiledata.report.page import Picture
 from tactiledata.store.card import card
 from tactiledata.store.merge import merge
 from tactiledata.store.overview import overview
@@ -59,7 +60,7 @@ def texts(location):
     return {
         "card": card(Path(location), store.manifest).lower(),
         "README.md": (Path(location) / "README.md").read_text().lower(),
-        "report": page(store, b"png", "default", mesh_sections(store)).lower(),
+        "report": page(store, Picture(b"png", "Touches."), "default", mesh_sections(store)).lower(),
     }
 
 
