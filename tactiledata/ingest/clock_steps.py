@@ -27,11 +27,15 @@ CROWDED = 1.5
 """Times the usual number of samples in a stretch, from which on two stretches of real time lie there."""
 
 
+STAMPS, SIGNAL, IMAGES, TRAJECTORIES = range(4)
+"""Kinds of witnesses; the first that can tell decides."""
+
+
 @dataclass(frozen=True)
 class Witness:
     """The first and last moment (ns) of what was recorded beside a stream, and its pauses as (place, length) in ns.
 
-    The less ``rank``, the more it counts: a stream's own other stamps, other signals, images, trajectories.
+    The less ``rank``, the more it counts: `STAMPS` (the stream's own other ones), `SIGNAL`, `IMAGES`, `TRAJECTORIES`.
     """
 
     rank: int
@@ -132,7 +136,10 @@ def _jumps(
         if votes:
             most = max(set(votes), key=votes.count)
             return (set(most), True) if 2 * votes.count(most) > len(votes) else (_returning(size, forward, back), False)
-    return _returning(size, forward, back), False
+    # where all signals halt together, none is displaced against another
+    signals = [witness for witness in witnesses if witness.rank == SIGNAL]
+    halted = all(_shares(witness, int(t_ns[row]), size[row]) for witness in signals for row in forward)
+    return _returning(size, forward, back), bool(signals) and halted
 
 
 def _returning(size: dict[int, int], forward: list[int], back: list[int]) -> set[int]:

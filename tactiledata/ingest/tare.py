@@ -155,7 +155,8 @@ def find_zero(
 def _general_zeros(t_ns: Times, load: Values, tares: list[Tare], noise: float) -> Values:
     """The zero (n, 6) between tare events: what the event states, unless it happened while something pressed.
 
-    Before the first event it is the mode, where the recording begins at it; else what the reading was before the jump.
+    Before the first event it is the mode, where the recording begins at it; else what the load was before the jump, or
+    at the start of the recording, where something pressed at the event.
     """
     bias = np.zeros((len(load), 6))
     first = tares[0].row if tares else len(load)
@@ -164,7 +165,9 @@ def _general_zeros(t_ns: Times, load: Values, tares: list[Tare], noise: float) -
         rows = load[:first][np.isfinite(load[:first]).all(axis=1)][:MIN_FREE_AIR]
         begins = np.median(rows, axis=0) if len(rows) else mode
         if np.linalg.norm((begins - mode)[:3]) > touch_threshold(noise) or len(rows) < MIN_FREE_AIR:
-            mode = tares[0].zero - tares[0].step
+            # the mode may be the force of a long dwell; a tare while something pressed leaves the level at the start
+            pressed = len(rows) >= MIN_FREE_AIR and _was_pressed(t_ns[:first], load[:first], begins, noise)
+            mode = begins if pressed else tares[0].zero - tares[0].step
     bias[:first] = mode
     borders = [0, *(tare.row for tare in tares), len(load)]
     for number, tare in enumerate(tares):
@@ -175,7 +178,7 @@ def _general_zeros(t_ns: Times, load: Values, tares: list[Tare], noise: float) -
 
 
 def _was_pressed(t_ns: Times, load: Values, zero: np.ndarray, noise: float) -> bool:
-    """Whether something presses at the end of a stretch: the force rose from its zero within seconds, as no drift does."""
+    """Whether something presses at the end of a stretch: the force rose within seconds, as no drift does."""
     force = np.linalg.norm((load - zero)[:, :3], axis=1)
     threshold = touch_threshold(noise)
     contact = touching(np.nan_to_num(force, nan=0.0), threshold)

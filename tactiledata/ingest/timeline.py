@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.records import Finding, Recording, Signal, Stamps, Times, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.align import POSE_COLUMNS, broken_rotations
-from tactiledata.ingest.clock_steps import Witness, judge_steps, pauses_of
+from tactiledata.ingest.clock_steps import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness, judge_steps, pauses_of
 from tactiledata.ingest.clocks import ClockChoice, choose_clock, time_order
 from tactiledata.ingest.rates import measure_rate, rate_findings
 
@@ -61,14 +61,14 @@ def _witnesses(
     """What a signal's time is compared with: its own other stamps, other signals, images, trajectories."""
     found = []
     if stamps.header is not None and len(stamps):
-        found.append(Witness(0, int(stamps.log[0]), int(stamps.log[-1])))
+        found.append(Witness(STAMPS, int(stamps.log[0]), int(stamps.log[-1])))
     for other, t_ns in times.items():
         if other != name and len(t_ns) > 1:
-            found.append(Witness(1, int(t_ns.min()), int(t_ns.max()), pauses_of(t_ns)))
-    found.extend(Witness(2, int(t_ns.min()), int(t_ns.max())) for t_ns in cameras.values() if len(t_ns) > 1)
+            found.append(Witness(SIGNAL, int(t_ns.min()), int(t_ns.max()), pauses_of(t_ns)))
+    found.extend(Witness(IMAGES, int(t_ns.min()), int(t_ns.max())) for t_ns in cameras.values() if len(t_ns) > 1)
     if recording.trajectories:
         start = min(trajectory.start_ns for trajectory in recording.trajectories)
-        found.append(Witness(3, start, max(trajectory.end_ns for trajectory in recording.trajectories)))
+        found.append(Witness(TRAJECTORIES, start, max(trajectory.end_ns for trajectory in recording.trajectories)))
     return found
 
 

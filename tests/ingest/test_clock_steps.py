@@ -73,11 +73,12 @@ def test_a_pause_and_a_jump_are_told_apart():
 
 
 def test_streams_that_pause_together_are_no_evidence():
-    """Where all streams halt at one moment the recorder halted: nothing is left out, and it is said that none can tell."""
+    """Where all signals halt at one moment the recorder halted: nothing is left out, unless the images tell."""
     t_ns = TRUE + np.where(np.arange(6000) >= 2000, 5 * SECOND, 0)
     together = [Witness(1, int(t_ns[0]), int(t_ns[-1]), ((int(t_ns[1999]), 5 * SECOND),))]
     judged = judge_steps("wrench", t_ns, VALUES, together)
     assert judged.kept.all()
+    assert judged.findings == ()
     assert judge_steps("wrench", t_ns, VALUES, [*together, Witness(2, START, int(TRUE[-1]))]).kept.sum() == 2000
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -30,7 +30,7 @@ def stored(t_ns, values, name):
 
 
 class World:
-    """Touches one after another, each in its own pose; a sensor that drifts (N/s) and is set to zero at ``tares`` (s)."""
+    """Touches one after another, each in its own pose; a sensor with drift (N/s), set to zero at ``tares`` (s)."""
 
     def __init__(self, seed, touches, dwell, tares, drift=0.01, peak=9.0, sign=1.0, compensated=False):
         rng = np.random.default_rng(seed)
@@ -124,6 +124,7 @@ def test_forces_are_right_wherever_the_sensor_was_tared(place, named):
 
 
 @settings(max_examples=60)
+@example(0, 2, 4.0, "while pressing", 0.0, 6.0, 1.0, False, set())
 @given(
     st.integers(0, 10**6),
     st.integers(2, 5),
