@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,8 +14,10 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
+from tactiledata.ingest.contact import zeros_at
 from tactiledata.ingest.gravity import tool_weight
 from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.ingest.tare_events import locate_tares, without_steps
 from tactiledata.store.reader import SignalRows, Store
 from tactiledata.transforms import pose_matrices
 
@@ -97,21 +100,21 @@ class _Reader:
             and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
         ):
             load = load - weight
-        load, t_ns = free_air_readings(load, wrench.t_ns)
-        parts = pieces_of(len(load))
+        tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
+        air = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
         joints = self._signal("joints", spans)
         switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
         since = self._start(row["source"]) if switched_on is None else switched_on
-        tares = np.asarray(description.wrench.get("tare_ns", []), dtype=np.int64)
         found = []
-        for part in parts:
+        parts = [(*stretch, part) for stretch in air for part in pieces_of(len(stretch[1]))]
+        for zeroed, readings, t_ns, part in parts:
             middle = int(t_ns[part[len(part) // 2]])
             pose = pose_matrices(_nearest(tcp, middle)[None])[0]
             angles = None if joints is None else _nearest(joints, middle)[:6]
             found.append({
-                "load": load[part].mean(axis=0),
+                "load": readings[part].mean(axis=0),
                 "trajectory": number,
-                "zeroed": (row["source"], int((tares <= middle).sum())),
+                "zeroed": (row["source"], zeroed),
                 "down": -(tcp_from_ft.inverse().rotation @ pose[:3, :3].T)[:, 2],
                 "seconds": (middle - since) / 1e9,
                 "joints": angles,
@@ -144,15 +147,43 @@ def pieces_of(count: int) -> list[Indices]:
 
 def free_air_readings(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
     """Readings (n, 6) of a trajectory before its first touch, each reading once, and their times (n,)."""
+    air = free_air_between(load, t_ns, [], np.zeros((0, 6)))
+    return (air[0][1], air[0][2]) if air else (load[:0], t_ns[:0])
+
+
+def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Array) -> list[tuple[int, Array, Indices]]:
+    """Readings of a trajectory before its first touch, each once, in the stretches between tare events.
+
+    Each with the number of events before it, and its times (n,). A jump of the zero is no touch.
+
+    Parameters
+    ----------
+    load : (n, 6) N, N m
+    t_ns : (n,) int64
+    tare_ns : list of int
+        Stated tare events, of the whole recording.
+    zeros : (len(tare_ns), 6) N, N m
+        The load that a reading of zero is at each.
+    """
     is_new = np.ones(len(load), dtype=bool)
     is_new[1:] = (np.diff(load, axis=0) != 0).any(axis=1)
     load, t_ns = load[is_new], t_ns[is_new]
     if len(load) < FEWEST_READINGS:
-        return load[:0], t_ns[:0]
-    from_start = load[:, :3] - np.median(load[:FEWEST_READINGS, :3], axis=0)
-    touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(component_noise(load))))
+        return []
+    noise = component_noise(load)
+    inside = [tare for tare in locate_tares(t_ns, load, tare_ns, zeros, noise)[0] if tare.row > 0]
+    steady = without_steps(load, inside, 0, len(load))
+    from_start = steady[:, :3] - np.median(steady[:FEWEST_READINGS, :3], axis=0)
+    touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(noise)))
     first = int(touched[0]) if len(touched) else len(load)
-    return load[: int(SURELY_FREE * first)], t_ns[: int(SURELY_FREE * first)]
+    borders = [0, *(tare.row for tare in inside), len(load)]
+    before = sum(moment < t_ns[0] for moment in tare_ns)
+    stretches = []
+    for number, (start, stop) in enumerate(itertools.pairwise(borders)):
+        stop = min(stop, start + int(SURELY_FREE * (first - start)))
+        if stop > start:
+            stretches.append((before + number, load[start:stop], t_ns[start:stop]))
+    return stretches
 
 
 def _nearest(signal: StoredSignal, moment: int) -> Array:

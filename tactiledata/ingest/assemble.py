@@ -88,8 +88,8 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
     options : IngestOptions
     """
     said = _Findings(list(recording.findings))
-    timed = put_on_host_clock(recording)
     captured = frame_tables.capture_times(recording, images)
+    timed = put_on_host_clock(recording, frame_tables.times_by_camera(captured))
     said.add(*timed.findings, *captured.findings)
     signals = dict(timed.signals)
     trajectories, segmented, contact = _cut(recording, signals, captured, said)

@@ -20,6 +20,10 @@ STEADY = 200_000_000
 """ns. Spread (5th to 95th percentile) of log minus header above which a header clock is not steady."""
 
 
+AROUND = 10
+"""Messages on either side of a jump of a header clock that its size is taken from."""
+
+
 @dataclass(frozen=True)
 class ClockChoice:
     """Times on the host clock and how they came about.
@@ -103,7 +107,23 @@ def _why_not_header(stamps: Stamps) -> str:
     low, high = np.percentile(lag - lag[0], [5, 95])
     if high - low > STEADY:
         return f"the header clock wanders {(high - low) / 1e6:.0f} ms against the log time"
+    if jump := _jump(stamps.log, header):
+        return f"the header clock jumps by {jump / 1e9:+.3f} s against the log time"
     return ""
+
+
+def _jump(log: Times, header: Times) -> int:
+    """By how much (ns) a header clock runs ahead of the log time at once, and stays there; 0 where it does not.
+
+    A recorder that stalls writes late and catches up: there the log time is ahead, and the header falls back to it.
+    """
+    lag = log - header
+    usual = int(np.median(np.diff(header))) if len(header) > 1 else 0
+    for row in np.flatnonzero(np.diff(lag) < -(STEADY + 2 * usual)) + 1:
+        before, after = int(np.median(lag[max(row - AROUND, 0) : row])), int(np.median(lag[row : row + AROUND]))
+        if before - after > STEADY:
+            return before - after
+    return 0
 
 
 def time_order(stream: str, t_ns: Times) -> tuple[Times | None, tuple[Finding, ...]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Finding
+from tactiledata.contract.records import Finding, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.gravity import tool_weight
 from tactiledata.ingest.tare import Zero, find_zero
@@ -52,10 +52,27 @@ def contact_wrench(
             Finding("sign-assumed", "warning", "wrench: its sign is not stated; load_on_sensor assumed", "wrench")
         )
     load, gravity = _without_weight(description, wrench, tcp, load, findings)
-    zero = find_zero(wrench.t_ns, load, spans, list(stated.get("tare_ns", [])))
+    tare_ns = list(stated.get("tare_ns", []))
+    zero = find_zero(wrench.t_ns, load, spans, tare_ns, zeros_at(description, tcp, tare_ns))
     findings.extend(zero.findings)
     values, frame = _in_gel_frame(description, load - zero.bias, findings)
     return ContactWrench(_stored(wrench, values, frame, gravity, zero), zero.noise, tuple(findings))
+
+
+def zeros_at(description: LogDescription, tcp: StoredSignal | None, tare_ns: list[int]) -> Values:
+    """What the load (k, 6) is where the sensor reads zero at k moments: minus the tool's weight, where it is taken off.
+
+    Parameters
+    ----------
+    description : LogDescription
+    tcp : StoredSignal or None
+    tare_ns : list of int
+        Host clock.
+    """
+    moments = np.asarray(tare_ns, dtype=np.int64)
+    taken_off = description.wrench.get("gravity") != "compensated"
+    weight = tool_weight(description, tcp, moments) if taken_off else None
+    return np.zeros((len(moments), 6)) if weight is None else -weight
 
 
 def _without_weight(

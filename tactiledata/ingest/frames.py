@@ -53,6 +53,12 @@ def capture_times(recording: Recording, images: pa.Table) -> CapturedFrames:
     return CapturedFrames(images, t_ns, sensors, clocks, findings)
 
 
+def times_by_camera(captured: CapturedFrames) -> dict[str, Times]:
+    """Host times (ns) of the images of each camera."""
+    cameras = np.array(captured.images["camera"].to_pylist(), dtype=object)
+    return {camera: captured.t_ns[cameras == camera] for camera in captured.clocks}
+
+
 def _stamps(images: pa.Table, rows: NDArray[np.int64]) -> Stamps:
     def column(name: str) -> Times | None:
         values = images[name].to_numpy()[rows]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Recording, Signal, Stamps, Times, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.align import POSE_COLUMNS, broken_rotations
-from tactiledata.ingest.clocks import choose_clock, time_order
+from tactiledata.ingest.clock_steps import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness, judge_steps, pauses_of
+from tactiledata.ingest.clocks import ClockChoice, choose_clock, time_order
 from tactiledata.ingest.rates import measure_rate, rate_findings
 
 LATEST = 2.0**62
@@ -24,22 +28,54 @@ class Timed:
     findings: tuple[Finding, ...]
 
 
-def put_on_host_clock(recording: Recording) -> Timed:
-    """All signals of a recording, sorted by host time; values unchanged."""
-    stored: dict[str, StoredSignal] = {}
-    findings: list[Finding] = []
+def put_on_host_clock(recording: Recording, cameras: Mapping[str, Times] = MappingProxyType({})) -> Timed:
+    """All signals of a recording, sorted by host time; values unchanged, samples whose clock had jumped left out.
+
+    Parameters
+    ----------
+    recording : Recording
+    cameras : mapping of (n,) int64, optional
+        Host times of each camera's images, which tell a pause of a signal from a jump of its clock.
+    """
+    findings: dict[str, list[Finding]] = {}
+    signals: dict[str, Signal] = {}
+    choices: dict[str, ClockChoice] = {}
     for name, signal in recording.signals.items():
-        stored[name], said = _stored(signal, recording)
-        findings.extend(said)
-    return Timed(stored, tuple(findings))
+        signals[name], findings[name] = _possible(signal)
+        offset = recording.description.clock_offset(name)
+        choices[name] = choose_clock(name, signals[name].stamps, recording.host_clock, offset)
+        findings[name].extend(choices[name].findings)
+    stored: dict[str, StoredSignal] = {}
+    times = {name: choice.t_ns for name, choice in choices.items()}
+    for name, signal in signals.items():
+        witnesses = _witnesses(name, signal.stamps, times, cameras, recording)
+        judged = judge_steps(name, times[name], signal.values, witnesses)
+        stored[name], said = _stored(signal, choices[name], judged.kept)
+        findings[name].extend([*judged.findings, *said])
+    return Timed(stored, tuple(finding for name in findings for finding in findings[name]))
 
 
-def _stored(signal: Signal, recording: Recording) -> tuple[StoredSignal, list[Finding]]:
-    offset = recording.description.clock_offset(signal.name)
-    signal, impossible = _possible(signal)
-    choice = choose_clock(signal.name, signal.stamps, recording.host_clock, offset)
-    order, said = time_order(signal.name, choice.t_ns)
-    rows: Times = np.arange(len(choice.t_ns)) if order is None else order
+def _witnesses(
+    name: str, stamps: Stamps, times: Mapping[str, Times], cameras: Mapping[str, Times], recording: Recording
+) -> list[Witness]:
+    """What a signal's time is compared with: its own other stamps, other signals, images, trajectories."""
+    found = []
+    if stamps.header is not None and len(stamps):
+        found.append(Witness(STAMPS, int(stamps.log[0]), int(stamps.log[-1])))
+    for other, t_ns in times.items():
+        if other != name and len(t_ns) > 1:
+            found.append(Witness(SIGNAL, int(t_ns.min()), int(t_ns.max()), pauses_of(t_ns)))
+    found.extend(Witness(IMAGES, int(t_ns.min()), int(t_ns.max())) for t_ns in cameras.values() if len(t_ns) > 1)
+    if recording.trajectories:
+        start = min(trajectory.start_ns for trajectory in recording.trajectories)
+        found.append(Witness(TRAJECTORIES, start, max(trajectory.end_ns for trajectory in recording.trajectories)))
+    return found
+
+
+def _stored(signal: Signal, choice: ClockChoice, kept: NDArray[np.bool_]) -> tuple[StoredSignal, list[Finding]]:
+    placed = np.flatnonzero(kept)
+    order, said = time_order(signal.name, choice.t_ns[placed])
+    rows: Times = placed if order is None else placed[order]
     t_ns, values = choice.t_ns[rows], signal.values[rows]
     said = (*said, *_rotation_findings(signal, values))
     rate = measure_rate(t_ns, values)
@@ -47,7 +83,7 @@ def _stored(signal: Signal, recording: Recording) -> tuple[StoredSignal, list[Fi
     stored = StoredSignal(
         t_ns, values, signal.columns, signal.units, signal.frame, signal.stamps.take(rows), attributes
     )
-    return stored, [*impossible, *choice.findings, *said, *rate_findings(signal.name, signal.columns, rate)]
+    return stored, [*said, *rate_findings(signal.name, signal.columns, rate)]
 
 
 def _possible(signal: Signal) -> tuple[Signal, list[Finding]]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from recorded_touches import recorded_store
 
-from tactiledata.diagnose.force_zeros import ForceZeros, read_zeros
+from tactiledata.diagnose.force_zeros import ForceZeros, free_air_between, read_zeros
 from tactiledata.diagnose.zero_causes import GRAVITY, no_zeros, zero_causes
 from tactiledata.store.reader import Store
 
@@ -73,6 +73,21 @@ def test_where_it_is_quiet_or_unknown_nothing_is_said():
 
 def test_the_same_again():
     assert zero_causes(zeros(mass=0.05), seed=3) == zero_causes(zeros(mass=0.05), seed=3)
+
+
+def test_a_tare_in_free_air_parts_its_readings_and_is_no_touch():
+    """Air at 3 N, set to zero after 1 s, pressed after 3 s: both levels are air, each under its own number."""
+    rng = np.random.default_rng(4)
+    t_ns = 1_700_000_000_000_000_000 + np.arange(500) * 10_000_000
+    load = rng.normal(0, 0.05, (500, 6))
+    load[:100] += 3
+    load[300:] += 8
+    tares = [int(t_ns[0]) - 10, int(t_ns[100])]
+    (first, before, _), (second, after, times) = free_air_between(load, t_ns, tares, np.zeros((2, 6)))
+    assert (first, second) == (1, 2)
+    assert before.mean(axis=0) == pytest.approx(np.full(6, 3.0), abs=0.03)
+    assert after.mean(axis=0) == pytest.approx(np.zeros(6), abs=0.03)
+    assert (times[0], len(before), len(after)) == (t_ns[100], 100, 100)
 
 
 @pytest.mark.slow

@@ -1,0 +1,195 @@
+"""Where the clock of one stream jumped, told from pauses by how long the other streams of the recording last.
+
+A stream that pauses lasts as long as the others; one whose clock jumps by some seconds lasts longer (or shorter) by
+exactly these. Samples whose time is off cannot be placed among the other streams, and are left out.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Finding, Times, Values
+
+LEAST_STEP = 300_000_000
+"""ns. Smaller steps are jitter, or a queue that was emptied out of order."""
+PERIODS = 20
+"""Times the usual distance of samples, below which a step is no step."""
+MOST_STEPS = 8
+"""The largest pauses that are looked at together."""
+AGREE, AGREE_SHARE = 250_000_000, 0.1
+"""ns, and share of the step: streams that are started and stopped together last equally long within these."""
+CROWDED = 1.5
+"""Times the usual number of samples in a stretch, from which on two stretches of real time lie there."""
+
+
+STAMPS, SIGNAL, IMAGES, TRAJECTORIES = range(4)
+"""Kinds of witnesses; the first that can tell decides."""
+
+
+@dataclass(frozen=True)
+class Witness:
+    """The first and last moment (ns) of what was recorded beside a stream, and its pauses as (place, length) in ns.
+
+    The less ``rank``, the more it counts: `STAMPS` (the stream's own other ones), `SIGNAL`, `IMAGES`, `TRAJECTORIES`.
+    """
+
+    rank: int
+    start: int
+    end: int
+    pauses: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Which samples (n,) have a time that can be believed, and what is to be said."""
+
+    kept: NDArray[np.bool_]
+    findings: tuple[Finding, ...]
+
+
+def usual_distance(t_ns: Times) -> int:
+    """Median distance (ns) of neighbouring samples that are in order; 0 where there are none."""
+    steps = np.diff(t_ns)
+    return int(np.median(steps[steps > 0])) if (steps > 0).any() else 0
+
+
+def pauses_of(t_ns: Times) -> tuple[tuple[int, int], ...]:
+    """Place and length (ns) of the steps forward that are pauses or jumps of a clock."""
+    limit = max(LEAST_STEP, PERIODS * usual_distance(t_ns))
+    steps = np.diff(t_ns)
+    return tuple((int(t_ns[row]), int(steps[row])) for row in np.flatnonzero(steps > limit))
+
+
+def judge_steps(stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness]) -> Judged:
+    """Samples without those whose clock had jumped.
+
+    Parameters
+    ----------
+    stream : str
+        For messages.
+    t_ns : (n,) int64
+        In the order of the recording.
+    values : (n, k)
+    witnesses : sequence of Witness
+        What was recorded beside it.
+    """
+    everything = np.ones(len(t_ns), dtype=bool)
+    usual = usual_distance(t_ns)
+    steps = np.diff(t_ns)
+    limit = max(LEAST_STEP, PERIODS * usual)
+    forward = np.flatnonzero(steps > limit)
+    forward = np.sort(forward[np.argsort(-steps[forward], kind="stable")[:MOST_STEPS]])
+    back = np.array([row for row in np.flatnonzero(steps < -limit) if _runs_again(t_ns, values, int(row), usual)])
+    if not len(forward) and not len(back):
+        return Judged(everything, ())
+    size = {int(row): int(steps[row]) - usual for row in (*forward, *back)}
+    returned = [int(row) for row in back]
+    jumps, is_known = _jumps(t_ns, size, [int(row) for row in forward], returned, witnesses)
+    if not jumps:
+        said = () if is_known else (_undecided(stream, t_ns, size),)
+        return Judged(everything, said)
+    off = _displacement(t_ns, {row: size[row] for row in jumps}, witnesses)
+    kept = np.abs(off) < LEAST_STEP
+    return Judged(kept, _findings(stream, t_ns, off, kept, [(row, size[row]) for row in sorted(jumps)]))
+
+
+def _runs_again(t_ns: Times, values: Values, row: int, usual: int) -> bool:
+    """Whether a stretch of time stands twice after a step back: not rows that come late into a hole, nor copies."""
+    first, last = int(t_ns[row + 1]), int(t_ns[: row + 1].max())
+    last = min(last, int(t_ns[row + 1 :].max()))
+    before = np.flatnonzero((t_ns[: row + 1] >= first) & (t_ns[: row + 1] <= last))
+    after = row + 1 + np.flatnonzero((t_ns[row + 1 :] >= first) & (t_ns[row + 1 :] <= last))
+    if last <= first or len(before) + len(after) < CROWDED * (last - first) / max(usual, 1):
+        return False
+    both, left, right = np.intersect1d(t_ns[before], t_ns[after], return_indices=True)
+    is_copy = np.array_equal(values[before[left]], values[after[right]], equal_nan=True)
+    return not (is_copy and len(both) > 0.9 * len(after))
+
+
+def _jumps(
+    t_ns: Times, size: dict[int, int], forward: list[int], back: list[int], witnesses: Sequence[Witness]
+) -> tuple[set[int], bool]:
+    """Rows before which the clock jumped, and whether any witness could tell; a step back is never a pause."""
+    lasted = int(t_ns[-1] - t_ns[0])
+    subsets = [set(rows) for count in range(len(forward) + 1) for rows in itertools.combinations(forward, count)]
+    for _, group in itertools.groupby(sorted(witnesses, key=lambda witness: witness.rank), lambda entry: entry.rank):
+        votes = []
+        for witness in group:
+            # what pauses at the same moment shares the clock, or was halted together: it cannot tell the two apart
+            shared = {row for row in forward if _shares(witness, int(t_ns[row]), size[row])}
+            longer = lasted - (witness.end - witness.start)
+            errors = [
+                (abs(longer - sum(size[row] for row in [*back, *rows])), rows) for rows in subsets if not rows & shared
+            ]
+            error, rows = min(errors, key=lambda entry: entry[0])
+            jumps = {*rows, *back}
+            largest = max((abs(size[row]) for row in size if row not in shared), default=0)
+            if largest and error <= max(AGREE, int(AGREE_SHARE * largest)):
+                votes.append(frozenset(jumps))
+        if votes and votes.count(votes[0]) == len(votes):
+            return set(votes[0]), True
+        if votes:
+            most = max(set(votes), key=votes.count)
+            return (set(most), True) if 2 * votes.count(most) > len(votes) else (_returning(size, forward, back), False)
+    # where all signals halt together, none is displaced against another
+    signals = [witness for witness in witnesses if witness.rank == SIGNAL]
+    halted = all(_shares(witness, int(t_ns[row]), size[row]) for witness in signals for row in forward)
+    return _returning(size, forward, back), bool(signals) and halted
+
+
+def _returning(size: dict[int, int], forward: list[int], back: list[int]) -> set[int]:
+    """Steps back, and before each the step forward that it takes back."""
+    jumps = set(back)
+    for row in back:
+        near = [other for other in forward if other < row and abs(size[other] + size[row]) < AGREE]
+        jumps.update(near[-1:])
+    return jumps
+
+
+def _shares(witness: Witness, place: int, step: int) -> bool:
+    return any(abs(at - place) < LEAST_STEP and abs(length - step) < LEAST_STEP for at, length in witness.pauses)
+
+
+def _displacement(t_ns: Times, jumps: dict[int, int], witnesses: Sequence[Witness]) -> Times:
+    """By how many ns the time of each sample (n,) is off: 0 at the start, or at the end where only that one fits."""
+    off = np.zeros(len(t_ns), dtype=np.int64)
+    for row, step in jumps.items():
+        off[row + 1 :] += step
+    total = int(off[-1])
+    tolerance = max(AGREE, int(AGREE_SHARE * abs(total)))
+    ranked = sorted(witnesses, key=lambda witness: witness.rank)
+    for witness in ranked:
+        is_first_right = abs(int(t_ns[0]) - witness.start) <= tolerance
+        is_last_right = abs(int(t_ns[-1]) - witness.end) <= tolerance
+        if is_first_right != is_last_right:
+            return off if is_first_right else off - total
+    return off
+
+
+def _findings(
+    stream: str, t_ns: Times, off: Times, kept: NDArray[np.bool_], jumps: list[tuple[int, int]]
+) -> tuple[Finding, ...]:
+    where = ", ".join(f"{step / 1e9:+.3f} s after {(t_ns[row] - t_ns[0]) / 1e9:.3f} s" for row, step in jumps[:5])
+    left_out = int((~kept).sum())
+    true_ns = (t_ns - off)[~kept]
+    text = (
+        f"{stream}: its clock jumps against the other streams ({where}); the {left_out} samples whose time is off "
+        "were left out, because their forces or poses would stand in other touches"
+    )
+    start, end = (int(true_ns.min()), int(true_ns.max())) if left_out else (None, None)
+    return (Finding("clock-jump", "damage", text, stream, start_ns=start, end_ns=end, count=left_out),)
+
+
+def _undecided(stream: str, t_ns: Times, size: dict[int, int]) -> Finding:
+    row = max(size, key=lambda place: size[place])
+    text = (
+        f"{stream}: no samples for {size[row] / 1e9:.3f} s, {(t_ns[row] - t_ns[0]) / 1e9:.3f} s after its start; "
+        "whether it paused or its clock jumped cannot be told, because no other stream lasts as long as either says"
+    )
+    start, end = int(t_ns[row]), int(t_ns[row + 1])
+    return Finding("pause-or-jump", "warning", text, stream, start_ns=start, end_ns=end, count=len(size))

@@ -1,0 +1,140 @@
+"""Stated tare events, as the readings show them: where the zero jumps, by how much, and to what."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactiledata.contract.records import Finding, Times, Values
+
+LATENCY = 100_000_000
+"""ns. The reading jumps at most this far from the stated moment: a service call and a queue lie between the two."""
+
+BESIDE = 10
+"""Samples on either side that the jump is measured with."""
+
+CLEAR = 6.0
+"""Standard deviations of one component's noise, times the root of 3: a jump of the reading that is no noise."""
+
+
+@dataclass(frozen=True)
+class Tare:
+    """One stated tare event.
+
+    Parameters
+    ----------
+    row : int
+        The first sample that is read with the new zero; 0 where the event lies before the recording.
+    zero : (6,) N, N m
+        The load where the reading is zero: minus the tool's weight, where that is taken off.
+    step : (6,) N, N m
+        By how much the load jumps there, whatever pressed.
+    """
+
+    row: int
+    zero: Values
+    step: Values
+
+
+def locate_tares(
+    t_ns: Times, load: Values, tare_ns: Sequence[int], zeros: Values, noise: float
+) -> tuple[list[Tare], list[int]]:
+    """Stated tare events that the readings bear out, in order of time, and the moments (ns) of those they contradict.
+
+    An event after the last sample says nothing about the recording and is in neither list.
+
+    Parameters
+    ----------
+    t_ns : (n,) int64
+    load : (n, 6) N, N m
+    tare_ns : sequence of int
+        Stated moments, host clock.
+    zeros : (len(tare_ns), 6) N, N m
+        The load that a reading of zero is at each of them.
+    noise : float
+        N, one component.
+    """
+    tares: list[Tare] = []
+    contradicted: list[int] = []
+    sound = np.flatnonzero(np.isfinite(load).all(axis=1))
+    times, rows = t_ns[sound], load[sound]
+    least = 0
+    for number in np.argsort(np.asarray(tare_ns, dtype=np.int64), kind="stable"):
+        moment, zero = int(tare_ns[number]), zeros[number]
+        place = int(np.searchsorted(times, moment))
+        if place == len(times):
+            continue
+        if place == 0:
+            tares.append(Tare(0, zero, np.zeros(6)))
+            continue
+        place = max(_place_of_jump(times, rows, moment, zero, noise), least + 1)
+        if not _reads_zero(times, rows, place, moment, zero, noise):
+            contradicted.append(moment)
+            continue
+        stop = min(place + BESIDE, len(times))
+        tares.append(Tare(int(sound[place]), zero, _step(times, rows, max(least, place - BESIDE), place, stop)))
+        least = place
+    return tares, contradicted
+
+
+def _place_of_jump(times: Times, rows: Values, moment: int, zero: Values, noise: float) -> int:
+    """The row at which the load comes nearer to its zero than by noise; the first after the moment where none does."""
+    first = max(int(np.searchsorted(times, moment - LATENCY)), 1)
+    last = int(np.searchsorted(times, moment + LATENCY, side="right"))
+    if first >= last:
+        return int(np.searchsorted(times, moment))
+    off = np.linalg.norm((rows[first - 1 : last] - zero)[:, :3], axis=1)
+    nearer = off[:-1] - off[1:]
+    if nearer.max() <= CLEAR * noise * np.sqrt(3):
+        return int(np.searchsorted(times, moment))
+    return first + int(np.argmax(nearer))
+
+
+def _reads_zero(times: Times, rows: Values, place: int, moment: int, zero: Values, noise: float) -> bool:
+    """Whether the load is at its zero near the moment; nobody knows where no sample is near."""
+    near = (times[place:] <= max(moment, int(times[place - 1])) + LATENCY).nonzero()[0]
+    if not len(near) or times[place] - times[place - 1] > LATENCY:
+        return True
+    off = np.linalg.norm((rows[place + near] - zero)[:, :3], axis=1)
+    return bool(off.min() <= max(0.5, CLEAR * noise * np.sqrt(3)))
+
+
+def _step(times: Times, rows: Values, start: int, place: int, stop: int) -> Values:
+    """Jump (6,) at a row: least squares of a line with a step there, so that a press on the way is no part of it."""
+    seconds = (times[start:stop] - times[place]) / 1e9
+    after = (np.arange(start, stop) >= place).astype(np.float64)
+    columns = [np.ones_like(after), after]
+    if place - start > 2 and stop - place > 2:
+        columns.append(seconds)
+    solution = np.linalg.lstsq(np.stack(columns, axis=1), rows[start:stop], rcond=None)[0]
+    return np.asarray(solution[1])
+
+
+def without_steps(load: Values, tares: Sequence[Tare], start: int, stop: int) -> Values:
+    """Loads of rows [start, stop), with the jumps of the tare events among them taken off: one zero for all.
+
+    Parameters
+    ----------
+    load : (n, 6)
+    tares : sequence of Tare
+    start, stop : int
+    """
+    steady = load[start:stop].copy()
+    for tare in tares:
+        if start < tare.row < stop:
+            steady[tare.row - start :] -= tare.step
+    return steady
+
+
+def contradicted_findings(moments: Sequence[int]) -> list[Finding]:
+    """A finding on stated tare events after which the sensor does not read zero."""
+    if not moments:
+        return []
+    text = (
+        f"wrench: {len(moments)} stated tare events are not seen: the reading is not zero within "
+        f"{LATENCY / 1e9:g} s of them; they were not used"
+    )
+    first, last = min(moments), max(moments)
+    return [Finding("tare-not-seen", "warning", text, "wrench", start_ns=first, end_ns=last, count=len(moments))]

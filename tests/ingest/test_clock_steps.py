@@ -1,0 +1,179 @@
+"""A stream's clock that jumps is told from a stream that pauses, and no force moves into another touch."""
+
+import dataclasses
+import shutil
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
+from tactiledata.ingest.clock_steps import Witness, judge_steps
+from tactiledata.ingest.clocks import choose_clock
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.timeline import put_on_host_clock
+from tactiledata.store.reader import Store
+
+START, STEP, SECOND = 1_700_000_000_000_000_000, 10_000_000, 1_000_000_000
+TRUE = START + np.arange(6000) * STEP
+FORCE = ("fx", "fy", "fz", "tx", "ty", "tz")
+VALUES = np.random.default_rng(0).normal(size=(6000, 6))
+OTHERS = [Witness(1, START + 30_000_000, int(TRUE[-1]) - 50_000_000)]
+
+
+def codes(judged):
+    return [finding.code for finding in judged.findings]
+
+
+@given(st.integers(300, 5700), st.sampled_from([-5, -2, 1, 5, 60]))
+def test_what_lies_behind_a_jump_is_left_out(row, seconds):
+    """Samples with a displaced time are left out, all others are kept, and the damage says where they belong."""
+    t_ns = TRUE + np.where(np.arange(6000) >= row, seconds * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES, OTHERS)
+    [finding] = judged.findings
+    assert (finding.code, finding.severity, finding.count) == ("clock-jump", "damage", 6000 - row)
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert (finding.start_ns, finding.end_ns) == (TRUE[row], TRUE[-1])
+
+
+def test_a_clock_that_is_set_right_loses_what_came_before():
+    """A clock that is 5 s late until it is set: the first samples are left out, and those after are kept."""
+    t_ns = TRUE - np.where(np.arange(6000) < 700, 5 * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES, OTHERS)
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert codes(judged) == ["clock-jump"]
+
+
+@pytest.mark.parametrize("others", [OTHERS, []])
+def test_a_jump_that_is_taken_back_loses_the_middle(others):
+    """Ahead by 5 s for 20 s: the 20 s are left out, even where nothing was recorded beside the stream."""
+    t_ns = TRUE + np.where((np.arange(6000) >= 2000) & (np.arange(6000) < 4000), 5 * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES, others)
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert codes(judged) == ["clock-jump"]
+
+
+@given(st.integers(300, 5000), st.integers(40, 600))
+def test_a_stream_that_paused_is_kept(row, lost):
+    """Negative control: samples that are missing for a while, with a right clock, cost nothing but themselves."""
+    rows = np.r_[0:row, row + lost : 6000]
+    judged = judge_steps("wrench", TRUE[rows], VALUES[rows], OTHERS)
+    assert judged.kept.all()
+    assert judged.findings == ()
+
+
+def test_a_pause_and_a_jump_are_told_apart():
+    """A pause of 3 s and a jump of 5 s in one stream: what lies behind the jump is left out, and not the pause."""
+    rows = np.r_[0:1000, 1300:6000]
+    t_ns = TRUE[rows] + np.where(rows >= 3000, 5 * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES[rows], OTHERS)
+    assert (judged.kept == (rows < 3000)).all()
+
+
+def test_streams_that_pause_together_are_no_evidence():
+    """Where all signals halt at one moment the recorder halted: nothing is left out, unless the images tell."""
+    t_ns = TRUE + np.where(np.arange(6000) >= 2000, 5 * SECOND, 0)
+    together = [Witness(1, int(t_ns[0]), int(t_ns[-1]), ((int(t_ns[1999]), 5 * SECOND),))]
+    judged = judge_steps("wrench", t_ns, VALUES, together)
+    assert judged.kept.all()
+    assert judged.findings == ()
+    assert judge_steps("wrench", t_ns, VALUES, [*together, Witness(2, START, int(TRUE[-1]))]).kept.sum() == 2000
+
+
+def test_late_rows_and_copies_are_no_jumps():
+    """Negative control: rows that were written late fill a hole, and rows written twice stand at one time."""
+    late = np.r_[0:1000, 1500:3000, 1000:1500, 3000:6000]
+    twice = np.r_[0:3000, 2000:6000]
+    for rows in (late, twice):
+        judged = judge_steps("wrench", TRUE[rows], VALUES[rows], OTHERS)
+        assert judged.kept.all(), rows
+        assert "clock-jump" not in codes(judged)
+
+
+def test_a_pause_that_no_stream_can_judge_is_said():
+    """Alone, or beside streams of quite another length, a pause of 5 s gets a warning."""
+    t_ns = TRUE + np.where(np.arange(6000) >= 2000, 5 * SECOND, 0)
+    for others in ([], [Witness(2, START, START + 20 * SECOND)]):
+        judged = judge_steps("wrench", t_ns, VALUES, others)
+        assert judged.kept.all()
+        assert codes(judged) == ["pause-or-jump"]
+
+
+def recording(wrench_ns):
+    poses = np.concatenate([np.zeros((6000, 3)), np.tile([0.0, 0, 0, 1], (6000, 1))], axis=1)
+    signals = {
+        "wrench": Signal("wrench", Stamps(wrench_ns), VALUES, FORCE),
+        "tcp": Signal("tcp", Stamps(TRUE), poses, ("x", "y", "z", "qx", "qy", "qz", "qw")),
+    }
+    touches = tuple(Trajectory(f"t{k}", START + k * 6 * SECOND, START + (k * 6 + 5) * SECOND) for k in range(10))
+    return Recording(Source("p", "k", "folder", ()), LogDescription({}), signals, touches)
+
+
+def test_no_force_of_a_recording_moves_to_another_touch():
+    """A wrench that jumps by 5 s keeps only samples at their true time; poses are untouched; one damage is reported."""
+    jumped = TRUE + np.where(np.arange(6000) >= 2500, 5 * SECOND, 0)
+    timed = put_on_host_clock(recording(jumped))
+    assert (timed.signals["wrench"].t_ns == TRUE[:2500]).all()
+    assert (timed.signals["wrench"].values == VALUES[:2500]).all()
+    assert len(timed.signals["tcp"].t_ns) == 6000
+    assert [finding.stream for finding in timed.findings if finding.severity == "damage"] == ["wrench"]
+    assert put_on_host_clock(recording(TRUE)).findings == ()
+
+
+@pytest.mark.parametrize("row", [30, 3000, 5900])
+def test_a_header_clock_that_jumps_is_seen_by_the_log_time(row):
+    """Wherever it jumps, the header is not taken: the log time is the recorder's, and is right."""
+    header = TRUE + np.where(np.arange(6000) >= row, 5 * SECOND, 0)
+    choice = choose_clock("wrench", Stamps(TRUE + 2_000_000, None, header))
+    assert choice.clock == "log"
+    assert "clock" in choice.findings[0].message
+
+
+def test_a_recorder_that_stalls_keeps_the_header():
+    """Negative control: half a second in which nothing is written, and then all of it, is no jump of the header."""
+    log = TRUE + 2_000_000
+    stalled = np.maximum(log, np.where((np.arange(6000) >= 3000) & (np.arange(6000) < 3050), log[3050], 0))
+    assert choose_clock("wrench", Stamps(stalled, None, TRUE)).clock == "header"
+
+
+def test_a_forced_header_that_jumps_is_damage():
+    """Where a mapping asks for the header stamps, the log times of the same messages tell that they jump."""
+    header = TRUE + np.where(np.arange(6000) >= 2500, 5 * SECOND, 0)
+    whole = recording(TRUE)
+    wrench = dataclasses.replace(whole.signals["wrench"], stamps=Stamps(TRUE + 2_000_000, None, header))
+    forced = dataclasses.replace(whole, signals={"wrench": wrench}, host_clock="header")
+    timed = put_on_host_clock(forced)
+    assert (timed.signals["wrench"].t_ns == TRUE[:2500]).all()
+    assert "clock-jump" in {finding.code for finding in timed.findings}
+
+
+def rewritten(log, folder, change):
+    """A copy of a folder log whose rows of wrench.csv went through ``change``."""
+    shutil.copytree(log, folder)
+    head, *rows = (folder / "wrench.csv").read_text().splitlines()
+    (folder / "wrench.csv").write_text("\n".join([head, *change(rows)]) + "\n")
+    return folder
+
+
+def later(row):
+    t_ns, rest = row.split(",", 1)
+    return f"{int(t_ns) + 5 * SECOND},{rest}"
+
+
+def test_a_log_whose_wrench_jumps_falls_short(tiny_folders, tmp_path):
+    """Ingest reports damage, and no frame after the jump has a force; samples lost in a pause are no damage."""
+    log = tiny_folders[0]
+    jumped = rewritten(log, tmp_path / "jumped", lambda rows: [*rows[:300], *map(later, rows[300:])])
+    halted = rewritten(log, tmp_path / "halted", lambda rows: [*rows[:300], *rows[400:]])
+    report = ingest([jumped], tmp_path / "jumped.zarr")
+    assert report.fell_short
+    said = {finding.code for finding in report.sources[0].findings}
+    assert {"clock-jump", "trajectory-incomplete"} <= said
+    first = int((log / "wrench.csv").read_text().splitlines()[301].split(",")[0]) + 4_000_000
+    frames = Store.open(tmp_path / "jumped.zarr").frames(["t_ns", "contact_force"])
+    has_force = np.isfinite(frames["contact_force"].to_numpy())
+    assert has_force[frames["t_ns"].to_numpy() < first - 20_000_000].all()
+    assert not has_force[frames["t_ns"].to_numpy() >= first].any()
+    assert not ingest([halted], tmp_path / "halted.zarr").fell_short
