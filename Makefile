@@ -5,7 +5,7 @@ BIN     = $(VENV)/bin
 INSTALLED = $(VENV)/.installed
 OUT    ?= demo-out
 
-.PHONY: help demo test quick check bench wheel-test clean
+.PHONY: help demo test quick check bench mutants wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -34,5 +34,10 @@ check: $(INSTALLED)  ## formatting, lint, types
 bench: $(INSTALLED)  ## benchmarks: ours and the alternatives side by side
 	$(BIN)/python benchmarks/run_all.py
 
+# SAMPLE=0 takes every place; what was measured is kept in .mutants, so that a run can be stopped and taken up again
+mutants: $(INSTALLED) ## the mutation score of a sample, and the changes that no fast test notices (long)
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[mutants]'
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutants.py --sample $(or $(SAMPLE),60) --seed $(or $(SEED),1)
+
 clean:           ## remove what make made, the virtual environment included
-	rm -rf $(VENV) $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache .mutants

@@ -1,0 +1,160 @@
+"""The mutation score: the share of small changes to the code that its fast tests notice.
+
+Cosmic Ray makes the changes; this script draws a sample of them, chooses the tests that run the changed line, and
+counts. Of each package so many places are drawn, and at each place one change: `make mutants`. What was measured is
+kept in a folder, so that a run that was stopped goes on where it was. Changes that no test could notice are listed
+with the reason in equivalent_mutants.yaml. The choice of the tool is described in docs/decisions/0033-mutants.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+from mutant_runs import Copy, fork_tests, load_libraries
+from mutant_sites import Mutant, sample
+from mutant_tests import TestMap
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = {
+    "contract": ["tactiledata/contract"],
+    "ingest": ["tactiledata/ingest"],
+    "splits": ["tactiledata/splits"],
+    "metrics": ["tactiledata/metrics"],
+    "losses": ["tactiledata/calibrate/losses.py", "split_models/objectives.py", "split_models/latent_normal.py"],
+    "effects": ["tactiledata/effects"],
+}
+TESTS = ("contract", "ingest", "splits", "metrics", "effects", "calibrate", "split_models", "store", "scoring")
+"""Folders of tests whose fast tests are used."""
+KILLED, SURVIVED, EQUIVALENT = "killed", "survived", "equivalent"
+Z = 1.959964
+"""Of a normal distribution's 95 % interval."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of a mutant."""
+
+    mutant: Mutant
+    outcome: str
+    reason: str
+
+
+def files_of(package: str) -> list[str]:
+    """Paths of a package's modules, relative to the repository."""
+    found: list[Path] = []
+    for place in PACKAGES[package]:
+        found += sorted((ROOT / place).rglob("*.py")) if (ROOT / place).is_dir() else [ROOT / place]
+    return [str(path.relative_to(ROOT)) for path in found]
+
+
+def test_files() -> list[str]:
+    """Paths of the test files that are used, relative to the repository."""
+    return [str(path.relative_to(ROOT)) for name in TESTS for path in sorted((ROOT / "tests" / name).glob("test_*.py"))]
+
+
+def interval(successes: int, count: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a share."""
+    if count == 0:
+        return 0.0, 1.0
+    share, square = successes / count, Z**2 / count
+    middle = (share + square / 2) / (1 + square)
+    half = Z / (1 + square) * (share * (1 - share) / count + square / (4 * count)) ** 0.5
+    return middle - half, middle + half
+
+
+def equivalents() -> dict[tuple[str, str, str], str]:
+    """Reasons of the listed equivalent mutants, by file, line and changed line."""
+    rows = yaml.safe_load((ROOT / "benchmarks" / "equivalent_mutants.yaml").read_text()) or []
+    return {(row["file"], row["line"], row["changed"]): row["reason"] for row in rows}
+
+
+def measured(mutants: list[Mutant], tests: TestMap, copy: Copy, kept: Path) -> Iterator[Result]:
+    """Outcomes of mutants, those that were measured with the same tests from the file that keeps them."""
+    listed = equivalents()
+    rows = [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
+    known = {row["mutant"]: row for row in rows}
+    for mutant in mutants:
+        if (mutant.file, mutant.line, mutant.changed) in listed:
+            yield Result(mutant, EQUIVALENT, listed[mutant.file, mutant.line, mutant.changed])
+            continue
+        chosen = tests.running(mutant)
+        row = known.get(mutant.key)
+        if row is None or row["digest"] != tests.digest([row["by"]] if row["by"] else chosen):
+            row = {"mutant": mutant.key, **_run(mutant, chosen, tests, copy)}
+            with kept.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+        yield Result(mutant, row["outcome"], row["reason"])
+
+
+def _run(mutant: Mutant, chosen: list[str], tests: TestMap, copy: Copy) -> dict[str, str]:
+    """Outcome, reason, the test that noticed, and the digest of the test files that the outcome rests on."""
+    if not chosen:
+        return {"outcome": SURVIVED, "reason": "no fast test runs this line", "by": "", "digest": tests.digest([])}
+    with copy.changed(mutant.file, mutant.text):
+        code, by = fork_tests(copy.place, chosen, 60 + 10 * tests.seconds(chosen))
+    outcome, reason = SURVIVED if code == 0 else KILLED, "time ran out" if code is None else ""
+    return {"outcome": outcome, "reason": reason, "by": by, "digest": tests.digest([by] if by else chosen)}
+
+
+def describe(result: Result) -> str:
+    """A survivor for people: where it is, and what was changed."""
+    mutant = result.mutant
+    reason = f" ({result.reason})" if result.reason else ""
+    return f"{mutant.file}:{mutant.row}: {result.outcome}{reason}\n  - {mutant.line}\n  + {mutant.changed}"
+
+
+def summary(package: str, results: list[Result], places: int) -> str:
+    """A row of the table of scores."""
+    equivalent = sum(result.outcome == EQUIVALENT for result in results)
+    killed = sum(result.outcome == KILLED for result in results)
+    count = len(results) - equivalent
+    low, high = interval(killed, count)
+    share = killed / count if count else 0.0
+    return (
+        f"{package:<10} {places:>6} {len(results):>6} {equivalent:>10} {killed:>6} {count - killed:>8} "
+        f"{share:>6.1%}  {low:.1%} to {high:.1%}"
+    )
+
+
+def main() -> None:
+    """Measure the score and print survivors."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("packages", nargs="*", default=list(PACKAGES), help=f"of {', '.join(PACKAGES)}")
+    parser.add_argument("--sample", type=int, default=60, help="places drawn of each package; 0: every place")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--work", type=Path, default=ROOT / ".mutants", help="folder that keeps what was measured")
+    options = parser.parse_args()
+    if unknown := set(options.packages) - set(PACKAGES):
+        parser.error(f"no package {', '.join(sorted(unknown))}; there are {', '.join(PACKAGES)}")
+    options.work.mkdir(parents=True, exist_ok=True)
+    load_libraries()
+    sources = [file for package in PACKAGES for file in files_of(package)]
+    copy = Copy(ROOT, options.work / f"copy-{'-'.join(options.packages)}")
+    tests = TestMap.measured(copy.place, test_files(), sources, options.work / "tests")
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    rows, everything = [], []
+    for package in options.packages:
+        mutants, places = sample(ROOT, files_of(package), options.sample, f"{options.seed} {package}")
+        results = []
+        for result in measured(mutants, tests, copy, options.work / f"{package}.jsonl"):
+            results.append(result)
+            if result.outcome != KILLED:
+                print(f"[{len(results)}/{len(mutants)}] {describe(result)}", flush=True)
+        rows.append(summary(package, results, places))
+        print(rows[-1], file=sys.stderr, flush=True)
+        everything += [(package, result) for result in results]
+    print(f"\nmutation score, commit {commit.stdout.strip()}, {options.sample} places a package, seed {options.seed}")
+    print("package    places sample equivalent killed survived  score  95 % interval")
+    print("\n".join(rows))
+    print(summary("all", [result for _, result in everything], 0).replace("      0", "       ", 1))
+
+
+if __name__ == "__main__":
+    main()
