@@ -16,6 +16,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from split_models.transfer_methods import TransferMethod
+from tactiledata.contract.image_batches import image_batches
 from tactiledata.contract.provenance import digest_of, provenance
 from tactiledata.contract.records import FrameValues, Image, Source
 from tactiledata.contract.take import FRAME_SCHEMA, UNUSABLE, Reference, Take, findings_table
@@ -88,10 +89,11 @@ def stage_transfer(out: Path, piece: Piece, transfer: Transfer, largest_payload:
 
 
 def _transferred(piece: Piece, transfer: Transfer, rows: NDArray[np.int64]) -> Iterator[Image]:
-    """The new pictures as PNG, in order; BATCH of them in memory."""
+    """The new pictures as PNG, in order; BATCH of them in memory, fewer where they are large (`image_batches`)."""
     frames = piece.origin.frames.select(["camera", "sensor", "log_ns", "publish_ns", "header_ns"])
-    for start in range(0, len(rows), BATCH):
-        some = rows[start : start + BATCH]
+    height, width = (piece.origin.frames[side].to_numpy().astype(np.int64)[rows] for side in ("height", "width"))
+    for start, stop in image_batches(height * width, BATCH):
+        some = rows[start:stop]
         facts = frames.take(pa.array(some)).to_pylist()
         pictures = _batch(transfer, [np.asarray(one) for one in piece.store.images(some)], facts, some)
         for picture, row in zip(pictures, facts, strict=True):
@@ -117,7 +119,8 @@ def _batch(
                     f"{images[place].shape[1]} columns, its background {background.shape[0]} x {background.shape[1]}",
                     "frames and background of one size",
                     f"Give the sensor a background of its frames' size: `tactiledata sensors add {sensor} --background "
-                    "FILE... --replace`.",
+                    "FILE... --replace`. Where single frames differ, ingest their recording again with --replace: "
+                    "they are then marked and left out.",
                 )
         moved = transfer.method.transfer(
             np.stack([images[place] for place in places]), background, transfer.target.background

@@ -151,7 +151,11 @@ def load_pictures(store: Store, one: SensorSet) -> NDArray[np.uint8]:
     pictures = store.images(one.rows)
     if not isinstance(pictures, np.ndarray):
         sizes = sorted({f"{picture.shape[0]} x {picture.shape[1]}" for picture in pictures})
-        raise StoreError(f"pictures of {one.name} have sizes {', '.join(sizes)}", "one size a sensor", "")
+        raise StoreError(
+            f"pictures of {one.name} have sizes {', '.join(sizes)} (rows x columns)",
+            "one size a sensor",
+            "Ingest its recordings again with --replace: single images of another size are then marked and left out.",
+        )
     return pictures
 
 

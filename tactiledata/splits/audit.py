@@ -11,6 +11,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_batches import image_batches
+from tactiledata.contract.image_bytes import size_fault
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import SchemaError, StoreError
@@ -30,7 +32,7 @@ Progress = Callable[[int, int], None]
 AUDIT_TRAJECTORY_COLUMNS = ("uid", "trajectory", "source", "sensor", "indenter", "start_ns", "end_ns", "parent")
 AUDIT_FRAME_COLUMNS = (*FRAME_COLUMNS, "parent_frame", "length", "crc32c")
 BATCH = 256
-"""Images read at a time."""
+"""Images read at a time, where they are small; large ones are fewer (`image_batches`)."""
 NOISE_SAMPLE = 16
 """Trajectories of a sensor from which its noise is estimated."""
 MAX_PAIRS = 5000
@@ -157,13 +159,15 @@ def _audit_images(
     rows = np.flatnonzero(taken_frames(frames, split.force))
     where = part[trajectory[rows]]
     rows, where = rows[where >= 0], where[where >= 0]
-    prints, unreadable = _fingerprints(store, rows, progress)
+    too_large = _too_large(store, rows)
+    prints = np.full((len(rows), CELLS), np.nan, np.float32)
+    prints[~too_large], unreadable = _fingerprints(store, rows[~too_large], progress)
     pairs = near_pairs(prints, where)
     whole = rows[np.isfinite(prints[:, 0])]
     noise = _noise_by_sensor(store, whole, trajectory, codes(store.frames(["sensor"])["sensor"]))
     copies = _copies(store, rows[pairs.first[:MAX_PAIRS]], rows[pairs.second[:MAX_PAIRS]], noise)
-    name = dict(zip(rows.tolist(), where.tolist(), strict=True))
-    cases = (f"frame {a} ({PARTITIONS[name[a]]}) and frame {b} ({PARTITIONS[name[b]]})" for a, b in copies)
+    name = {row: PARTITIONS[code] for row, code in zip(rows.tolist(), where.tolist(), strict=True)}
+    cases = (f"frame {a} ({name[a]}) and frame {b} ({name[b]})" for a, b in copies)
     found = leaks.leak("near-duplicate-image", "copies of one image are in different parts", cases, len(copies))
     if len(pairs) > MAX_PAIRS:
         left = len(pairs) - MAX_PAIRS
@@ -171,14 +175,36 @@ def _audit_images(
             f"{len(pairs)} pairs of images across parts look alike; the nearest {MAX_PAIRS} were compared in detail"
         )
         found.append(Finding("near-pairs-not-compared", "warning", message, count=left))
-    if unreadable:
-        message = f"{len(unreadable)} images do not decode, first frame {unreadable[0]}: run `tactiledata check`"
-        found.append(Finding("images-not-compared", "warning", message, count=len(unreadable)))
-    blank = int(np.isnan(prints[:, 0]).sum()) - len(unreadable)
+    found += _not_compared(rows[too_large].tolist(), "too large to be decoded")
+    found += _not_compared(unreadable, "damaged")
+    decoded = len(rows) - len(unreadable) - int(too_large.sum())
+    blank = decoded - len(whole)
     if blank:
         message = f"{blank} images are of one grey: whether they are copies cannot be told"
         found.append(Finding("blank-image", "warning", message, count=blank))
-    return found, {"images": len(rows), "near pairs": min(len(pairs), MAX_PAIRS)}
+    return found, {"images": decoded, "near pairs": min(len(pairs), MAX_PAIRS)}
+
+
+def _sizes(store: Store, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows and columns of pixels (n, 2) of frames."""
+    sizes = store.frames(["height", "width"])
+    return np.stack([sizes[side].to_numpy().astype(np.int64)[rows] for side in ("height", "width")], axis=1)
+
+
+def _too_large(store: Store, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Whether each image (n,) is beyond the limit of decoded size, by the table of frames."""
+    return np.array([bool(size_fault(height, width)) for height, width in _sizes(store, rows).tolist()], bool)
+
+
+def _not_compared(rows: list[int], why: str) -> list[Finding]:
+    if not rows:
+        return []
+    are = "is" if len(rows) == 1 else "are"
+    message = (
+        f"{counted(len(rows), 'image')} {are} {why} and not compared, first frame {rows[0]}: "
+        "`tactiledata check --repair` marks such images, and training leaves them out"
+    )
+    return [Finding("images-not-compared", "warning", message, count=len(rows))]
 
 
 def _fingerprints(
@@ -187,12 +213,12 @@ def _fingerprints(
     """Fingerprints (n, CELLS) of frames, NaN where there is none, and the frames that do not decode."""
     prints = np.full((len(rows), CELLS), np.nan, np.float32)
     unreadable: list[int] = []
-    for start in range(0, len(rows), BATCH):
-        for offset, image in enumerate(_readable(store, rows[start : start + BATCH], unreadable)):
+    for start, stop in image_batches(_sizes(store, rows).prod(axis=1), BATCH):
+        for offset, image in enumerate(_readable(store, rows[start:stop], unreadable)):
             if image is not None:
                 prints[start + offset] = fingerprint(image)
         if progress is not None:
-            progress(min(start + BATCH, len(rows)), len(rows))
+            progress(stop, len(rows))
     return prints, unreadable
 
 
@@ -205,7 +231,8 @@ def _noise_by_sensor(
         own = rows[sensor[rows] == unit]
         first = np.unique(trajectory[own], return_index=True)[1]
         spread = own[first[np.linspace(0, len(first) - 1, min(NOISE_SAMPLE, len(first))).astype(int)]]
-        noise[sensor == unit] = sensor_noise([np.asarray(image) for image in store.images(spread)])
+        # one picture at a time: sensor_noise keeps two
+        noise[sensor == unit] = sensor_noise(np.asarray(store.images([row])[0]) for row in spread.tolist())
     return noise
 
 

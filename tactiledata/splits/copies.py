@@ -10,7 +10,7 @@ about as much as its noise does.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -110,7 +110,7 @@ def noise_between(one: Picture, other: Picture) -> float:
     return float(GRAIN_OF_COLOUR * 1.4826 * np.median(np.abs(fine)) / np.sqrt(2))
 
 
-def sensor_noise(pictures: Sequence[Picture]) -> float:
+def sensor_noise(pictures: Iterable[Picture]) -> float:
     """Noise of each colour, grey levels, from pictures of different touches; 0 where there is one only."""
     pairs = [noise_between(one, other) for one, other in pairwise(pictures)]
     return float(np.median(pairs)) if pairs else 0.0
@@ -136,7 +136,8 @@ def compare_images(one: Portrait, other: Portrait, noise: float) -> Comparison:
 def middle_of(image: Picture) -> Picture:
     """The middle (h, w, 3) of an image, on the grid of compression blocks."""
     top, left = (max(0, (size - most) // 2) // MARGIN * MARGIN for size, most in zip(image.shape, CROP, strict=False))
-    return np.ascontiguousarray(image[top : top + CROP[0], left : left + CROP[1]])
+    # a copy: a view would keep the whole image in memory
+    return np.array(image[top : top + CROP[0], left : left + CROP[1]], order="C")
 
 
 def compress(picture: Picture, quality: int) -> Picture:

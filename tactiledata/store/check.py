@@ -12,6 +12,7 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.wording import counted
 from tactiledata.errors import SchemaError, TactileDataError
 from tactiledata.store.document_checks import document_findings
 from tactiledata.store.index_checks import INDEX_NEEDS, index_findings
@@ -188,12 +189,17 @@ def image_findings(store: Store, decode: bool, threads: int | None, said: Callab
     findings = []
     if new:
         shown = "; ".join(f"frame {row}: {why}" for row, why in new[:5]) + ("; …" if len(new) > 5 else "")
-        message = f"{len(new)} images are damaged ({shown}); `check --repair` marks them as broken"
+        message = f"{_damaged_words(len(new))} ({shown}); `check --repair` marks them as broken"
         findings.append(_damage("store-payload", message, count=len(new)))
     if marked:
-        message = f"{marked} images are damaged and marked as broken"
+        message = f"{_damaged_words(marked)} and marked as broken"
         findings.append(Finding("store-payload-marked", "warning", message, count=marked))
     return findings
+
+
+def _damaged_words(count: int) -> str:
+    """How many images are damaged, in words that hold for those too large to be decoded, too."""
+    return f"{counted(count, 'image')} {'is' if count == 1 else 'are'} damaged or too large"
 
 
 def _leftover_findings(store: Store) -> Iterator[Finding]:

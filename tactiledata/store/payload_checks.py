@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import google_crc32c
 import numpy as np
 
+from tactiledata.contract.image_batches import image_batches
 from tactiledata.contract.image_bytes import size_fault
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import TactileDataError
@@ -15,7 +16,7 @@ from tactiledata.store.pictures import default_threads
 from tactiledata.store.reader import Store
 
 BLOCK = 256
-"""Frames whose payloads are in memory at once, per thread."""
+"""Frames whose payloads are in memory at once, per thread; fewer where images are large (`image_batches`)."""
 
 
 def payload_faults(
@@ -41,8 +42,8 @@ def payload_faults(
     wanted = range(len(table)) if rows is None else rows
     crc32c, flags = np.asarray(table["crc32c"]), np.asarray(table["flags"])
 
-    def of_block(start: int) -> list[tuple[int, str]]:
-        rows = list(range(start, min(start + BLOCK, wanted.stop)))
+    def of_block(block: tuple[int, int]) -> list[tuple[int, str]]:
+        rows = list(wanted[slice(*block)])
         try:
             payloads: list[bytes | str | None] = list(store.encoded(rows, verify=False))
         except TactileDataError:
@@ -57,10 +58,10 @@ def payload_faults(
         return faults
 
     with ThreadPoolExecutor(threads or default_threads()) as pool:
-        starts = range(wanted.start, wanted.stop, BLOCK)
-        for start, faults in zip(starts, pool.map(of_block, starts), strict=True):
+        blocks = list(image_batches((height * width)[wanted.start : wanted.stop], BLOCK))
+        for (start, stop), faults in zip(blocks, pool.map(of_block, blocks), strict=True):
             yield from faults
-            said(min(BLOCK, wanted.stop - start))
+            said(stop - start)
 
 
 def _payload(store: Store, row: int) -> bytes | str | None:

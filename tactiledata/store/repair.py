@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag
+from tactiledata.contract.wording import counted
 from tactiledata.store.appender import write_part
 from tactiledata.store.arrays import set_length
 from tactiledata.store.batch import Batch
@@ -32,9 +33,9 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
     """What was mended (``store-mended``), and what `check` still finds.
 
     Leftovers of killed writers are removed, chunk files and shapes that were cut are stretched again, images that do
-    not fit their CRC-32C are marked as broken, the dataset card is written anew. A store that was written before there
-    were digests of its documents gets them, where nothing is damaged. Numbers, tables and images that are lost stay
-    lost: those findings remain, and the recordings are the place to take them from.
+    not fit their CRC-32C or are too large to be decoded are marked as broken, the dataset card is written anew. A store
+    that was written before there were digests of its documents gets them, where nothing is damaged. Numbers, tables and
+    images that are lost stay lost: those findings remain, and the recordings are the place to take them from.
 
     Parameters
     ----------
@@ -118,7 +119,7 @@ def _mark_broken(folder: Path, manifest: Manifest) -> list[Finding]:
     write_manifest(folder, manifest)
     for place in replaced:
         place.unlink()
-    return [_mended(f"{len(bad)} images that do not fit their CRC-32C were marked as broken", len(bad))]
+    return [_mended(f"{counted(len(bad), 'image')} marked as broken: damaged, or too large to be decoded", len(bad))]
 
 
 def _next_name(file: str) -> str:

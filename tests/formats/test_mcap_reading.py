@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import yaml
@@ -368,6 +369,36 @@ def test_raw_images_become_rgb(tmp_path, encoding, step):
         tape.image(START, START, picture(5), encoding=encoding, step=step)
     _, [image] = read_one(tmp_path / "run.mcap")
     np.testing.assert_array_equal(rgb(image), picture(5))
+
+
+@pytest.mark.parametrize(("encoding", "said"), [("rgb8", 0), ("bgr8", 0), ("rgba8", 2), ("bgra8", 2)])
+def test_alpha_of_raw_images_is_said(tmp_path, encoding, said):
+    """Raw images with an alpha channel are counted and named as such; those without are not."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        for number in range(2):
+            tape.image(START + number * STEP, START, picture(5), encoding=encoding)
+    recording, _ = read_one(tmp_path / "run.mcap")
+    alpha = [finding for finding in recording.findings if finding.code == "image-alpha"]
+    assert sum(finding.count for finding in alpha) == said
+    assert all(finding.severity == "warning" and "alpha channel" in finding.message for finding in alpha)
+
+
+@pytest.mark.parametrize(
+    ("shape", "factor", "code", "kept"),
+    [((32, 24, 3), 257, "image-depth", "png"), ((32, 24, 3), 1, "image-encoding", "missing"),
+     ((32, 24), 257, "image-encoding", "missing")],
+)  # fmt: skip
+def test_deep_pictures_in_messages_are_said(tmp_path, shape, factor, code, kept):
+    """A 16-bit PNG in a message is read by its upper bits, and said; without upper bits or colours it is refused."""
+    pixels = np.resize(picture(5), shape).astype(np.uint16) * factor
+    payload = cv2.imencode(".png", pixels)[1].tobytes()
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.compressed(START, START, payload, style="png")
+    recording, [image] = read_one(tmp_path / "run.mcap")
+    [finding] = [finding for finding in recording.findings if finding.code.startswith("image-")]
+    assert (finding.code, finding.count, image.encoding) == (code, 1, kept)
+    assert finding.severity == ("warning" if kept == "png" else "damage")
+    assert image.payload == (payload if kept == "png" else b"")
 
 
 def test_a_wrong_channel_order_can_be_mended(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb, read_header
 from tactiledata.contract.take import FrameFlag, findings_of
 from tactiledata.errors import BrokenLog
+from tactiledata.formats.backgrounds import size_findings
 from tactiledata.formats.picture_kinds import remarks_on
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.loaders.numpy import TactileArrays
@@ -24,12 +25,12 @@ def test_check_reports_what_a_store_never_decodes():
     assert not _size_fault(None, 30_000, 30_000)
 
 
+def chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
 def bomb(side=30_000):
     """A PNG that says side x side, of a few bytes."""
-
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
     head = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
 
@@ -83,3 +84,44 @@ def test_what_is_said_of_a_kind_of_picture(shape, dtype, value, codes):
     """Depth, grey and alpha are each named; 16-bit grey and dark 16-bit colours are refused; 8-bit RGB says nothing."""
     payload = cv2.imencode(".png", np.full(shape, value, dtype))[1].tobytes()
     assert [remark.code for remark in remarks_on(read_header(payload), payload)] == codes
+
+
+def test_transparent_colours_are_alpha():
+    """A PNG that lists one colour as transparent (tRNS) has no alpha channel, and is named like one that has."""
+    plain = cv2.imencode(".png", np.full((8, 8, 3), 200, np.uint8))[1].tobytes()
+    place = plain.index(b"IDAT") - 4
+    listed = plain[:place] + chunk(b"tRNS", struct.pack(">HHH", 200, 200, 200)) + plain[place:]
+    assert [remark.code for remark in remarks_on(read_header(plain), plain)] == []
+    assert [remark.code for remark in remarks_on(read_header(listed), listed)] == ["image-alpha"]
+    np.testing.assert_array_equal(decode_rgb(listed), decode_rgb(plain))
+
+
+@pytest.mark.parametrize(("channels", "bits", "words"), [(4, 8, "four inks"), (3, 12, "12 bits"), (3, 8, "")])
+def test_jpeg_that_is_no_rgb_is_refused(channels, bits, words):
+    """A JPEG of four inks or of 12 bits is refused with that reason; the same header of 8-bit colour is not."""
+    plain = cv2.imencode(".jpg", np.full((8, 8, 3), 200, np.uint8))[1].tobytes()
+    place = plain.index(b"\xff\xc0")
+    payload = (
+        plain[: place + 4] + bytes([bits]) + plain[place + 5 : place + 9] + bytes([channels]) + plain[place + 10 :]
+    )
+    remarks = remarks_on(read_header(payload), payload)
+    assert [remark.is_lost for remark in remarks] == ([True] if words else [])
+    assert all(words in remark.words for remark in remarks)
+
+
+@pytest.mark.parametrize(
+    ("counts", "said"),
+    [
+        ({(32, 24): 39, (64, 48): 1}, ""),
+        ({(64, 48): 40}, "the background of sensor D1 is 32 x 24 (rows x columns); 40 of 40 images are 64 x 48"),
+        (
+            {(32, 24): 20, (64, 48): 20},
+            "the background of sensor D1 is 32 x 24 (rows x columns); 20 of 40 images are 64 x 48",
+        ),
+    ],
+)
+def test_a_background_is_held_against_the_sizes_of_its_images(counts, said):
+    """Both sizes are named, rows first, with how many images differ; a single stray image is no fault of it."""
+    findings = size_findings({"D1": np.zeros((32, 24, 3), np.uint8)}, {"D1": counts})
+    assert [finding.message for finding in findings] == ([said] if said else [])
+    assert all((finding.code, finding.severity) == ("background-size", "damage") for finding in findings)

@@ -106,6 +106,24 @@ def test_near_pairs_agree_with_their_slow_twin():
     assert len(near_pairs(prints[:1], part[:1])) == 0
 
 
+@pytest.mark.parametrize("shape", [(40, 32, 3), (400, 100, 3), (400, 300, 3)])
+def test_a_portrait_does_not_keep_its_image(shape):
+    """What is kept of an image for comparing is a copy of its middle, so that the image's memory is freed."""
+    image = np.zeros(shape, np.uint8)
+    assert not np.shares_memory(Portrait(image).middle, image)
+
+
+def test_an_audit_holds_few_pixels(rig, monkeypatch):
+    """Pictures are asked for in runs within the limit of pixels, then one at a time; the verdict is the same."""
+    asked = []
+    images = rig.images
+    monkeypatch.setattr(rig, "images", lambda rows: asked.append(len(rows)) or images(rows))
+    monkeypatch.setattr("tactiledata.contract.image_batches.image_batches.__defaults__", (3 * 320 * 240,))
+    assert audit(rig).findings == ()
+    assert max(asked) == 3
+    assert sum(asked[:7]) == 20
+
+
 @pytest.fixture(scope="module")
 def repeats():
     """Ten times the same two touches by one sensor, each with its own noise: a rig that repeats itself."""
