@@ -82,6 +82,7 @@ def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time:
         _since_steps(residuals),
         _levels(residuals),
         _histories(residuals, scales or {}, time),
+        _relaxations(residuals),
         _ratios(residuals),
         _groups(residuals),
     ):
@@ -114,22 +115,27 @@ def _scaled(residuals: Residuals, scales: Mapping[str, float]) -> Iterator[Atom]
 
 
 def _since_steps(residuals: Residuals) -> Iterator[Atom]:
-    """Times since the last step of a covariate, over one unit of time, so that a coefficient is a rate of creep.
-
-    What relaxes to an end after a step, rather than creep on, is an exponential of the same time.
-    """
+    """Times since the last step of a covariate, over one unit of time, so that a coefficient is a rate of creep."""
     for name, covariate in residuals.covariates.items():
         if covariate.steps_of:
             called = f"{name}/(1 {covariate.unit})"
             meant = f"{called} is the time in {covariate.unit} {covariate.definition}"
             yield Atom(called, covariate.values, 2, meant, Since(covariate.steps_of, covariate.unit))
-            seconds = _seconds(covariate)
-            shortest = float(np.median(seconds[seconds > 0])) / max(float(np.median(residuals.counts)), 1.0)
-            for fading in RELAXATIONS:
-                if shortest <= fading <= LONGEST_RELAXATION * float(seconds.max()):
-                    called = f"exp(-{name}/({fading:g} s))"
-                    meant = f"{called} is the exponential of minus the time in s over {fading:g}, {covariate.definition}"
-                    yield Atom(called, np.exp(-seconds / fading), 3, meant)
+
+
+def _relaxations(residuals: Residuals) -> Iterator[Atom]:
+    """Exponentials of the times since the last step of a covariate: what comes to an end rather than creep on."""
+    for name, covariate in residuals.covariates.items():
+        if not covariate.steps_of:
+            continue
+        seconds = _seconds(covariate)
+        ahead = np.diff(seconds)
+        shortest = float(np.median(ahead[ahead > 0]))
+        for fading in RELAXATIONS:
+            if shortest <= fading <= LONGEST_RELAXATION * float(seconds.max()):
+                called = f"exp(-{name}/({fading:g} s))"
+                meant = f"{called} is the exponential of minus the time in s over {fading:g}, {covariate.definition}"
+                yield Atom(called, np.exp(-seconds / fading), 3, meant)
 
 
 def _given(residuals: Residuals) -> dict[str, Covariate]:

@@ -26,7 +26,9 @@ HELD = 0.5
 STILL = 8.0
 """Sizes of a step over the median distance from a hold's median: of a ramp it is 4."""
 MOST = 2
-IN_MINUTES = 120.0
+"""Times since steps; with so many no further covariate is looked at."""
+NOT_ZERO = " while it is not 0"
+IN_MINUTES = 60.0
 """s: times are in minutes where the longest is longer."""
 
 
@@ -44,7 +46,7 @@ def times_since_steps(covariates: Mapping[str, Covariate], starts: Indices, time
     time : str, optional
         The covariate that is the time inside a trajectory.
     """
-    if time not in covariates:
+    if time is None or time not in covariates:
         return {}
     unit = find_unit(covariates[time].unit)
     if unit is None or unit.exponents != TIME_EXPONENTS:
@@ -53,18 +55,23 @@ def times_since_steps(covariates: Mapping[str, Covariate], starts: Indices, time
     found: dict[str, Covariate] = {}
     known = [seconds - np.repeat(seconds[starts], np.diff(starts, append=len(seconds)))]
     for name, covariate in covariates.items():
+        if name == time:
+            continue
         size = step_size(covariate.values, starts)
         begins = step_rows(covariate.values, starts, size)
-        if name == time or not is_held(covariate.values, starts, begins, size):
+        if not is_held(covariate.values, starts, begins, size):
             continue
         since = seconds - np.repeat(seconds[begins], np.diff(begins, append=len(seconds)))
-        if any(np.allclose(since, other) for other in known):
-            continue
-        known.append(since)
-        said, factor = ("min", 60.0) if since.max() > IN_MINUTES else ("s", 1.0)
         definition = _meant(name, covariate.unit, size)
-        found[f"time since the last step of {name}"] = Covariate(since / factor, said, definition, name)
-        if len(found) == MOST:
+        away = f"{definition}; it is 0 in rows where {name} lies no more than that from 0"
+        # a spring without a load does not creep; whether it creeps back is for the data to say
+        is_away = np.abs(covariate.values) > size
+        for steps_of, times, meant in ((name, since, definition), (f"{name}{NOT_ZERO}", since * is_away, away)):
+            if times.max() > 0 and not any(np.allclose(times, other) for other in known):
+                known.append(times)
+                said, factor = ("min", 60.0) if times.max() > IN_MINUTES else ("s", 1.0)
+                found[f"time since the last step of {steps_of}"] = Covariate(times / factor, said, meant, steps_of)
+        if len(found) >= MOST:
             break
     return found
 

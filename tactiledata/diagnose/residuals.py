@@ -32,7 +32,7 @@ class Covariate:
     definition : str
         How it is computed, of one that is made of others.
     steps_of : str
-        The covariate since whose last step it is the time; empty for all others.
+        Since whose last step it is the time, and while what, in words; empty for all others.
     """
 
     values: Array

@@ -21,7 +21,9 @@ def correlated(white, correlation):
     return values
 
 
-def held_loads(seed=0, groups=11, law="normal", creep=0.0, drift=0.0, relaxes=0.0, remembers=0.0, noise=0.05, jitter=0.02):
+def held_loads(
+    seed=0, groups=11, law="normal", creep=0.0, drift=0.0, relaxes=0.0, remembers=0.0, noise=0.05, jitter=0.02
+):
     """A table of groups, each of which holds 4 loads for 1 to 3 min, a row each 6 s.
 
     Parameters
