@@ -21,7 +21,7 @@ FADINGS = (0.1, 1.0, 10.0, 100.0)
 """s: a decade apart, as relaxation spectra are wide."""
 RELAXATIONS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 """s: a fitted rate of a relaxation lies within a factor of 1.8 of one of them."""
-LONGEST_RELAXATION = 0.3
+LONGEST_RELAXATION = 0.6
 """Of the longest hold: what takes longer is no other than a creep there."""
 MOST_ATOMS = 28
 MOST_HISTORIES = 3

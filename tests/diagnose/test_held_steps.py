@@ -72,6 +72,16 @@ def test_what_relaxes_to_an_end_is_no_creep(law):
     assert memory.term == "load remembered for 10 s/(10 N)"
 
 
+def test_a_slow_relaxation_is_told_from_a_creep():
+    """By 0.4 N with 100 s, in holds of up to 180 s."""
+    table = held_loads(1)
+    minutes = residuals_of(table).residuals.covariates[SINCE].values
+    table["fz_observed_N"] -= 0.4 * (1 - np.exp(-minutes * 0.6))
+    (term,) = open_form(residuals_of(table).residuals, time="time").terms
+    assert term.term == f"exp(-{SINCE}/(100 s))"
+    assert abs(term.coefficient - 0.4) <= 1.5 * term.half_width
+
+
 def test_a_load_that_is_taken_off_need_not_creep_back():
     """Half of the holds at 0, where nothing creeps: that is told."""
     table = held_loads(3, creep=0.1)
