@@ -19,10 +19,27 @@ Array = NDArray[np.float64]
 
 FADINGS = (0.1, 1.0, 10.0, 100.0)
 """s: a decade apart, as relaxation spectra are wide."""
+RELAXATIONS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+"""s: a fitted rate of a relaxation lies within a factor of 1.8 of one of them."""
+LONGEST_RELAXATION = 0.6
+"""Of the longest hold: what takes longer is no other than a creep there."""
 MOST_ATOMS = 28
 MOST_HISTORIES = 3
 MOST_LEVELS = 6
 EXPONENTS = (-2, -1, 1, 2)
+
+
+@dataclass(frozen=True)
+class Since:
+    """Of which covariate's last step a time is counted, and the unit of that time.
+
+    Parameters
+    ----------
+    covariate, unit : str
+    """
+
+    covariate: str
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -38,12 +55,15 @@ class Atom:
         What it costs to say it: 1 for a covariate over its scale.
     definition : str
         From which a reader can compute it.
+    since : Since, optional
+        Of the time since the last step of a covariate.
     """
 
     name: str
     values: Array
     complexity: int
     definition: str
+    since: Since | None = None
 
 
 def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time: str | None = None) -> list[Atom]:
@@ -59,8 +79,10 @@ def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time:
     listed: list[Atom] = []
     for atom in itertools.chain(
         _scaled(residuals, scales or {}),
+        _since_steps(residuals),
         _levels(residuals),
         _histories(residuals, scales or {}, time),
+        _relaxations(residuals),
         _ratios(residuals),
         _groups(residuals),
     ):
@@ -80,7 +102,7 @@ def scale_of(name: str, values: Array, scales: Mapping[str, float]) -> float:
 
 
 def _scaled(residuals: Residuals, scales: Mapping[str, float]) -> Iterator[Atom]:
-    for name, covariate in residuals.covariates.items():
+    for name, covariate in _given(residuals).items():
         scale = scale_of(name, covariate.values, scales)
         said = f"{name}/({quantity(scale, covariate.unit)})"
         if is_logarithmic(covariate.values):
@@ -90,6 +112,35 @@ def _scaled(residuals: Residuals, scales: Mapping[str, float]) -> Iterator[Atom]
             meant = f"{called} is the logarithm to base 10 of {_in(name, covariate.unit)} over {one:g}"
             yield Atom(called, np.log10(covariate.values / one), 1, meant)
         yield Atom(said, covariate.values / scale, 1, f"{said} is {_in(name, covariate.unit)} over {scale:g}")
+
+
+def _since_steps(residuals: Residuals) -> Iterator[Atom]:
+    """Times since the last step of a covariate, over one unit of time, so that a coefficient is a rate of creep."""
+    for name, covariate in residuals.covariates.items():
+        if covariate.steps_of:
+            called = f"{name}/(1 {covariate.unit})"
+            meant = f"{called} is the time in {covariate.unit} {covariate.definition}"
+            yield Atom(called, covariate.values, 2, meant, Since(covariate.steps_of, covariate.unit))
+
+
+def _relaxations(residuals: Residuals) -> Iterator[Atom]:
+    """Exponentials of the times since the last step of a covariate: what comes to an end rather than creep on."""
+    for name, covariate in residuals.covariates.items():
+        if not covariate.steps_of:
+            continue
+        seconds = _seconds(covariate)
+        ahead = np.diff(seconds)
+        shortest = float(np.median(ahead[ahead > 0]))
+        for fading in RELAXATIONS:
+            if shortest <= fading <= LONGEST_RELAXATION * float(seconds.max()):
+                called = f"exp(-{name}/({fading:g} s))"
+                meant = f"{called} is the exponential of minus the time in s over {fading:g}, {covariate.definition}"
+                yield Atom(called, np.exp(-seconds / fading), 3, meant)
+
+
+def _given(residuals: Residuals) -> dict[str, Covariate]:
+    """Covariates that are no time since the last step of another."""
+    return {name: covariate for name, covariate in residuals.covariates.items() if not covariate.steps_of}
 
 
 def _levels(residuals: Residuals) -> Iterator[Atom]:
@@ -105,7 +156,7 @@ def _levels(residuals: Residuals) -> Iterator[Atom]:
 def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | None) -> Iterator[Atom]:
     inside = [
         (name, covariate)
-        for name, covariate in residuals.covariates.items()
+        for name, covariate in _given(residuals).items()
         if name != time and _varies_inside(residuals, covariate.values)
     ]
     for name, covariate in inside[:MOST_HISTORIES]:
@@ -173,7 +224,7 @@ def _total(three: tuple[tuple[str, Array, Unit], ...], powers: tuple[int, ...]) 
 def _known(residuals: Residuals) -> list[tuple[str, Array, Unit]]:
     """Covariates whose unit is known; positions, which go below 0, have an origin by choice and make no ratio."""
     listed = []
-    for name, covariate in residuals.covariates.items():
+    for name, covariate in _given(residuals).items():
         unit = find_unit(covariate.unit)
         if unit is not None and covariate.values.min() >= 0:
             listed.append((name, covariate.values, unit))

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.atoms import Atom
+from tactiledata.diagnose.atoms import Atom, Since
 from tactiledata.diagnose.projection import Projection
 from tactiledata.diagnose.residuals import Residuals
 from tactiledata.diagnose.scores import Contributions, along, joined_refits
@@ -45,8 +45,17 @@ class Carrier:
     shifted: str = ""
     definition: str = ""
 
-    def words(self, term: str, value: float, half_width: float) -> str:
-        """``"E (1 + 0.081 ± 0.010 × log10(speed/(1.0 mm/s)))"``, or ``"fx + 0.30 ± 0.05 N × …"``."""
+    def words(self, term: str, value: float, half_width: float, since: Since | None = None) -> str:
+        """``"E (1 + 0.081 ± 0.010 × log10(speed/(1.0 mm/s)))"``, or ``"fx + 0.30 ± 0.05 N × …"``.
+
+        Parameters
+        ----------
+        term : str
+        value, half_width : float
+            The coefficient and half of its 95 % interval, in the carrier's unit.
+        since : Since, optional
+            Where the term is the time since the last step of a covariate: a component then creeps.
+        """
         if self.shifted:
             # below a contact that was found too early the prediction bends: its slope is no measure of how far
             is_exact = value > 0
@@ -58,6 +67,9 @@ class Carrier:
         if self.unit == "1":
             sign = "+" if value > 0 else "-"
             return f"{self.name} (1 {sign} ({with_interval(abs(value), half_width, '1')}) × {term})"
+        if since is not None:
+            rate = with_interval(abs(value), half_width, f"{self.unit}/{since.unit}")
+            return f"{self.name} creeps by {'' if value > 0 else '-'}({rate}) after each step of {since.covariate}"
         sign = "plus" if value > 0 else "minus"
         return f"{self.name} {sign} ({with_interval(abs(value), half_width, self.unit)}) × {term}"
 
@@ -89,6 +101,7 @@ class Candidates:
     names, complexities : m terms
     terms : (n, m)
     definitions : dict, term -> how the atoms in it are computed
+    since : dict, term -> of which covariate's last step it is the time
     """
 
     carriers: tuple[Carrier, ...]
@@ -96,6 +109,7 @@ class Candidates:
     complexities: tuple[int, ...]
     terms: Array
     definitions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    since: Mapping[str, Since] = field(default_factory=dict)
 
     @classmethod
     def of(cls, carriers: Sequence[Carrier], atoms: Sequence[Atom]) -> Candidates:
@@ -117,12 +131,13 @@ class Candidates:
             names, complexities = [CONSTANT, *names], [0, *complexities]
             columns = [np.ones(len(carriers[0].field)), *columns]
         matrix = np.column_stack(columns) if columns else np.zeros((len(carriers[0].field), 0))
-        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix, meant)
+        since = {one.name: one.since for one in atoms if one.since is not None}
+        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix, meant, since)
 
     def part(self, rows: NDArray[np.bool_]) -> Candidates:
         """The same candidates in the frames of a mask (n,)."""
         kept = tuple(Carrier(one.name, one.field[rows], one.unit, one.shifted, one.definition) for one in self.carriers)
-        return Candidates(kept, self.names, self.complexities, self.terms[rows], self.definitions)
+        return Candidates(kept, self.names, self.complexities, self.terms[rows], self.definitions, self.since)
 
     def __len__(self) -> int:
         return len(self.carriers) * len(self.names)

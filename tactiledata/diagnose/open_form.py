@@ -137,7 +137,7 @@ def _summed(
     terms = []
     for chosen, one in zip(accepted, changes, strict=True):
         name, carrier = candidates.name_of(chosen.number), candidates.carrier_of(chosen.number)
-        said = carrier.words(name, one.value, one.half_width)
+        said = carrier.words(name, one.value, one.half_width, candidates.since.get(name))
         words = f"{said}, chosen by {percent(chosen.inclusion)} of halves{_or(chosen.alike)}"
         terms.append(
             Term(carrier.name, name, one.value, one.half_width, chosen.inclusion, chosen.p, chosen.alike, words)

@@ -29,10 +29,16 @@ class Covariate:
         Finite, one for each frame.
     unit : str
         ``"mm/s"``, ``"N"``, ``"1"`` where it has none, ``"?"`` where it is not known.
+    definition : str
+        How it is computed, of one that is made of others.
+    steps_of : str
+        Since whose last step it is the time, and while what, in words; empty for all others.
     """
 
     values: Array
     unit: str = "1"
+    definition: str = ""
+    steps_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -190,7 +196,7 @@ class Residuals:
             self,
             values=self.values[rows],
             groups=self.groups[rows],
-            covariates={name: Covariate(one.values[rows], one.unit) for name, one in self.covariates.items()},
+            covariates={name: replace(one, values=one.values[rows]) for name, one in self.covariates.items()},
             labels={name: texts[rows] for name, texts in self.labels.items()},
             sensitivities=None if self.sensitivities is None else self.sensitivities[rows],
             blocks=None if self.blocks is None else self.blocks[rows],

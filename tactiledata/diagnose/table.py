@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.wording import counted
 from tactiledata.diagnose.columns import Columns, columns_of, is_text
 from tactiledata.diagnose.free_air import in_contact
+from tactiledata.diagnose.held_steps import times_since_steps
 from tactiledata.diagnose.ladder import MOST_LEVELS
 from tactiledata.diagnose.residuals import FEWEST_UNITS, Covariate, Parameter, Residuals
 from tactiledata.diagnose.wording import quantity
@@ -75,6 +76,8 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     _enough_groups(rows[columns.group], columns.group)
     covariates = _covariates(rows, columns, notes)
     covariates.setdefault("index", Covariate(groups.astype(np.float64), "1"))
+    starts = np.flatnonzero(np.diff(groups, prepend=-1) != 0)
+    covariates = times_since_steps(covariates, starts, columns.time) | covariates
     observed, predicted, noise = _quantities(rows, columns)
     is_known = all(one.noise is not None for one in columns.quantities)
     scatter = _own_scatter(observed, predicted, columns)

@@ -14,10 +14,11 @@ from tables import presses
 
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.atoms import atoms
-from tactiledata.diagnose.columns import columns_of, split_unit
+from tactiledata.diagnose.columns import columns_of
 from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
 from tactiledata.diagnose.read_table import read_table
 from tactiledata.diagnose.table import residuals_of
+from tactiledata.diagnose.unit_endings import split_unit
 from tactiledata.errors import MissingFile, TactileDataError, UnknownName, UsageError
 
 
