@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
-from tactiledata.ingest.tare_events import Tare, contradicted_findings, locate_tares, without_steps
+from tactiledata.ingest.tare_events import PAUSE, Tare, contradicted_findings, locate_tares, without_steps
 
 TOUCH = 0.5
 """N. Change of force against free air that counts as a touch, where the noise is smaller."""
@@ -186,7 +186,10 @@ def _was_pressed(t_ns: Times, load: Values, zero: np.ndarray, noise: float) -> b
         return False
     onset = int(np.flatnonzero(~contact)[-1]) + 1
     free = np.flatnonzero(force[:onset] < RELEASE_SHARE * threshold)
-    return bool(len(free) and t_ns[onset] - t_ns[free[-1]] < SLOWEST_PRESS)
+    if not len(free) or t_ns[onset] - t_ns[free[-1]] >= SLOWEST_PRESS:
+        return False
+    # over a pause nothing was seen to rise: the zero may have changed
+    return bool((np.diff(t_ns[free[-1] : onset + 1]) <= PAUSE).all())
 
 
 def _piece_zeros(
@@ -200,9 +203,11 @@ def _piece_zeros(
     if len(sound) < MIN_FREE_AIR:
         return []
     first = np.median(steady[sound[:MIN_FREE_AIR]], axis=0)
-    if np.linalg.norm((first - general)[:3]) > MAX_DRIFT:
-        return []
     contact = touching(np.linalg.norm((steady[sound] - first)[:, :3], axis=1), touch_threshold(noise))
+    # with a tare inside, nothing of what was read before it tells of its zero: the trajectory's other end does
+    is_free = len(inside) > 0 and contact.any() and not contact[-1]
+    if np.linalg.norm((first - general)[:3]) > MAX_DRIFT and not is_free:
+        return []
     touched = np.flatnonzero(contact)
     free = sound[: touched[0]] if len(touched) else sound
     borders = [start, *(tare.row for tare in inside), stop]

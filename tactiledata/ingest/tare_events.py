@@ -17,6 +17,8 @@ BESIDE = 10
 
 CLEAR = 6.0
 """Standard deviations of one component's noise, times the root of 3: a jump of the reading that is no noise."""
+PAUSE = 250_000_000
+"""ns. Over a longer pause between two samples the zero may have changed unseen."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,8 @@ def locate_tares(
         if not _reads_zero(times, rows, place, moment, zero, noise):
             contradicted.append(moment)
             continue
-        stop = min(place + BESIDE, len(times))
-        tares.append(Tare(int(sound[place]), zero, _step(times, rows, max(least, place - BESIDE), place, stop)))
+        start, stop = _without_pause(times, max(least, place - BESIDE), place, min(place + BESIDE, len(times)))
+        tares.append(Tare(int(sound[place]), zero, _step(times, rows, start, place, stop)))
         least = place
     return tares, contradicted
 
@@ -99,6 +101,16 @@ def _reads_zero(times: Times, rows: Values, place: int, moment: int, zero: Value
         return True
     off = np.linalg.norm((rows[place + near] - zero)[:, :3], axis=1)
     return bool(off.min() <= max(0.5, CLEAR * noise * np.sqrt(3)))
+
+
+def _without_pause(times: Times, start: int, place: int, stop: int) -> tuple[int, int]:
+    """Return the part of rows [start, stop) around a row in which no two samples lie farther apart than `PAUSE`.
+
+    The rows on either side of the place belong to it however far apart they are: there the load jumps.
+    """
+    pauses = np.flatnonzero(np.diff(times[start:stop]) > PAUSE) + start + 1
+    before, after = pauses[pauses < place], pauses[pauses > place]
+    return int(before[-1]) if len(before) else start, int(after[0]) if len(after) else stop
 
 
 def _step(times: Times, rows: Values, start: int, place: int, stop: int) -> Values:

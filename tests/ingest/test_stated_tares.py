@@ -143,3 +143,27 @@ def test_the_truth_never_makes_forces_worse(seed, touches, dwell, place, drift, 
     whole = world.error(ALL)
     assert whole < WITHIN
     assert whole < world.error(sorted(kept)) + 0.05
+
+
+@pytest.mark.parametrize("pause", [1.0, 60.0])
+@pytest.mark.parametrize("step", [0.5, 3.0, 5.0, 8.0])
+def test_a_zero_that_moved_between_recorded_touches_is_no_press(pause, step):
+    """Free air reads a constant until the tare and nothing after it, in every touch: the jump back was not recorded."""
+    rng = np.random.default_rng(3)
+    times, loads, planted, spans, tares = [], [], [], [], []
+    for number in range(6):
+        start = int(number * (7.0 + pause) * 1e9)
+        seconds = np.arange(700) * 0.01
+        pressed = np.clip((seconds - 1.5) / 0.5, 0, 1) * np.clip((6.0 - seconds) / 0.5, 0, 1)
+        force = np.outer(pressed, [0.3, 0, 3.0 + number, 0, 0, 0])
+        offset = np.where(seconds[:, None] < 0.5, step * np.array([0.42, -0.32, 0.85, 0, 0, 0]), 0.0)
+        times.append(start + (seconds * 1e9).astype(np.int64))
+        loads.append(force + offset + rng.normal(0, 0.02, (700, 6)))
+        planted.append(force)
+        spans.append((f"touch-{number}", start, start + 7_000_000_000))
+        tares.append(start + 500_000_000)
+    zero = find_zero(np.concatenate(times), np.concatenate(loads), spans, tares)
+    off = np.linalg.norm((np.concatenate(loads) - zero.bias - np.concatenate(planted))[:, :3], axis=1).reshape(6, 700)
+    assert np.median(off[:, :45], axis=1).max() < 0.1
+    assert np.median(off[:, 250:500], axis=1).max() < 0.1
+    assert "no-free-air" not in [finding.code for finding in zero.findings]
