@@ -57,22 +57,27 @@ def choose_clock(stream: str, stamps: Stamps, preference: str = "auto", stated_o
         ``auto``: the header where it is set, in order and steady against the log time, else the log time. A header
         clock that is steady but far from the log time is another machine's: it is shifted by the median distance.
     stated_offset_ns : int
-        Offset that the recording states (host = stream + offset). It wins over an estimate.
+        Offset that the recording states (host = stream + offset). It wins over an estimate. The log time beside other
+        stamps is the host's already, and gets none.
     """
     if len(stamps) == 0:
         return ClockChoice(stamps.log, "log", 0, ())
+    is_only_clock = stamps.header is None and stamps.publish is None
+    log_offset_ns = stated_offset_ns if is_only_clock else 0
     if preference == "log":
-        return ClockChoice(stamps.log + stated_offset_ns, "log", stated_offset_ns, ())
+        return ClockChoice(stamps.log + log_offset_ns, "log", log_offset_ns, ())
     if preference == "publish":
-        publish = stamps.publish if stamps.publish is not None else stamps.log
-        return ClockChoice(publish + stated_offset_ns, "publish", stated_offset_ns, ())
+        publish, offset_ns = (
+            (stamps.log, log_offset_ns) if stamps.publish is None else (stamps.publish, stated_offset_ns)
+        )
+        return ClockChoice(publish + offset_ns, "publish", offset_ns, ())
     header = stamps.header
     reason = _why_not_header(stamps)
     if preference == "header" and header is not None and bool((header > 0).all()):
         return ClockChoice(header + stated_offset_ns, "header", stated_offset_ns, ())
     if header is None or reason:
-        findings = (Finding("clock-log-time", "info", f"{stream}: log time taken, {reason}", stream),) if reason else ()
-        return ClockChoice(stamps.log + stated_offset_ns, "log", stated_offset_ns, findings)
+        findings = _log_time_taken(stream, reason, stated_offset_ns - log_offset_ns)
+        return ClockChoice(stamps.log + log_offset_ns, "log", log_offset_ns, findings)
     if stated_offset_ns:
         return ClockChoice(header + stated_offset_ns, "header", stated_offset_ns, ())
     # the middle one, not np.median: its float64 would round epoch nanoseconds
@@ -88,6 +93,16 @@ def choose_clock(stream: str, stamps: Stamps, preference: str = "auto", stated_o
         count=len(stamps),
     )
     return ClockChoice(header + distance, "header+shift", distance, (shifted,))
+
+
+def _log_time_taken(stream: str, reason: str, unused_offset_ns: int) -> tuple[Finding, ...]:
+    """What is to be said where the log time is taken: why, and that a stated offset was not added to it."""
+    if unused_offset_ns:
+        reason = (
+            f"{reason or 'there are no header stamps'}; the stated offset of {unused_offset_ns / 1e9:+.3f} s is of "
+        )
+        reason += "the stream's own clock, and was not added"
+    return (Finding("clock-log-time", "info", f"{stream}: log time taken, {reason}", stream),) if reason else ()
 
 
 def _why_not_header(stamps: Stamps) -> str:
