@@ -216,7 +216,7 @@ def test_what_is_assumed_of_the_weight_is_said(taken):
 
 @pytest.mark.parametrize("lost", [slice(250, 450), slice(0, 80), slice(400, None)])
 def test_no_force_is_computed_from_a_pose_of_another_moment(lost):
-    """In a long gap of the poses, and before and after them, the contact wrench is NaN and said; elsewhere it is right."""
+    """In a long gap of the poses, and beyond them, the contact wrench is NaN and said; elsewhere it is right."""
     t_ns, truth, wrench, tcp = planted(np.random.default_rng(1))
     rows = np.delete(np.arange(len(t_ns)), lost)
     held = stored(t_ns[rows], tcp.values[rows], "tcp")
@@ -229,3 +229,14 @@ def test_no_force_is_computed_from_a_pose_of_another_moment(lost):
     assert said.count == masked.sum()
     compensated = contact_wrench(description(gravity="compensated"), wrench, held, [])
     assert np.isfinite(compensated.signal.values).all()
+
+
+def test_poses_of_another_time_give_no_force_at_all():
+    """A tcp stream an hour away says nothing of the weight: every sample is NaN, none is computed, and it is said."""
+    t_ns, _, wrench, tcp = planted(np.random.default_rng(1))
+    away = stored(t_ns + 3600 * 10**9, tcp.values, "tcp")
+    for spans in ([], [("t", int(t_ns[0]), int(t_ns[-1]))]):
+        found = contact_wrench(description(), wrench, away, spans)
+        assert np.isnan(found.signal.values).all()
+        assert "weight-unknown" in {finding.code for finding in found.findings}
+        assert segment_by_contact(found.signal, found.noise, "") == ()
