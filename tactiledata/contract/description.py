@@ -75,8 +75,12 @@ class LogDescription:
 
     def clock_offset(self, stream: str) -> int:
         """Nanoseconds to add to a stream's stamps to reach the host clock; 0 where that is not known."""
+        return self.stated_clock_offset(stream) or 0
+
+    def stated_clock_offset(self, stream: str) -> int | None:
+        """Nanoseconds to add to a stream's stamps to reach the host clock; ``None`` where that is not stated."""
         clock = self.document.get("clocks", {}).get(stream, {})
-        return int(clock.get("offset_ns", 0)) if clock.get("known", True) else 0
+        return int(clock["offset_ns"]) if "offset_ns" in clock and clock.get("known", True) else None
 
     def switched_on(self, sensor: str, before_ns: int) -> int | None:
         """When a sensor was last switched on, host clock, ns, up to a moment; ``None`` where that is not stated."""

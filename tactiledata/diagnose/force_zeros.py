@@ -15,7 +15,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.contact import zeros_at
-from tactiledata.ingest.gravity import tool_weight
+from tactiledata.ingest.gravity import tool_weight, without_pose
 from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.ingest.tare_events import locate_tares, without_steps
 from tactiledata.store.reader import SignalRows, Store
@@ -99,7 +99,7 @@ class _Reader:
             stated.get("gravity") != "compensated"
             and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
         ):
-            load = load - weight
+            load = np.where(without_pose(tcp, wrench.t_ns)[:, None], np.nan, load - weight)
         tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
         air = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
         joints = self._signal("joints", spans)

@@ -45,7 +45,9 @@ class ClockChoice:
     findings: tuple[Finding, ...]
 
 
-def choose_clock(stream: str, stamps: Stamps, preference: str = "auto", stated_offset_ns: int = 0) -> ClockChoice:
+def choose_clock(
+    stream: str, stamps: Stamps, preference: str = "auto", stated_offset_ns: int | None = None
+) -> ClockChoice:
     """Times of a stream on the host clock.
 
     Parameters
@@ -56,25 +58,30 @@ def choose_clock(stream: str, stamps: Stamps, preference: str = "auto", stated_o
     preference : "auto", "header", "publish" or "log"
         ``auto``: the header where it is set, in order and steady against the log time, else the log time. A header
         clock that is steady but far from the log time is another machine's: it is shifted by the median distance.
-    stated_offset_ns : int
-        Offset that the recording states (host = stream + offset). It wins over an estimate.
+    stated_offset_ns : int, optional
+        Offset that the recording states (host = stream + offset), 0 too. It wins over an estimate. The log time
+        beside other stamps is the host's already, and gets none.
     """
     if len(stamps) == 0:
         return ClockChoice(stamps.log, "log", 0, ())
+    is_only_clock = stamps.header is None and stamps.publish is None
+    offset_ns = stated_offset_ns or 0
+    log_offset_ns = offset_ns if is_only_clock else 0
     if preference == "log":
-        return ClockChoice(stamps.log + stated_offset_ns, "log", stated_offset_ns, ())
+        return ClockChoice(stamps.log + log_offset_ns, "log", log_offset_ns, ())
+    if preference == "publish" and stamps.publish is not None:
+        return ClockChoice(stamps.publish + offset_ns, "publish", offset_ns, ())
     if preference == "publish":
-        publish = stamps.publish if stamps.publish is not None else stamps.log
-        return ClockChoice(publish + stated_offset_ns, "publish", stated_offset_ns, ())
+        return ClockChoice(stamps.log + log_offset_ns, "publish", log_offset_ns, ())
     header = stamps.header
     reason = _why_not_header(stamps)
     if preference == "header" and header is not None and bool((header > 0).all()):
-        return ClockChoice(header + stated_offset_ns, "header", stated_offset_ns, ())
+        return ClockChoice(header + offset_ns, "header", offset_ns, ())
     if header is None or reason:
-        findings = (Finding("clock-log-time", "info", f"{stream}: log time taken, {reason}", stream),) if reason else ()
-        return ClockChoice(stamps.log + stated_offset_ns, "log", stated_offset_ns, findings)
-    if stated_offset_ns:
-        return ClockChoice(header + stated_offset_ns, "header", stated_offset_ns, ())
+        findings = _log_time_taken(stream, reason, offset_ns - log_offset_ns)
+        return ClockChoice(stamps.log + log_offset_ns, "log", log_offset_ns, findings)
+    if stated_offset_ns is not None:
+        return ClockChoice(header + offset_ns, "header", offset_ns, ())
     # the middle one, not np.median: its float64 would round epoch nanoseconds
     distance = int(np.partition(stamps.log - header, len(header) // 2)[len(header) // 2])
     if abs(distance) < NEAR:
@@ -88,6 +95,16 @@ def choose_clock(stream: str, stamps: Stamps, preference: str = "auto", stated_o
         count=len(stamps),
     )
     return ClockChoice(header + distance, "header+shift", distance, (shifted,))
+
+
+def _log_time_taken(stream: str, reason: str, unused_offset_ns: int) -> tuple[Finding, ...]:
+    """What is to be said where the log time is taken: why, and that a stated offset was not added to it."""
+    if unused_offset_ns:
+        reason = (
+            f"{reason or 'there are no header stamps'}; the stated offset of {unused_offset_ns / 1e9:+.3f} s is of "
+        )
+        reason += "the stream's own clock, and was not added"
+    return (Finding("clock-log-time", "info", f"{stream}: log time taken, {reason}", stream),) if reason else ()
 
 
 def _why_not_header(stamps: Stamps) -> str:

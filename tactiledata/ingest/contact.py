@@ -9,7 +9,7 @@ import numpy as np
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Values
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.gravity import tool_weight
+from tactiledata.ingest.gravity import tool_weight, without_pose
 from tactiledata.ingest.tare import Zero, find_zero
 from tactiledata.transforms import move_wrench
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
@@ -92,7 +92,31 @@ def _without_weight(
         )
         findings.append(Finding("gravity-not-compensated", "warning", text, "wrench"))
         return load, "not compensated"
+    assert tcp is not None
+    findings.extend(_assumed(description))
+    stale = without_pose(tcp, wrench.t_ns)
+    if stale.any():
+        text = (
+            f"wrench: {int(stale.sum())} of {len(stale)} samples have no tcp pose near their time, so that the tool's "
+            "weight is not known there; the contact wrench is NaN there"
+        )
+        start, end = (int(moment) for moment in wrench.t_ns[stale][[0, -1]])
+        count = int(stale.sum())
+        findings.append(Finding("weight-unknown", "warning", text, "wrench", start_ns=start, end_ns=end, count=count))
+        weight = np.where(stale[:, None], np.nan, weight)
     return load - weight, "tool weight subtracted, by mass, centre of gravity and pose"
+
+
+def _assumed(description: LogDescription) -> list[Finding]:
+    """What is said where the tool's weight is taken off by something that is not stated."""
+    found = []
+    if "gravity" not in description.wrench:
+        text = "wrench: whether the tool's weight is in it is not stated; included assumed, and taken off"
+        found.append(Finding("gravity-assumed", "warning", text, "wrench"))
+    if "centre_of_gravity" not in description.robot["tool"]:
+        text = "wrench: the tool's centre of gravity is not stated; the tcp origin assumed, so torques may be off"
+        found.append(Finding("centre-of-gravity-assumed", "warning", text, "wrench"))
+    return found
 
 
 def _in_gel_frame(description: LogDescription, load: np.ndarray, findings: list[Finding]) -> tuple[np.ndarray, str]:

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Times, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.align import align, broken_rotations
+from tactiledata.ingest.clock_steps import usual_distance
 from tactiledata.transforms import pose_matrices
 
 STANDARD_GRAVITY = 9.80665
 """m/s², along -z of the robot's base frame (BIPM, The International System of Units, 9th edition)."""
+
+
+LONGEST_GAP, LONGEST_HOLD = 500_000_000, 100_000_000
+"""ns. Between poses that are farther apart than the first, the arm may have been anywhere; before the first and after
+the last pose, where nothing bounds its turn, that pose is held for the second."""
+
+POSE_PERIODS = 3
+"""Times the usual distance of poses; the larger of it and the limits above counts."""
 
 
 def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Times) -> Values | None:
@@ -26,13 +36,13 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
     tcp : StoredSignal or None
         Poses base_from_tcp, x y z and quaternion x y z w.
     t_ns : (n,) int64
-        Host clock. Before the first and after the last pose, that pose is held: the arm rests there.
+        Host clock. Before the first and after the last pose, that pose is held; `without_pose` tells where too long.
     """
     tool = description.robot.get("tool")
     tcp_from_ft = description.transform("tcp_from_ft")
     if tool is None or tcp_from_ft is None or tcp is None or not len(tcp.t_ns):
         return None
-    sound = tcp.t_ns[np.isfinite(tcp.values).all(axis=1) & ~broken_rotations(tcp.values)]
+    sound = _sound_times(tcp)
     if not len(sound):
         return None
     held = np.clip(t_ns, sound[0], sound[-1])
@@ -43,3 +53,31 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
     force = weight_in_tcp @ ft_from_tcp.rotation.T
     lever = ft_from_tcp.points([tool.get("centre_of_gravity", [0.0, 0.0, 0.0])])[0]
     return np.concatenate([force, np.cross(lever, force)], axis=1)
+
+
+def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
+    """Which moments (n,) have no pose near enough to compute the tool's weight from.
+
+    They lie in a gap between two poses that is longer than `LONGEST_GAP`, or more than `LONGEST_HOLD` before the
+    first or after the last.
+
+    Parameters
+    ----------
+    tcp : StoredSignal
+        Poses base_from_tcp; those that are broken do not count.
+    t_ns : (n,) int64
+        Host clock.
+    """
+    sound = _sound_times(tcp)
+    if not len(sound):
+        return np.ones(len(t_ns), dtype=bool)
+    periods = POSE_PERIODS * usual_distance(sound)
+    beyond = np.maximum(sound[0] - t_ns, t_ns - sound[-1])
+    after = np.clip(np.searchsorted(sound, t_ns, side="left"), 1, max(len(sound) - 1, 1))
+    gap = sound[np.minimum(after, len(sound) - 1)] - sound[after - 1]
+    is_lost = (gap > max(LONGEST_GAP, periods)) & (beyond < 0) & ~np.isin(t_ns, sound)
+    return is_lost | (beyond > max(LONGEST_HOLD, periods))
+
+
+def _sound_times(tcp: StoredSignal) -> Times:
+    return tcp.t_ns[np.isfinite(tcp.values).all(axis=1) & ~broken_rotations(tcp.values)]

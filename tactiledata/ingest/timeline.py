@@ -42,7 +42,7 @@ def put_on_host_clock(recording: Recording, cameras: Mapping[str, Times] = Mappi
     choices: dict[str, ClockChoice] = {}
     for name, signal in recording.signals.items():
         signals[name], findings[name] = _possible(signal)
-        offset = recording.description.clock_offset(name)
+        offset = recording.description.stated_clock_offset(name)
         choices[name] = choose_clock(name, signals[name].stamps, recording.host_clock, offset)
         findings[name].extend(choices[name].findings)
     stored: dict[str, StoredSignal] = {}
@@ -108,7 +108,7 @@ def _rotation_findings(signal: Signal, values: Values) -> list[Finding]:
 
 def image_times(recording: Recording, camera: str, stamps: Stamps) -> tuple[Times, dict[str, object], list[Finding]]:
     """Host times of one camera's images in the order of the recording, the clock used, and findings."""
-    offset = recording.description.clock_offset("frames")
+    offset = recording.description.stated_clock_offset("frames")
     choice = choose_clock(camera, stamps, recording.host_clock, offset)
     _, said = time_order(camera, choice.t_ns)
     return choice.t_ns, {"clock": choice.clock, "shift_ns": choice.shift_ns}, [*choice.findings, *said]

@@ -53,6 +53,26 @@ def test_a_stated_offset_wins_over_the_estimate():
     assert (choice.t_ns == LOG + 123).all()
 
 
+def test_a_stated_offset_is_not_added_to_the_hosts_own_log_time():
+    """An offset is of the stream's clock: the log time beside other stamps is the host's, and stays as it is."""
+    unset = np.zeros(100, dtype=np.int64)
+    for stamps in (Stamps(LOG, LOG - 7, unset), Stamps(LOG, None, unset), Stamps(LOG, LOG - 7)):
+        for preference in ("auto", "log"):
+            choice = choose_clock("wrench", stamps, preference, -2_000_000_000)
+            assert (choice.clock, choice.shift_ns) == ("log", 0)
+            assert (choice.t_ns == LOG).all()
+        said = choose_clock("wrench", stamps, "auto", -2_000_000_000).findings
+        assert "offset of -2.000 s" in said[0].message
+
+
+def test_a_stated_offset_is_added_to_the_only_clock():
+    """Samples with one stamp have the stream's own clock, and the stated offset brings it to the host's."""
+    for preference in ("auto", "log", "publish"):
+        choice = choose_clock("wrench", Stamps(LOG), preference, -2_000_000_000)
+        assert choice.shift_ns == -2_000_000_000
+        assert (choice.t_ns == LOG - 2_000_000_000).all()
+
+
 def test_an_explicit_preference_is_obeyed():
     """Log and publish are taken when asked for."""
     stamps = Stamps(LOG, LOG - 1, LOG - 2)

@@ -1,5 +1,7 @@
 """The true contact wrench comes back from a reading with tool weight, tare, sign and frames in the way."""
 
+import copy
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -195,3 +197,46 @@ def test_no_contact_no_trajectory():
     values = np.random.default_rng(8).normal(0, 0.1, (5000, 6))
     t_ns = START + np.arange(5000) * 10_000_000
     assert segment_by_contact(stored(t_ns, values, "wrench"), 0.1, "") == ()
+
+
+@pytest.mark.parametrize("taken", ["gravity", "centre_of_gravity"])
+def test_what_is_assumed_of_the_weight_is_said(taken):
+    """A tool whose gravity or centre of gravity is not stated is taken off by an assumption, and it is said."""
+    t_ns, _, wrench, tcp = planted(np.random.default_rng(1))
+    document = copy.deepcopy(dict(description().document))
+    for part in (document["wrench"], document["robot"]["tool"]):
+        part.pop(taken, None)
+    spans = [("t", int(t_ns[0]), int(t_ns[-1]))]
+    code = {"gravity": "gravity-assumed", "centre_of_gravity": "centre-of-gravity-assumed"}[taken]
+    found = contact_wrench(LogDescription.checked(document, "test"), wrench, tcp, spans)
+    assert code in {finding.code for finding in found.findings}
+    whole = contact_wrench(description(), wrench, tcp, spans)
+    assert not any(finding.code.endswith("-assumed") for finding in whole.findings)
+
+
+@pytest.mark.parametrize("lost", [slice(250, 450), slice(0, 80), slice(400, None)])
+def test_no_force_is_computed_from_a_pose_of_another_moment(lost):
+    """In a long gap of the poses, and beyond them, the contact wrench is NaN and said; elsewhere it is right."""
+    t_ns, truth, wrench, tcp = planted(np.random.default_rng(1))
+    rows = np.delete(np.arange(len(t_ns)), lost)
+    held = stored(t_ns[rows], tcp.values[rows], "tcp")
+    found = contact_wrench(description(), wrench, held, [("t", int(t_ns[0]), int(t_ns[-1]))])
+    masked = np.isnan(found.signal.values).all(axis=1)
+    assert 0 < masked.sum() <= len(t_ns) - len(rows)
+    assert not masked[rows].any()
+    assert np.abs(found.signal.values - truth)[rows, :3].max() < 0.4
+    [said] = [finding for finding in found.findings if finding.code == "weight-unknown"]
+    assert said.count == masked.sum()
+    compensated = contact_wrench(description(gravity="compensated"), wrench, held, [])
+    assert np.isfinite(compensated.signal.values).all()
+
+
+def test_poses_of_another_time_give_no_force_at_all():
+    """A tcp stream an hour away says nothing of the weight: every sample is NaN, none is computed, and it is said."""
+    t_ns, _, wrench, tcp = planted(np.random.default_rng(1))
+    away = stored(t_ns + 3600 * 10**9, tcp.values, "tcp")
+    for spans in ([], [("t", int(t_ns[0]), int(t_ns[-1]))]):
+        found = contact_wrench(description(), wrench, away, spans)
+        assert np.isnan(found.signal.values).all()
+        assert "weight-unknown" in {finding.code for finding in found.findings}
+        assert segment_by_contact(found.signal, found.noise, "") == ()
