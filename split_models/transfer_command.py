@@ -47,6 +47,7 @@ def transfer(
     from split_models.transfer_methods import transfer_method
     from split_models.transfer_picture import write_transfer_picture
     from tactiledata.store.reader import Store
+    from tactiledata.store.simulated import simulated_recordings
     from tactiledata.store.targets import find_target
 
     location = working_store(store)
@@ -61,8 +62,11 @@ def transfer(
         picture = write_transfer_picture(opened, Store.open(written), target.background, written.with_suffix(".png"))
     if as_json:
         hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
-        emit({**report.document(), **hashes, "picture": str(picture)})
+        simulated = {"simulated_recordings": simulated_recordings(opened).document()}
+        emit({**report.document(), **hashes, **simulated, "picture": str(picture)})
         return
+    if sentence := simulated_recordings(opened).sentence:
+        say(sentence)
     _tell(report, to, way, location, picture)
 
 

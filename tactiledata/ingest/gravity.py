@@ -20,6 +20,9 @@ LONGEST_GAP, LONGEST_HOLD = 500_000_000, 100_000_000
 """ns. Between poses that are farther apart than the first, the arm may have been anywhere; before the first and after
 the last pose, where nothing bounds its turn, that pose is held for the second."""
 
+STANDS, STANDS_TURNED = 1e-4, 2e-3
+"""m and rad: an arm whose pose differs by less stood still. The weight of 1 kg turns by 0.02 N at such an angle."""
+
 POSE_PERIODS = 3
 """Times the usual distance of poses; the larger of it and the limits above counts."""
 
@@ -42,7 +45,7 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
     tcp_from_ft = description.transform("tcp_from_ft")
     if tool is None or tcp_from_ft is None or tcp is None or not len(tcp.t_ns):
         return None
-    sound = _sound_times(tcp)
+    sound = tcp.t_ns[_is_sound(tcp)]
     if not len(sound):
         return None
     held = np.clip(t_ns, sound[0], sound[-1])
@@ -59,7 +62,7 @@ def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
     """Which moments (n,) have no pose near enough to compute the tool's weight from.
 
     They lie in a gap between two poses that is longer than `LONGEST_GAP`, or more than `LONGEST_HOLD` before the
-    first or after the last.
+    first or after the last. A gap with one pose at both ends is none: the arm stood, and nothing was written.
 
     Parameters
     ----------
@@ -68,16 +71,30 @@ def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
     t_ns : (n,) int64
         Host clock.
     """
-    sound = _sound_times(tcp)
+    is_sound = _is_sound(tcp)
+    sound, poses = tcp.t_ns[is_sound], tcp.values[is_sound]
     if not len(sound):
         return np.ones(len(t_ns), dtype=bool)
     periods = POSE_PERIODS * usual_distance(sound)
     beyond = np.maximum(sound[0] - t_ns, t_ns - sound[-1])
     after = np.clip(np.searchsorted(sound, t_ns, side="left"), 1, max(len(sound) - 1, 1))
-    gap = sound[np.minimum(after, len(sound) - 1)] - sound[after - 1]
-    is_lost = (gap > max(LONGEST_GAP, periods)) & (beyond < 0) & ~np.isin(t_ns, sound)
+    later = np.minimum(after, len(sound) - 1)
+    gap = sound[later] - sound[after - 1]
+    is_moved = _is_moved(poses[after - 1], poses[later])
+    is_lost = (gap > max(LONGEST_GAP, periods)) & is_moved & (beyond < 0) & ~np.isin(t_ns, sound)
     return is_lost | (beyond > max(LONGEST_HOLD, periods))
 
 
-def _sound_times(tcp: StoredSignal) -> Times:
-    return tcp.t_ns[np.isfinite(tcp.values).all(axis=1) & ~broken_rotations(tcp.values)]
+def _is_sound(tcp: StoredSignal) -> NDArray[np.bool_]:
+    """Which poses (n,) are known and turn by a rotation."""
+    return np.asarray(np.isfinite(tcp.values).all(axis=1) & ~broken_rotations(tcp.values))
+
+
+def _is_moved(before: Values, after: Values) -> NDArray[np.bool_]:
+    """Whether the arm stands elsewhere (n,) at two poses (n, 7), by more than its repeatability."""
+    along = np.linalg.norm(after[:, :3] - before[:, :3], axis=1)
+    # q and -q are one rotation; the angle between two is twice that of the quaternions
+    cosines = np.abs((before[:, 3:] * after[:, 3:]).sum(axis=1))
+    cosines /= np.linalg.norm(before[:, 3:], axis=1) * np.linalg.norm(after[:, 3:], axis=1)
+    turn = 2.0 * np.arccos(np.minimum(cosines, 1.0))
+    return np.asarray((along > STANDS) | (turn > STANDS_TURNED))

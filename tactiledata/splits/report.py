@@ -194,7 +194,10 @@ def _empty_parts(
     if seeds:
         others = f" (and so do {' and '.join(map(str, seeds[1:]))})" if seeds[1:] else ""
         hint = f"the same command with --seed {seeds[0]} --replace fills every part{others}"
-    few = f"{len(groups)} groups are few for chance to fill every part"
+    few = f"{counted(len(groups), 'group')} are few for chance to fill every part"
+    if len(groups) < len(wanted):
+        few = f"{counted(len(groups), 'group')} cannot fill {len(wanted)} parts"
+        hint = "add data, or ask for fewer parts with --fractions"
     notes.append(f"{' and '.join(empty)} got no trajectory: {few}; {hint}")
     return notes
 

@@ -240,3 +240,14 @@ def test_poses_of_another_time_give_no_force_at_all():
         assert np.isnan(found.signal.values).all()
         assert "weight-unknown" in {finding.code for finding in found.findings}
         assert segment_by_contact(found.signal, found.noise, "") == ()
+
+
+def test_an_arm_that_stands_needs_no_poses():
+    """A recorder that writes poses only while the arm moves loses no force in the pauses."""
+    t_ns, _, wrench, tcp = planted(np.random.default_rng(1))
+    poses = tcp.values.copy()
+    poses[200:450] = poses[200]
+    rows = np.delete(np.arange(len(t_ns)), slice(201, 449))
+    found = contact_wrench(description(), wrench, stored(t_ns[rows], poses[rows], "tcp"), [])
+    assert np.isfinite(found.signal.values).all()
+    assert "weight-unknown" not in {finding.code for finding in found.findings}

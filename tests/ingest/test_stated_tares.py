@@ -12,6 +12,7 @@ from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.contact import contact_wrench
 from tactiledata.ingest.gravity import STANDARD_GRAVITY
 from tactiledata.ingest.segment import segment_by_contact
+from tactiledata.ingest.tare import find_zero
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 START = 1_700_000_000_000_000_000
