@@ -92,7 +92,7 @@ def cost_rows(runners: Sequence[Contender], simulated: Simulated) -> list[dict[s
 def resolution_figure(
     runners: Sequence[Contender], recorded: Pictures, title: str
 ) -> tuple[list[list[Pictures]], list[str]]:
-    """For some frames a row: the recorded picture, then each contender's; and the titles of the columns.
+    """Return a row for each of some frames: the recorded picture, then each contender's; and the titles of the columns.
 
     Parameters
     ----------

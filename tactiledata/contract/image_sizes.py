@@ -8,7 +8,7 @@ Size = tuple[int, int]
 """Height and width, pixels."""
 
 STRAY_SHARE = 0.1
-"""Of a sensor's images in a recording. A size that more of them have is no stray: the camera was set to it."""
+"""Largest share of a sensor's images in a recording that a stray size has; more of them were set so."""
 
 
 def usual_size(counts: Mapping[Size, int]) -> Size:

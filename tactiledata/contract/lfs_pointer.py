@@ -22,7 +22,7 @@ def is_lfs_pointer(path: Path) -> bool:
 
 
 def refuse_lfs_pointer(path: Path) -> None:
-    """Nothing, unless a file is a Git LFS pointer.
+    """Refuse a file that is a Git LFS pointer.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def refuse_lfs_pointer(path: Path) -> None:
 
 
 def refuse_pointer_bytes(content: bytes, name: str) -> None:
-    """Nothing, unless the content of a file is a Git LFS pointer; ``name`` is what errors call the file.
+    """Refuse the content of a file that is a Git LFS pointer; ``name`` is what errors call the file.
 
     Raises
     ------

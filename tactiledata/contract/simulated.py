@@ -61,7 +61,7 @@ class SimulatedCount:
 
     @property
     def label(self) -> str:
-        """For titles and captions: empty where nothing is simulated, a share where not all is.
+        """The words for titles and captions: empty where nothing is simulated, a share where not all is.
 
         Examples
         --------
@@ -79,7 +79,7 @@ class SimulatedCount:
 
     @property
     def sentence(self) -> str:
-        """For people, with how many are real and how many do not state it; empty where nothing is simulated.
+        """A sentence for people, with how many are real and how many do not state it; empty where nothing is simulated.
 
         Examples
         --------
@@ -113,7 +113,7 @@ class SimulatedCount:
 
 
 NOTHING_STATED = SimulatedCount()
-"""Of things of which nobody asked what they are."""
+"""The count of things that nobody was asked about."""
 
 
 def _begun(text: str) -> str:

@@ -22,7 +22,7 @@ FADINGS = (0.1, 1.0, 10.0, 100.0)
 RELAXATIONS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 """s: a fitted rate of a relaxation lies within a factor of 1.8 of one of them."""
 LONGEST_RELAXATION = 0.6
-"""Of the longest hold: what takes longer is no other than a creep there."""
+"""Longest relaxation times that are offered, over the longest hold: a longer one looks like a creep there."""
 MOST_ATOMS = 28
 MOST_HISTORIES = 3
 MOST_LEVELS = 6
@@ -31,7 +31,7 @@ EXPONENTS = (-2, -1, 1, 2)
 
 @dataclass(frozen=True)
 class Since:
-    """Of which covariate's last step a time is counted, and the unit of that time.
+    """Return the covariate from whose last step a time is counted, and the unit of that time.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 Exponents = tuple[float, ...]
 
 NONE: Exponents = (0.0,) * 7
-"""Of length, mass, time, temperature, current, pixels, counts of a converter."""
+"""Powers of length, mass, time, temperature, current, pixels and counts of a converter."""
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ class Explanation:
 
     @property
     def answer(self) -> Answer:
-        """In a few words."""
+        """The verdict in a few words."""
         certain = [name for name in self.located.p if self.located.is_certain(name)]
         if certain in ([], [COMMON]) and not self.is_held:
             if self.ceiling.is_certain:

@@ -77,7 +77,7 @@ def times_since_steps(covariates: Mapping[str, Covariate], starts: Indices, time
 
 
 def step_size(values: Array, starts: Indices) -> float:
-    """By how much a covariate must change to have made a step: far more than it jitters from row to row."""
+    """Return by how much a covariate must change to have made a step: far more than it jitters from row to row."""
     changes = np.abs(np.delete(np.diff(values), starts[1:] - 1))
     jitter = OF_NORMAL * float(np.median(changes)) / np.sqrt(2.0) if len(changes) else 0.0
     return max(BEYOND * jitter, SMALLEST_STEP * float(np.ptp(values)))

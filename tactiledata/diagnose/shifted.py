@@ -24,7 +24,7 @@ FOLLOWED = 0.99
 
 
 def shift_carriers(residuals: Residuals) -> list[Carrier]:
-    """For each quantity and each length that its prediction follows inside groups, what a shift of it does.
+    """Return, for each quantity and each length that its prediction follows inside groups, what a shift of it does.
 
     The field is the slope of the prediction over the length; a coefficient is a shift in the length's unit.
     """

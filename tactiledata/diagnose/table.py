@@ -29,7 +29,7 @@ MOST_ROWS = 20_000
 LARGEST, SMALLEST = 1e30, 1e-30
 """Of numbers, and of a noise; what lies beyond is a slip, and squares of it cannot be computed with."""
 SMALLEST_SPREAD = 0.2
-"""Of a prediction, times the scatter about it; a share of less is moved by chance as an offset is."""
+"""Least range of a prediction, over the scatter about it, with which a scale is told from an offset."""
 MOST_MISSING = 0.2
 """Share of rows without it from which on a covariate is left out rather than the rows."""
 

@@ -14,7 +14,7 @@ from tactiledata.contract.image_bytes import ImageHeader, size_fault
 from tactiledata.contract.records import Severity
 
 USED_BITS = 12
-"""Of 16. Values that stay below 2 ** 12 leave the upper 8 bits below 16 of 255: a picture that is as good as black."""
+"""Bits of 16 that a picture must use: values below 2 ** 12 leave upper 8 bits below 16 of 255, nearly black."""
 
 ALPHA_LEFT_OUT = "has an alpha channel: it is left out, and colours are read as they are stored"
 

@@ -130,7 +130,7 @@ def _why_not_header(stamps: Stamps) -> str:
 
 
 def _jump(log: Times, header: Times) -> int:
-    """By how much (ns) a header clock runs ahead of the log time at once, and stays there; 0 where it does not.
+    """Return by how much (ns) a header clock runs ahead of the log time at once, and stays there; 0 where it does not.
 
     A recorder that stalls writes late and catches up: there the log time is ahead, and the header falls back to it.
     """

@@ -100,7 +100,7 @@ def unlocated(store: Store, sets: Sequence[SensorSet]) -> list[str]:
 
 
 def outside_contact(masks: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
-    """Where (n, H, W) pictures show nothing of the touch: the masks of their contacts, widened and turned round."""
+    """Return where (n, H, W) pictures show nothing of the touch: all but their widened contacts."""
     assert masks is not None  # sets without are left out
     reach = int(np.ceil(FRINGE * CONTACT_BLUR * max(masks.shape[1:])))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))

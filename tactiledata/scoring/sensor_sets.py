@@ -87,7 +87,7 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
 
 
 def require_sets(store: Store, sets: Sequence[SensorSet], least: int) -> None:
-    """Nothing, where a store has so many sets.
+    """Refuse a store that has fewer sets.
 
     Parameters
     ----------

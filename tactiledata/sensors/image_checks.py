@@ -44,7 +44,7 @@ def orientation_of(image: Image, sensor: Sensor) -> Literal["ok", "swapped", "ot
 
 
 def size_orientation(shape: tuple[int, ...], sensor: Sensor) -> Literal["ok", "swapped", "other size"]:
-    """As `orientation_of`, of a picture known by its rows and columns."""
+    """Return what `orientation_of` returns, of a picture known by its rows and columns."""
     if sensor.camera is None:
         raise UsageError(f"sensor {sensor.name!r} takes no pictures", "a tactile sensor")
     if shape == sensor.camera.shape:

@@ -96,7 +96,7 @@ def _cut(folder: Path, manifest: Mapping[str, Any], path: str, content: bytes) -
 
 
 def need_whole_documents(folder: Path) -> None:
-    """Nothing, where all documents fit their digests: a writer would take damage over and give it a fitting digest.
+    """Refuse documents that do not fit their digests: a writer would take damage over and give it a fitting digest.
 
     Raises
     ------

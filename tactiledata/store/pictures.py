@@ -218,7 +218,7 @@ class Pictures:
         return picture
 
     def _require_decodable(self, rows: Sequence[int]) -> None:
-        """Nothing, where all frames are within the limit of decoded size; else `StoreError`, before memory is taken."""
+        """Refuse frames beyond the limit of decoded size with a `StoreError`, before memory is taken."""
         columns = self._load()
         for row in rows:
             if fault := size_fault(int(columns["height"][row]), int(columns["width"][row])):

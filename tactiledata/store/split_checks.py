@@ -51,7 +51,7 @@ def _damage(fault: str, name: str) -> Finding:
 
 
 def _need_older(document: Mapping[str, Any], name: str) -> None:
-    """Nothing, where a document without a digest is of a kind that was once written without: a name may have changed.
+    """Refuse a document without a digest unless its kind was once written without: a name may have changed.
 
     Raises
     ------

@@ -58,7 +58,7 @@ KINDS_OF_SIGNAL = {
 }
 TF_KIND = "tf2_msgs/TFMessage"
 ROTATION_VECTOR_UNITS = ("m", "m", "m", "rad", "rad", "rad")
-"""Of a pose as UR controllers give it: position and rotation vector."""
+"""Columns of a pose as UR controllers give it: position and rotation vector."""
 COLUMNS_OF = {**SIGNAL_COLUMNS, "ur_wrench": SIGNAL_COLUMNS["wrench"]}
 RAW_KINDS = ("sensor_msgs/Image", "foxglove.RawImage")
 COMPRESSED_KINDS = ("sensor_msgs/CompressedImage", "foxglove.CompressedImage")
