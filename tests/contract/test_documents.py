@@ -212,3 +212,26 @@ def test_a_fault_points_to_the_page_that_explains_it():
         assert (root / page).is_file()
         with pytest.raises(SchemaError, match=page):
             check_document({}, name, "test")
+
+
+@pytest.mark.parametrize("number", [".nan", ".inf", "-.inf", "1e300", "-1e300"])
+@pytest.mark.parametrize(
+    ("around", "place"),
+    [("a: {{b: {}}}", r"\$\.a\.b"), ("a: [0, {}]", r"\$\.a\[1\]"), ("[{}]", r"\$\[0\]"), ("{}", r"\$")],
+)
+def test_a_number_beyond_the_largest_is_refused_wherever_it_stands(number, around, place, tmp_path):
+    """In mappings, in lists and alone: the message names the place; 9.9e299 is read."""
+    path = tmp_path / "x.yaml"
+    path.write_text(around.format(number))
+    with pytest.raises(SchemaError, match=rf" at {place}, no number"):
+        read_document(path)
+    path.write_text(around.format("9.9e299"))
+    read_document(path)
+
+
+@pytest.mark.parametrize(("length", "shown"), [(299, 299), (300, 300), (301, 300), (5000, 300)])
+def test_a_long_message_is_cut_to_300_characters(length, shown):
+    """Up to 300 characters stay as they are; of longer ones 299 and an ellipsis are shown."""
+    short = schemas._short("x" * length)
+    assert len(short) == shown
+    assert short.strip("x") == ("" if length <= 300 else "…")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.contract.records import Image, Signal, Stamps
+from tactiledata.contract.records import Finding, Image, Signal, Stamps
 
 STAMPS = Stamps(np.arange(2, dtype=np.int64))
 
@@ -26,3 +26,9 @@ def test_stamps_that_an_image_lacks_are_minus_one():
     """An image with a log stamp alone has -1 for the two others."""
     image = Image("digit", b"", "missing", 0, 0, log_ns=5)
     assert (image.log_ns, image.publish_ns, image.header_ns) == (5, -1, -1)
+
+
+def test_a_finding_concerns_one_thing_and_the_whole_recording_unless_it_says_more():
+    """Equal facts make equal findings; the defaults are no place, no span and a count of one."""
+    assert Finding("chunk-crc", "damage", "x") == Finding("chunk-crc", "damage", "x", "", "", None, None, 1)
+    assert Finding("chunk-crc", "damage", "x") != Finding("chunk-crc", "damage", "x", count=2)
