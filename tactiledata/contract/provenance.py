@@ -11,8 +11,6 @@ from typing import Any
 
 from tactiledata import __version__
 
-BLOCK = 2**20
-
 
 def json_bytes(value: Any) -> bytes:
     """A value as canonical JSON: sorted keys, no spaces, UTF-8; equal values give equal bytes."""

@@ -162,12 +162,12 @@ def _parsed_json(text: str, where: str) -> Any:
 
     document = json.loads(text, object_pairs_hook=once)
     level: list[Any] = [document]
-    for _ in range(MAX_DEPTH + 1):
+    for _ in range(MAX_DEPTH):
         level = [
             inner
             for value in level
-            if isinstance(value, dict | list)
             for inner in (value.values() if isinstance(value, dict) else value)
+            if isinstance(inner, dict | list)
         ]
         if not level:
             return document

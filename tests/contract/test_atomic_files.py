@@ -65,6 +65,14 @@ def test_long_names_and_missing_folders(tmp_path):
     assert len(list(place.parent.iterdir())) == 1
 
 
+def test_long_names_of_wide_characters(tmp_path):
+    """A name of 63 characters of four bytes each, 252 of the 255 bytes that a name may have, works too."""
+    place = tmp_path / ("\N{GRINNING FACE}" * 63)
+    write_atomic(place, b"1")
+    assert place.read_bytes() == b"1"
+    assert list(tmp_path.iterdir()) == [place]
+
+
 def test_json_for_people_is_canonical(tmp_path):
     """Sorted keys, a line break at the end, the same bytes for equal values; what JSON cannot say is refused."""
     write_json_atomic(tmp_path / "one.json", {"b": "é", "a": [1, 2.5, None]})

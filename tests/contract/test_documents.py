@@ -46,6 +46,17 @@ def test_many_faults_are_counted_and_cut():
     assert len(str(caught.value)) < 3000
 
 
+@pytest.mark.parametrize(("count", "end"), [(4, None), (5, None), (6, " (and 1 more)")])
+def test_up_to_five_faults_are_all_shown(count, end):
+    """Four and five faults are shown one by one, with nothing after them; of six, five are shown and one counted."""
+    document = {**GOOD, "sensors": {f"S{number}": {"model": "digit", "shore_00": "soft"} for number in range(count)}}
+    with pytest.raises(SchemaError) as caught:
+        check_document(document, "log", "log.yaml")
+    assert str(caught.value).count("at $.sensors.S") == min(count, 5)
+    assert (" more)" in str(caught.value)) == (end is not None)
+    assert end is None or end in str(caught.value)
+
+
 @pytest.mark.parametrize("text", ["a: 1\na: 2\n", '{"a": 1, "a": 2}', "b: {c: 1, c: 1}", "1: x\n1: y\n"])
 def test_a_key_given_twice_is_refused(text):
     """The last of two values never wins silently."""
@@ -79,6 +90,36 @@ def test_deep_nesting_is_refused(text):
         parse_document(text, "log.yaml")
 
 
+@pytest.mark.parametrize("before", ["", "# YAML\n"], ids=["json", "yaml"])
+@pytest.mark.parametrize("inner", ["", "1"])
+def test_a_hundred_levels_are_the_limit(before, inner):
+    """A hundred lists inside one another are read, a hundred and one refused, as JSON and as YAML, empty or not."""
+    read = parse_document(before + "[" * 100 + inner + "]" * 100, "log.json")
+    for _ in range(99):
+        (read,) = read
+    assert read == ([1] if inner else [])
+    with pytest.raises(SchemaError, match="more than 100 levels"):
+        parse_document(before + "[" * 101 + inner + "]" * 101, "log.json")
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("a: &x 1\nb: *x", 5),  # the mapping, two keys, the number twice
+        ("a: &x [1, 2]\nb: *x", 9),  # the mapping, two keys, the list and its two numbers twice
+        ("a: &x [1, 2]\nb: &y [*x]\nc: *y", 15),  # the mapping, three keys, the list three times, b and c
+        ("- []\n- {}", 3),
+    ],
+)
+def test_values_are_counted_with_their_aliases(text, values, monkeypatch):
+    """A document that stands for as many values as are allowed is read; with one fewer allowed it is refused."""
+    monkeypatch.setattr(schemas, "MAX_VALUES", values)
+    parse_document(text, "log.yaml")
+    monkeypatch.setattr(schemas, "MAX_VALUES", values - 1)
+    with pytest.raises(SchemaError, match=f"more than {values - 1} values"):
+        parse_document(text, "log.yaml")
+
+
 def test_a_yaml_bomb_is_refused():
     """Aliases of aliases that stand for billions of values are refused; a few aliases are fine."""
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
@@ -105,6 +146,20 @@ def test_a_huge_file_is_refused_before_it_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr(type(path), "read_text", lambda *_, **__: pytest.fail("it was read"))
     with pytest.raises(SchemaError, match=f"{MAX_DOCUMENT_BYTES + 1} bytes"):
         read_document(path)
+
+
+def test_a_document_of_64_mebibytes_is_the_largest(tmp_path, monkeypatch):
+    """67,108,864 bytes are read, one byte more is not."""
+    path = tmp_path / "large.yaml"
+    monkeypatch.setattr(type(path), "read_text", lambda *_, **__: "a: 1")
+    for size, is_read in ((67_108_864, True), (67_108_865, False)):
+        with path.open("wb") as stream:
+            stream.truncate(size)
+        if is_read:
+            assert read_document(path) == {"a": 1}
+        else:
+            with pytest.raises(SchemaError, match="a document of at most 67108864 bytes"):
+                read_document(path)
 
 
 def test_no_file_there(tmp_path):
@@ -157,3 +212,26 @@ def test_a_fault_points_to_the_page_that_explains_it():
         assert (root / page).is_file()
         with pytest.raises(SchemaError, match=page):
             check_document({}, name, "test")
+
+
+@pytest.mark.parametrize("number", [".nan", ".inf", "-.inf", "1e300", "-1e300"])
+@pytest.mark.parametrize(
+    ("around", "place"),
+    [("a: {{b: {}}}", r"\$\.a\.b"), ("a: [0, {}]", r"\$\.a\[1\]"), ("[{}]", r"\$\[0\]"), ("{}", r"\$")],
+)
+def test_a_number_beyond_the_largest_is_refused_wherever_it_stands(number, around, place, tmp_path):
+    """In mappings, in lists and alone: the message names the place; 9.9e299 is read."""
+    path = tmp_path / "x.yaml"
+    path.write_text(around.format(number))
+    with pytest.raises(SchemaError, match=rf" at {place}, no number"):
+        read_document(path)
+    path.write_text(around.format("9.9e299"))
+    read_document(path)
+
+
+@pytest.mark.parametrize(("length", "shown"), [(299, 299), (300, 300), (301, 300), (5000, 300)])
+def test_a_long_message_is_cut_to_300_characters(length, shown):
+    """Up to 300 characters stay as they are; of longer ones 299 and an ellipsis are shown."""
+    short = schemas._short("x" * length)
+    assert len(short) == shown
+    assert short.strip("x") == ("" if length <= 300 else "…")

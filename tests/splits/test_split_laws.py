@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from split_cases import frames, many, parts, trajectories
 
 from tactiledata.errors import StoreError, UnknownName, UsageError
-from tactiledata.splits.assign import assign, choose_held_out, draw, part_of
+from tactiledata.splits.assign import assign, choose_held_out, describe_held, draw, part_of
 from tactiledata.splits.groups import family_roots, overlapping_touches
 from tactiledata.splits.make import split_tables
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions
@@ -244,3 +244,17 @@ def test_unknown_units_are_refused_with_near_names():
     options = SplitOptions.checked(hold_out="sensor=D2054")
     with pytest.raises(UnknownName, match="D20542"):
         choose_held_out(trajectories(many(10, ["D20542", "X1"])), options)
+
+
+@pytest.mark.parametrize(
+    ("held_out", "words"),
+    [
+        ({}, "nobody"),
+        ({"sensor": ()}, "nobody"),
+        ({"sensor": ("A", "B"), "indenter": ()}, "sensor A, B"),
+        ({"sensor": ("A",), "indenter": ("star",)}, "sensor A; indenter star"),
+    ],
+)
+def test_held_out_units_in_words(held_out, words):
+    """Kinds with their names; where there is no name, nobody."""
+    assert describe_held(held_out) == words
