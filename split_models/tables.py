@@ -84,7 +84,7 @@ def image_rows(workshop: Workshop) -> Rows:
 def side_by_side(
     methods: dict[str, Any], frames: TouchFrames, recorded: str = "recorded", count: int = 6
 ) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
-    """Return a row for each of some evenly spaced frames (recorded, then each method's), and titles of columns and rows.
+    """Return a row for each of some evenly spaced frames (recorded, then each method's), and all titles.
 
     Parameters
     ----------

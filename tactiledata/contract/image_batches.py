@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PIXELS_AT_ONCE = 2**25
-"""Largest number of pixels in one run, 96 MiB of RGB (256 images of 320 x 240 are fewer); a single image may have more."""
+"""Largest number of pixels in one run, 96 MiB of RGB (256 images of 320 x 240 are fewer); one image may have more."""
 
 
 def image_batches(

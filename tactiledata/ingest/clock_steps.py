@@ -156,7 +156,7 @@ def _shares(witness: Witness, place: int, step: int) -> bool:
 
 
 def _displacement(t_ns: Times, jumps: dict[int, int], witnesses: Sequence[Witness]) -> Times:
-    """Return by how many ns the time of each sample (n,) is off: 0 at the start, or at the end if only that one fits."""
+    """Return how many ns the time of each sample (n,) is off: 0 at the start, or at the end if only that one fits."""
     off = np.zeros(len(t_ns), dtype=np.int64)
     for row, step in jumps.items():
         off[row + 1 :] += step
