@@ -12,7 +12,7 @@ import argparse
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,9 +54,13 @@ def files_of(package: str) -> list[str]:
     return [str(path.relative_to(ROOT)) for path in found]
 
 
-def test_files() -> list[str]:
-    """Paths of the test files that are used, relative to the repository."""
-    return [str(path.relative_to(ROOT)) for name in TESTS for path in sorted((ROOT / "tests" / name).glob("test_*.py"))]
+def test_files(names: Iterable[str]) -> list[str]:
+    """Paths, relative to the repository, of the test files of these folders or files below ``tests``."""
+    found: list[Path] = []
+    for name in names:
+        place = ROOT / "tests" / name
+        found += sorted(place.glob("test_*.py")) if place.is_dir() else [place]
+    return [str(path.relative_to(ROOT)) for path in found]
 
 
 def interval(successes: int, count: int) -> tuple[float, float]:
@@ -129,6 +133,7 @@ def main() -> None:
     parser.add_argument("packages", nargs="*", default=list(PACKAGES), help=f"of {', '.join(PACKAGES)}")
     parser.add_argument("--sample", type=int, default=60, help="places drawn of each package; 0: every place")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--tests", nargs="+", default=list(TESTS), help="folders or files below tests that are used")
     parser.add_argument("--work", type=Path, default=ROOT / ".mutants", help="folder that keeps what was measured")
     options = parser.parse_args()
     if unknown := set(options.packages) - set(PACKAGES):
@@ -137,7 +142,7 @@ def main() -> None:
     load_libraries()
     sources = [file for package in PACKAGES for file in files_of(package)]
     copy = Copy(ROOT, options.work / f"copy-{'-'.join(options.packages)}")
-    tests = TestMap.measured(copy.place, test_files(), sources, options.work / "tests")
+    tests = TestMap.measured(copy.place, test_files(options.tests), sources, options.work / "tests")
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
     rows, everything = [], []
     for package in options.packages:

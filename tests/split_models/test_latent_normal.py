@@ -6,7 +6,7 @@ import pytest
 import torch
 from small_models import grid_topology, mesh_vae, presses
 
-from split_models.latent_normal import divergence, draw, drawn_alike
+from split_models.latent_normal import annealed, divergence, draw, drawn_alike
 
 
 def test_divergence_of_a_wide_normal():
@@ -40,3 +40,12 @@ def test_mesh_vae_scales_by_a_mean_that_is_not_zero():
     torch.testing.assert_close(moved.distribution(4.0 * given + 2.0), plain.distribution(given))
     latent = torch.ones(2, 8)
     torch.testing.assert_close(moved.decode(latent), 4.0 * plain.decode_scaled(latent) + 2.0)
+
+
+@pytest.mark.parametrize(
+    ("epoch", "epochs", "weight"),
+    [(0.0, 1, 0.0), (0.25, 1, 0.5), (1.0, 4, 0.5), (4.0, 4, 2.0), (9.0, 4, 2.0), (0.0, 0, 2.0)],
+)
+def test_the_weight_grows_linearly_and_stays(epoch, epochs, weight):
+    """To a final weight of 2: 0 at the start, a quarter after a quarter; over no epochs it is there at once."""
+    assert annealed(2.0, epoch, epochs) == weight
