@@ -82,7 +82,7 @@ def _print(report: Any) -> None:
         (source.key, words[source.state], source.status or "-", source.trajectories, source.frames)
         for source in report.sources
     ]
-    table("", ("recording", "", "status", "trajectories", "frames"), rows)
+    table("", ("recording", "what was done", "status", "trajectories", "frames"), rows)
     findings(
         [
             *((source.key, finding) for source in report.sources for finding in source.findings),
