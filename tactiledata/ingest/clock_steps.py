@@ -103,6 +103,9 @@ def _runs_again(t_ns: Times, values: Values, row: int, usual: int) -> bool:
     first, last = int(t_ns[row + 1]), int(t_ns[: row + 1].max())
     last = min(last, int(t_ns[row + 1 :].max()))
     before = np.flatnonzero((t_ns[: row + 1] >= first) & (t_ns[: row + 1] <= last))
+    if len(before):
+        # a stream whose beginning was off stands twice only where that beginning was put
+        first = int(t_ns[before].min())
     after = row + 1 + np.flatnonzero((t_ns[row + 1 :] >= first) & (t_ns[row + 1 :] <= last))
     if last <= first or len(before) + len(after) < CROWDED * (last - first) / max(usual, 1):
         return False

@@ -46,6 +46,14 @@ def test_a_clock_that_is_set_right_loses_what_came_before():
     assert codes(judged) == ["clock-jump"]
 
 
+def test_a_short_beginning_that_was_ahead_is_left_out():
+    """The first 2 s are 5 s ahead, so they stand within what follows, twice there: they are left out."""
+    t_ns = TRUE + np.where(np.arange(6000) < 200, 5 * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES, OTHERS)
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert codes(judged) == ["clock-jump"]
+
+
 @pytest.mark.parametrize("others", [OTHERS, []])
 def test_a_jump_that_is_taken_back_loses_the_middle(others):
     """Ahead by 5 s for 20 s: the 20 s are left out, even where nothing was recorded beside the stream."""
