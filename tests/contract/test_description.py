@@ -68,3 +68,11 @@ def test_an_addition_is_checked_too():
     with pytest.raises(SchemaError) as caught:
         described().merged({"sensors": {"A": {"model": "digit", "shore_00": "soft"}}}, "mapping")
     assert caught.value.facts["path"].startswith("$.sensors.A")
+
+
+@pytest.mark.parametrize("beyond", [2**63, -(2**63), 10**23])
+def test_a_time_beyond_64_bits_is_refused(beyond):
+    """Nanoseconds are kept as 64-bit integers: a larger number is refused by its place in the document."""
+    with pytest.raises(SchemaError, match=r"tare_ns\[0\]"):
+        described(wrench={"tare_ns": [beyond]})
+    assert described(wrench={"tare_ns": [2**63 - 1]}).wrench["tare_ns"] == [2**63 - 1]
