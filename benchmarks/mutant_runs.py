@@ -71,11 +71,11 @@ class FirstFailure:
         self.kept = kept
 
     def pytest_runtest_logreport(self, report: Any) -> None:
-        """Of tests and their fixtures."""
+        """Note the failure of a test or of its fixtures."""
         self._note(report)
 
     def pytest_collectreport(self, report: Any) -> None:
-        """Of files that cannot be imported."""
+        """Note a file of tests that cannot be imported."""
         self._note(report)
 
     def _note(self, report: Any) -> None:

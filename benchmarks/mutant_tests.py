@@ -15,7 +15,7 @@ from mutant_runs import fork_tests
 from mutant_sites import Mutant
 
 SECONDS = 900.0
-"""At most, for a file of tests."""
+"""Longest time (s) that a file of tests may take."""
 
 
 class Recorder:
@@ -134,6 +134,6 @@ class TestMap:
         return sum(self.duration[name] for name in chosen)
 
     def digest(self, chosen: list[str]) -> str:
-        """Of the files that hold the chosen tests."""
+        """Return the digest of the files that hold the chosen tests."""
         files = sorted({name.partition("::")[0] for name in chosen})
         return hashlib.sha256(" ".join(self.digests.get(file, "") for file in files).encode()).hexdigest()

@@ -34,7 +34,7 @@ TESTS = ("contract", "ingest", "splits", "metrics", "effects", "calibrate", "spl
 """Folders of tests whose fast tests are used."""
 KILLED, SURVIVED, EQUIVALENT = "killed", "survived", "equivalent"
 Z = 1.959964
-"""Of a normal distribution's 95 % interval."""
+"""Half-width of a normal distribution's 95 % interval, in standard deviations."""
 
 
 @dataclass(frozen=True)

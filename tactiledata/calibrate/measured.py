@@ -173,6 +173,7 @@ class _WrenchReader:
         }
         self._periods: list[float] = []
         self._fractions: list[Array] = []
+        self._frame_t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])
 
     def wrench(self, planned: PlannedTouch) -> Array | None:
         """At the frames (n, 6), NaN where not known; ``None`` where nowhere."""
@@ -196,7 +197,7 @@ class _WrenchReader:
         t_ns, samples = signal.t_ns(start, stop)[is_known], samples[is_known]
         if len(t_ns) > 1:
             self._periods.append(float(np.ptp(t_ns)) / 1e9 / (len(t_ns) - 1))
-        self._fractions.append(fractions_between(t_ns, self._frame_times(planned)))
+        self._fractions.append(fractions_between(t_ns, self._frame_t_ns[slice(*planned.frames)]))
         is_new = np.ones(len(samples), dtype=bool)
         is_new[1:] = (np.diff(samples, axis=0) != 0).any(axis=1)
         readings = samples[is_new]
@@ -211,9 +212,6 @@ class _WrenchReader:
     def fractions(self) -> Array:
         """Return where the frames (f,) of the touches that were read lie between two samples, 0 to 1."""
         return np.concatenate([np.empty(0), *self._fractions])
-
-    def _frame_times(self, planned: PlannedTouch) -> NDArray[np.int64]:
-        return np.asarray(self._store.frames(["t_ns"])["t_ns"])[slice(*planned.frames)]
 
     def samples_a_frame(self, touches: Sequence[MeasuredTouch]) -> int:
         """Samples at the native rate from one frame to the next."""

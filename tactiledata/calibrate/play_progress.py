@@ -48,15 +48,12 @@ class PlayProgress:
 
     def finished(self, count: int, what: str) -> None:
         """Report that at least so many plays are finished, and what they were."""
-        self._advance(count, what)
-
-    def _watch(self) -> None:
-        while not self._stop.wait(self._interval):
-            self._missing = [path for path in self._missing if not path.exists()]
-            self._advance(self._total - len(self._missing), self._what)
-
-    def _advance(self, count: int, what: str) -> None:
         with self._lock:
             if count > self._done or what != self._what:
                 self._done, self._what = max(count, self._done), what
                 self._report(self._done, self._total, what)
+
+    def _watch(self) -> None:
+        while not self._stop.wait(self._interval):
+            self._missing = [path for path in self._missing if not path.exists()]
+            self.finished(self._total - len(self._missing), self._what)

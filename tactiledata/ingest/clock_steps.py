@@ -1,4 +1,4 @@
-"""Where the clock of one stream jumped, told from pauses by how long the other streams of the recording last.
+"""Jumps of one stream's clock, told from pauses by how long the other streams of the recording last.
 
 A stream that pauses lasts as long as the others; one whose clock jumps by some seconds lasts longer (or shorter) by
 exactly these. Samples whose time is off cannot be placed among the other streams, and are left out.
@@ -45,7 +45,7 @@ class Witness:
 
 
 @dataclass(frozen=True)
-class Judged:
+class BelievedTimes:
     """Which samples (n,) have a time that can be believed, and what is to be said."""
 
     kept: NDArray[np.bool_]
@@ -65,7 +65,7 @@ def pauses_of(t_ns: Times) -> tuple[tuple[int, int], ...]:
     return tuple((int(t_ns[row]), int(steps[row])) for row in np.flatnonzero(steps > limit))
 
 
-def judge_steps(stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness]) -> Judged:
+def judge_steps(stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness]) -> BelievedTimes:
     """Samples without those whose clock had jumped.
 
     Parameters
@@ -86,16 +86,16 @@ def judge_steps(stream: str, t_ns: Times, values: Values, witnesses: Sequence[Wi
     forward = np.sort(forward[np.argsort(-steps[forward], kind="stable")[:MOST_STEPS]])
     back = np.array([row for row in np.flatnonzero(steps < -limit) if _runs_again(t_ns, values, int(row), usual)])
     if not len(forward) and not len(back):
-        return Judged(everything, ())
+        return BelievedTimes(everything, ())
     size = {int(row): int(steps[row]) - usual for row in (*forward, *back)}
     returned = [int(row) for row in back]
     jumps, is_known = _jumps(t_ns, size, [int(row) for row in forward], returned, witnesses)
     if not jumps:
         said = () if is_known else (_undecided(stream, t_ns, size),)
-        return Judged(everything, said)
+        return BelievedTimes(everything, said)
     off = _displacement(t_ns, {row: size[row] for row in jumps}, witnesses)
     kept = np.abs(off) < LEAST_STEP
-    return Judged(kept, _findings(stream, t_ns, off, kept, [(row, size[row]) for row in sorted(jumps)]))
+    return BelievedTimes(kept, _findings(stream, t_ns, off, kept, [(row, size[row]) for row in sorted(jumps)]))
 
 
 def _runs_again(t_ns: Times, values: Values, row: int, usual: int) -> bool:
