@@ -11,7 +11,7 @@ from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.case_residuals import COMPONENTS, TO_UNIT, UNITS
-from tactiledata.diagnose.diagnose_store import StoreDiagnosis
+from tactiledata.diagnose.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.naming_document import naming_document
 from tactiledata.diagnose.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.next_trial_words import next_trial_sentences, next_trials_document
