@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import google_crc32c
 import numpy as np
@@ -22,7 +22,9 @@ from tactiledata.store.arrays import open_rows, write_image
 from tactiledata.store.batch import Batch
 from tactiledata.store.layout import home_of, reference_path, sensors_path
 from tactiledata.store.manifest import Manifest
-from tactiledata.store.writer import StagedTake
+
+if TYPE_CHECKING:
+    from tactiledata.store.writer import StagedTake
 
 PASSING = ("power_on_ns",)
 """Facts that belong to a recording, not to a sensor; they stay in the source's description."""
