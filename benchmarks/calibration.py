@@ -21,8 +21,8 @@ from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.player import play_at
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.structured_pad import GridPlan, pad_mesh, structured_pad
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.mesh.structured_pad import GridPlan, pad_mesh, structured_pad
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.nuisance.noise import WrenchNoise

@@ -24,8 +24,8 @@ from tactiledata.calibrate.calibrate import Calibration, calibrate
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.store.reader import Store
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.store.read.reader import Store
 
 LOSSES = ("vector", "norm")
 

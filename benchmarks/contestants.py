@@ -158,7 +158,7 @@ class ZarrPlain(Contestant):
         """Write the decoded pixels."""
         import zarr
 
-        from tactiledata.store.arrays import ZSTD_LEVEL
+        from tactiledata.store.layout.arrays import ZSTD_LEVEL
 
         folder.mkdir()
         first = next(pictures)

@@ -21,16 +21,16 @@ from typing import Any
 
 from timing import Seat, header, verdict
 
-from tactiledata.diagnose.diagnose_store import diagnose_store
-from tactiledata.diagnose.store_document import store_document, write_store_diagnosis
-from tactiledata.diagnose.store_options import DiagnosisOptions
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
+from tactiledata.diagnose.options import DiagnosisOptions
+from tactiledata.diagnose.store import diagnose_store
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.sensors.base import GelGeometry
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 TARGET_S = 300.0

@@ -18,13 +18,13 @@ from pathlib import Path
 import numpy as np
 from timing import header, table
 
-from tactiledata.gel.engines import Mechanics, make_engine
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.flex import FlexEngine
-from tactiledata.gel.history import FrameStatus, GelHistory, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.structured_pad import PLANS, GridPlan, structured_pad
+from tactiledata.gel.contact.history import FrameStatus, GelHistory, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.flex.engine import FlexEngine
+from tactiledata.gel.make_engine import Mechanics, make_engine
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import PLANS, GridPlan, structured_pad
 from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere

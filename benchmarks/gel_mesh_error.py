@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelHistory, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import GridPlan, pad_mesh, structured_pad
+from tactiledata.gel.contact.history import GelHistory, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.structured_pad import GridPlan, pad_mesh, structured_pad
 from tactiledata.indenters import make_indenter
 from tactiledata.sensors.base import GelGeometry
 

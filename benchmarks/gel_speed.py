@@ -8,13 +8,13 @@ import time
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.embedded import EmbeddedEngine
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelHistory, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.stiffness import linear_stiffness
-from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.gel.contact.history import GelHistory, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.elasticity.stiffness import linear_stiffness
+from tactiledata.gel.engines.embedded import EmbeddedEngine
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.sensors.digit import DIGIT
 

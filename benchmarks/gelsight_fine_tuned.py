@@ -19,18 +19,18 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from split_models.checkpoint import load_checkpoint
-from split_models.contact_region import contact_region
-from split_models.data import TouchFrames
-from split_models.fine_tune import fine_tune
-from split_models.latent import LatentMeshToImage, decode_pictures, encode_pictures
-from split_models.latent_transfer import load_image_vae, scaled
-from split_models.recorded_title import recorded_title
-from split_models.train_options import TrainOptions
-from split_models.transfer_picture import sheet
+from split_models.learning.checkpoint import load_checkpoint
+from split_models.learning.contact_region import contact_region
+from split_models.learning.data import TouchFrames
+from split_models.learning.train_options import TrainOptions
+from split_models.networks.latent import LatentMeshToImage, decode_pictures, encode_pictures
+from split_models.tables.recorded_title import recorded_title
+from split_models.transfer.fine_tune import fine_tune
+from split_models.transfer.latent_transfer import load_image_vae, scaled
+from split_models.transfer.transfer_picture import sheet
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.splits.make import make_split
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 COLUMNS = 5
 

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.decomposition import PCA
 
-from split_models.contact_region import contact_region
-from split_models.data import TouchFrames
-from split_models.evaluate import of_each_sensor
-from split_models.image_vae import ImageVae
-from split_models.latent_transfer import Laid, LatentTransfer, load_image_vae
+from split_models.learning.contact_region import contact_region
+from split_models.learning.data import TouchFrames
+from split_models.networks.image_vae import ImageVae
+from split_models.tables.evaluate import of_each_sensor
+from split_models.transfer.latent_transfer import Laid, LatentTransfer, load_image_vae
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
 Pictures = NDArray[np.uint8]

@@ -22,20 +22,20 @@ import torch
 from gel_speed import MATERIAL, touches
 from timing import header, table, verdict
 
-from split_models.fots import fots_published
-from split_models.image_vae import ImageVae
-from split_models.inference_time import cost_rows
-from split_models.latent import LatentMeshToImage
-from split_models.mesh_graph import Topology, build_hierarchy, cell_faces
-from split_models.mesh_vae import MeshVae
-from split_models.onnx_export import PACKAGES, export_models
-from split_models.onnx_models import OnnxMeshToImage, OnnxModels
-from split_models.projection import Projection
-from split_models.recipe import Recipe, load_recipe
-from split_models.simulated_frames import Pad, simulate
-from split_models.step_race import contenders, race, weigh
-from split_models.taxim_method import taxim_published
-from tactiledata.gel.structured_pad import pad_mesh
+from split_models.methods.fots import fots_published
+from split_models.methods.taxim import taxim_published
+from split_models.networks.image_vae import ImageVae
+from split_models.networks.latent import LatentMeshToImage
+from split_models.networks.mesh_graph import Topology, build_hierarchy, cell_faces
+from split_models.networks.mesh_vae import MeshVae
+from split_models.networks.projection import Projection
+from split_models.onnx.export import PACKAGES, export_models
+from split_models.onnx.models import OnnxMeshToImage, OnnxModels
+from split_models.recipe.recipe import Recipe, load_recipe
+from split_models.tables.inference_time import cost_rows
+from split_models.tables.simulated_frames import Pad, simulate
+from split_models.tables.step_race import contenders, race, weigh
+from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.sensors.digit import DIGIT
 

@@ -21,7 +21,7 @@ from bag import write_bag
 from timing import MEGABYTE, Seat, header, interleaved, median_ratio, table, verdict
 
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.arrays import ZSTD_LEVEL
+from tactiledata.store.layout.arrays import ZSTD_LEVEL
 
 TARGET = 1.5
 

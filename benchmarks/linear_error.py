@@ -6,10 +6,10 @@ import argparse
 
 import numpy as np
 
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus, GelHistory, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.gel.contact.history import FrameStatus, GelHistory, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.sensors.digit import DIGIT
 

@@ -30,16 +30,22 @@ from naming_plan import Plan
 from naming_worlds import START, Bench
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.case_residuals import COMPONENTS, case_noise, case_residuals, locate_touches
-from tactiledata.diagnose.contrasts import Sizes, instruments_of, sizes_of
-from tactiledata.diagnose.evidence_scale import ESTIMATED
-from tactiledata.diagnose.locate import LEVEL, Located
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.plain_fit import plain_fit
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.simulation_errors import OF_THE_GEL, scatter_beyond_noise
-from tactiledata.diagnose.whitened_cases import WhitenedCases
-from tactiledata.diagnose.zero_causes import zero_causes
+from tactiledata.diagnose.locate.contrasts import Sizes, instruments_of, sizes_of
+from tactiledata.diagnose.locate.locate import LEVEL, Located
+from tactiledata.diagnose.naming.joint_fit import plain_fit
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.unseen.touch_residuals import (
+    COMPONENTS,
+    OF_THE_GEL,
+    case_noise,
+    case_residuals,
+    locate_touches,
+    scatter_beyond_noise,
+)
+from tactiledata.diagnose.zeros.causes import zero_causes
 
 Array = NDArray[np.float64]
 

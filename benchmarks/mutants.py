@@ -27,7 +27,11 @@ PACKAGES = {
     "ingest": ["tactiledata/ingest"],
     "splits": ["tactiledata/splits"],
     "metrics": ["tactiledata/metrics"],
-    "losses": ["tactiledata/calibrate/losses.py", "split_models/objectives.py", "split_models/latent_normal.py"],
+    "losses": [
+        "tactiledata/calibrate/losses.py",
+        "split_models/learning/objectives.py",
+        "split_models/networks/latent_normal.py",
+    ],
     "effects": ["tactiledata/effects"],
 }
 TESTS = ("contract", "ingest", "splits", "metrics", "effects", "calibrate", "split_models", "store", "scoring")

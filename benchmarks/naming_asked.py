@@ -9,7 +9,7 @@ from typing import Any
 from naming_plan import INDENTERS
 from naming_truth import OUTSIDE, PAIRS, TITLES, WrongRadius
 
-from tactiledata.rig.hidden_base import HiddenEffect
+from tactiledata.rig.hidden.base import HiddenEffect
 
 KINDS = ("nulls", "effects", "outside", "pairs", "metadata")
 

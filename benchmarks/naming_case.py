@@ -14,25 +14,25 @@ from numpy.typing import NDArray
 
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.contract.take import StoredSignal
-from tactiledata.diagnose.force_zeros import ForceZeros
-from tactiledata.diagnose.touch_case import BaseFamily, CaseSet, TouchCase
-from tactiledata.effects.imprint import ImprintTable, strongest_imprint
-from tactiledata.effects.moved_until import moved_until
-from tactiledata.effects.touch import Touch
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.ingest.align import align, fractions_between
-from tactiledata.ingest.contact import contact_wrench
-from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.diagnose.touches.touch_case import BaseFamily, CaseSet, TouchCase
+from tactiledata.diagnose.zeros.readings import ForceZeros
+from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
+from tactiledata.effects.touch.moved_until import moved_until
+from tactiledata.effects.touch.touch import Touch
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.ingest.clocks.align import align, fractions_between
+from tactiledata.ingest.forces.contact import contact_wrench
+from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import noise_at_rest
-from tactiledata.rig import ur5e
-from tactiledata.rig.contact import TouchSetup, contact_times
-from tactiledata.rig.contact_bank import BankedContact, ContactBank
-from tactiledata.rig.hidden_base import HiddenEffect
-from tactiledata.rig.motion import Path as TouchPath
+from tactiledata.rig.bank.bank import BankedContact, ContactBank
+from tactiledata.rig.contact.contact import TouchSetup, contact_times
+from tactiledata.rig.hidden.base import HiddenEffect
+from tactiledata.rig.motion import ur5e
+from tactiledata.rig.motion.motion import Path as TouchPath
 from tactiledata.rig.play import Play, Solve, Stage
 from tactiledata.rig.record import BETWEEN_LOGS_NS
-from tactiledata.rig.scenario import Gel, Scenario, load_scenario
+from tactiledata.rig.scenario.scenario import Gel, Scenario, load_scenario
 from tactiledata.transforms import Transform
 
 Array = NDArray[np.float64]

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from tactiledata.calibrate.bounds import LARGEST_NU, Bounds
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.structured_pad import GridPlan, pad_mesh, structured_pad
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import GridPlan, pad_mesh, structured_pad
 from tactiledata.replay.geometry import gel_geometry
-from tactiledata.rig.scenario import Gel
+from tactiledata.rig.scenario.scenario import Gel
 from tactiledata.sensors.base import GelGeometry
 
 INDENTERS: dict[str, dict[str, Any]] = {

@@ -1,4 +1,4 @@
-"""The numbers of `tactiledata.diagnose.evidence_scale`, from cases that `naming_worlds` has run.
+"""The numbers of `tactiledata.diagnose.naming.thresholds`, from cases that `naming_worlds` has run.
 
     python benchmarks/naming_scale.py FILE.jsonl
 
@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from tactiledata.diagnose.decide import needed_of
-from tactiledata.diagnose.evidence_scale import ESTIMATED, EvidenceScale
-from tactiledata.diagnose.judge import Judged
+from tactiledata.diagnose.naming.decide import needed_of
+from tactiledata.diagnose.naming.evidence import Judged
+from tactiledata.diagnose.naming.thresholds import ESTIMATED, EvidenceScale
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]

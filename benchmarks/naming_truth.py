@@ -9,14 +9,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tactiledata.effects.area_friction import AreaFriction
-from tactiledata.effects.static_friction import StaticFriction
-from tactiledata.rig.contact import TouchSetup
-from tactiledata.rig.footprint import GelGrid, footprint
-from tactiledata.rig.hidden_base import HiddenEffect, Parameters, TouchFacts
-from tactiledata.rig.hidden_friction import AGEING_ONSET, AgeingFriction, ShearStrength
-from tactiledata.rig.hidden_slider import CRITICAL_SLIP
-from tactiledata.rig.hidden_time import Springpot
+from tactiledata.effects.interface.area_friction import AreaFriction
+from tactiledata.effects.interface.static_friction import StaticFriction
+from tactiledata.rig.contact.contact import TouchSetup
+from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden.friction import AGEING_ONSET, AgeingFriction, ShearStrength
+from tactiledata.rig.hidden.slider import CRITICAL_SLIP
+from tactiledata.rig.hidden.time import Springpot
 
 TITLES = {
     "relaxation": "relaxation",

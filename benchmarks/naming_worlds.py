@@ -31,23 +31,21 @@ from naming_plan import Plan
 from naming_summary import summary
 from naming_truth import friction_left, modulus_left
 
-from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.evidence_scale import ESTIMATED
-from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
-from tactiledata.diagnose.joint_fit import JointFit
-from tactiledata.diagnose.likeness_of_effects import cosines
-from tactiledata.diagnose.name_effects import Naming, name_effects
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.plain_fit import plain_fit
-from tactiledata.diagnose.play_touches import play_touches
-from tactiledata.diagnose.played_response import PlayedFamily
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import WhitenedCases
-from tactiledata.diagnose.zero_causes import zero_causes
+from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
+from tactiledata.diagnose.naming.metric import cosines
+from tactiledata.diagnose.naming.name_effects import Naming, name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
+from tactiledata.diagnose.touches.played_response import PlayedFamily
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.effects import EFFECTS
-from tactiledata.gel.fem import Fidelity
-from tactiledata.gel.material import GelMaterial
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import Fidelity
+from tactiledata.rig.scenario.scenario import load_scenario
 
 START = GelMaterial(0.9e6, 0.475, 0.65)
 QUICK_EFFECTS = ("frame_rotation", "relaxation", "lag")

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
-from tactiledata.diagnose.force_zeros import ForceZeros, free_air_readings, pieces_of
-from tactiledata.ingest.gravity import tool_weight
-from tactiledata.rig import ur5e
-from tactiledata.rig.describe import describe
+from tactiledata.diagnose.zeros.readings import ForceZeros, free_air_readings, pieces_of
+from tactiledata.ingest.forces.gravity import tool_weight
+from tactiledata.rig.logs.describe import describe
+from tactiledata.rig.logs.sampling import SAMPLING, tare_times, wrench_samples
+from tactiledata.rig.motion import ur5e
 from tactiledata.rig.play import Performance, Stage
-from tactiledata.rig.sampling import SAMPLING, tare_times, wrench_samples
 from tactiledata.transforms import matrix_poses
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 

@@ -13,9 +13,9 @@ from digit_frames import COLUMNS, ROWS
 
 from tactiledata.contract.records import Image, Source
 from tactiledata.contract.take import FRAME_SCHEMA, TRAJECTORY_SCHEMA, AlignedSignal, Take, findings_table
-from tactiledata.store.commit import commit, create
-from tactiledata.store.spool import Spool
-from tactiledata.store.writer import stage, staging_folder
+from tactiledata.store.write.commit import commit, create
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import stage, staging_folder
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 PERIOD_NS = 33_000_000

@@ -18,14 +18,14 @@ from pathlib import Path
 
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 EACH = 20
 TARGET = 4.0
 """GB."""
 PROGRAM = """
 import resource, sys
-from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.replay.attach import replay
 from tactiledata.replay.options import ReplayOptions
 done = replay(sys.argv[1], ReplayOptions(GelMaterial(0.9e6, 0.47, 0.8), fidelity=sys.argv[2]))

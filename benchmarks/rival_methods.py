@@ -14,21 +14,21 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.effect_signatures import Signature, effect_signatures, playable
-from tactiledata.diagnose.folds import FOLDS
-from tactiledata.diagnose.grouped_prediction import folds_of
-from tactiledata.diagnose.joint_fit import JointFit, joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.likeness_of_effects import best_imitation
-from tactiledata.diagnose.name_effects import name_effects
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.screen import Screened, screen
-from tactiledata.diagnose.strength import Strength
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.gel.material import GelMaterial
+from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.naming.held_out import folds_of
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.naming.metric import best_imitation
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.naming.screen import Screened, screen
+from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, playable
+from tactiledata.diagnose.naming.strength import Strength
+from tactiledata.diagnose.residuals.learners import FOLDS
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.gel.elasticity.material import GelMaterial
 
 Array = NDArray[np.float64]
 

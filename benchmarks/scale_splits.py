@@ -25,11 +25,11 @@ from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import frame_rows, load_split
 from tactiledata.splits.options import PARTITIONS
-from tactiledata.store.appender import write_part
-from tactiledata.store.batch import Batch
-from tactiledata.store.commit import create
-from tactiledata.store.manifest import write_manifest
-from tactiledata.store.reader import Store
+from tactiledata.store.layout.batch import Batch
+from tactiledata.store.layout.manifest import write_manifest
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.appender import write_part
+from tactiledata.store.write.commit import create
 
 SECONDS, BYTES = 20.0, 2e9
 PER_SOURCE = 100

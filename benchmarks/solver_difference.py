@@ -24,17 +24,17 @@ from naming_plan import Plan
 from naming_worlds import Bench
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.history import largest_so_far
-from tactiledata.diagnose.joint_fit import JointFit, joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.material import GelMaterial
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.residuals.history import largest_so_far
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.indenters import INDENTERS
-from tactiledata.rig.layer_grid import LayerGrid
-from tactiledata.rig.layer_press import solve_press
-from tactiledata.rig.scenario import Gel, Imperfections, Material
+from tactiledata.rig.layer.grid import LayerGrid
+from tactiledata.rig.layer.press import solve_press
+from tactiledata.rig.scenario.scenario import Gel, Imperfections, Material
 
 Array = NDArray[np.float64]
 

@@ -32,16 +32,16 @@ from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.player import play_nodes
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.diagnose.name_effects import name_effects
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.naming_page import naming_page, naming_sentences
-from tactiledata.diagnose.profiled_interval import Interval
-from tactiledata.diagnose.show import show
-from tactiledata.effects.setting import write_settings
-from tactiledata.gel.material import GelMaterial
+from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
+from tactiledata.diagnose.naming.intervals import Interval
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.unseen.compare import show
+from tactiledata.effects.simulate.setting import write_settings
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.report.plots import png_bytes
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 STORIES = {
     "nothing": [],

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactiledata.diagnose.name_effects import Naming
-from tactiledata.diagnose.show import Shown
+from tactiledata.diagnose.naming.name_effects import Naming
+from tactiledata.diagnose.unseen.compare import Shown
 from tactiledata.effects import EFFECTS
 from tactiledata.report.diagnosis_plots import AFTER, BEFORE
 from tactiledata.report.naming_plots import GREY

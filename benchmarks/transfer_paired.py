@@ -18,15 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
-from split_models.paired_truth import paired_values
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.transfer_methods import LATENT, transfer_method
+from split_models.tables.paired_truth import paired_values
+from split_models.transfer.methods import LATENT, transfer_method
+from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.bootstrap import bootstrap
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.store.reader import Store
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.store.read.reader import Store
 
 UNITS = {"D1": "digit-bg-0", "D2": "digit-bg-4", "D3": "digit-bg-6", "D4": "digit-bg-9"}
 WORLD = {

@@ -15,7 +15,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from split_models.transfer_methods import LATENT, transfer_method
+from split_models.transfer.methods import LATENT, transfer_method
 from tactiledata.sensors.backgrounds import load_background
 
 TARGETS = ("ycb-sensorA", "ycb-sensorB", "digit-bg-6", "digit-bg-9", "digit-bg-12")

@@ -16,19 +16,19 @@ import sys
 import tempfile
 from pathlib import Path
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.transfer_methods import LATENT
+from split_models.transfer.methods import LATENT
+from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 PROGRAM = """
 import resource, sys, time
 from pathlib import Path
-from split_models.transfer import transfer_store
-from split_models.transfer_methods import transfer_method
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import find_target
+from split_models.transfer.transfer_store import transfer_store
+from split_models.transfer.methods import transfer_method
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import find_target
 source, out, name, model = sys.argv[1:]
 store, method = Store.open(source), transfer_method(name, Path(model) if model else None)
 start = time.perf_counter()

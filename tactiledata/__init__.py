@@ -9,7 +9,7 @@ __version__ = "0.1.0"
 def __getattr__(name: str) -> object:
     # imported when it is asked for: it brings the effects and scipy with it
     if name == "identifiability":
-        from tactiledata.diagnose.identifiability import identifiability
+        from tactiledata.diagnose.naming.identifiability import identifiability
 
         return identifiability
     raise AttributeError(f"module 'tactiledata' has no attribute {name!r}")

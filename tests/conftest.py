@@ -21,8 +21,8 @@ def pytest_runtest_makereport(item, call):
 
 def tiny_world(folder, form):
     from tactiledata.rig.record import record
-    from tactiledata.rig.scenario import load_scenario
-    from tactiledata.rig.worlds import find_scenario
+    from tactiledata.rig.scenario.scenario import load_scenario
+    from tactiledata.rig.scenario.worlds import find_scenario
 
     return record(load_scenario(find_scenario("tiny")), folder, form)
 
@@ -44,7 +44,7 @@ def tiny_store(tiny_mcaps, tmp_path_factory):
     """A store of the tiny world with a split called default; read only."""
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.splits.make import make_split
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     place = tmp_path_factory.mktemp("tiny-store") / "ds.zarr"
     ingest(tiny_mcaps, place)

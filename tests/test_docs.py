@@ -31,10 +31,10 @@ def prepared(tmp_path_factory):
     """
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.rig.record import record
-    from tactiledata.rig.scenario import load_scenario
-    from tactiledata.rig.worlds import find_scenario
+    from tactiledata.rig.scenario.scenario import load_scenario
+    from tactiledata.rig.scenario.worlds import find_scenario
     from tactiledata.splits.make import make_split
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     folder = tmp_path_factory.mktemp("pages")
     world = dict(find_scenario("tiny"))

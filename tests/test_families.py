@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
+from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.compute import SCHEDULERS
 from tactiledata.effects import EFFECTS
 from tactiledata.errors import BrokenLog, TactileDataError, UnknownName
@@ -132,7 +132,7 @@ def test_the_example_format_goes_into_a_store(tmp_path, monkeypatch):
     module = example("press_log")
     monkeypatch.setitem(FORMATS._table, "press_log", "press_log:PressLogFormat")
     from tactiledata.ingest.pipeline import ingest
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     force = np.zeros(800)
     force[300:500] = 6.0

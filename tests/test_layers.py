@@ -28,7 +28,7 @@ FAMILIES = [
     "tactiledata.indenters",
     "tactiledata.metrics",
     "tactiledata.sensors",
-    "split_models.pixel_transfer",
+    "split_models.transfer.pixels",
 ]
 RIG_MAY_IMPORT = {
     "tactiledata.errors",

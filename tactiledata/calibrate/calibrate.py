@@ -19,8 +19,8 @@ from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.errors import TactileDataError
-from tactiledata.store.reader import Store
-from tactiledata.store.simulated import simulated_trajectories
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import simulated_trajectories
 
 Array = NDArray[np.float64]
 Tell = Callable[..., None]

@@ -13,7 +13,7 @@ from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.response import Response
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.gel.history import FrameStatus
+from tactiledata.gel.contact.history import FrameStatus
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

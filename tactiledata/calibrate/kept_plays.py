@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.gel.compliance import cache_folder
-from tactiledata.gel.history import GelTouch
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.compliance import cache_folder
 
 Array = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def _engine_digest() -> str:
     """Of the programs that a play depends on."""
     whole = hashlib.sha256()
     for package in ("tactiledata.gel", "tactiledata.indenters"):
-        for source in sorted(resources.files(package).iterdir(), key=lambda entry: entry.name):
-            if source.name.endswith(".py"):
-                whole.update(source.name.encode() + source.read_bytes())
+        folder = Path(str(resources.files(package)))
+        for source in sorted(folder.rglob("*.py")):
+            whole.update(source.relative_to(folder).as_posix().encode() + source.read_bytes())
     return whole.hexdigest()

@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import UnknownName
-from tactiledata.gel.flex_model import is_convex
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.pad import PadMesh
-from tactiledata.ingest.align import fractions_between
-from tactiledata.ingest.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.flex.model import is_convex
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.ingest.clocks.align import fractions_between
+from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
-from tactiledata.store.reader import Store
-from tactiledata.store.value_checks import need_sound_values
+from tactiledata.store.check.values import need_sound_values
+from tactiledata.store.read.reader import Store
 
 Array = NDArray[np.float64]
 WRENCH = "contact_wrench"

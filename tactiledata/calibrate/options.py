@@ -11,9 +11,9 @@ from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import DIGIT_SHORE_A, youngs_modulus_of_shore_a
 from tactiledata.calibrate.losses import LossName
 from tactiledata.errors import UsageError
-from tactiledata.gel.engines import EngineName, Mechanics, mechanics_of
-from tactiledata.gel.fem import Fidelity
-from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.gel.engines.fem import Fidelity
+from tactiledata.gel.make_engine import EngineName, Mechanics, mechanics_of
+from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.nuisance.numerical import SHAPE_ERROR
 from tactiledata.nuisance.offsets import PRIOR
 from tactiledata.replay.plan import MakePad

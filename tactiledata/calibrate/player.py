@@ -16,14 +16,14 @@ from tactiledata.calibrate.plan import Node
 from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
-from tactiledata.gel.engines import Mechanics, make_engine
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.pad import PadMesh
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.make_engine import Mechanics, make_engine
+from tactiledata.gel.mesh.pad import PadMesh
 
 if TYPE_CHECKING:
-    from tactiledata.gel.fem import FemEngine
-    from tactiledata.gel.flex import FlexEngine
+    from tactiledata.gel.engines.fem import FemEngine
+    from tactiledata.gel.flex.engine import FlexEngine
 
 Array = NDArray[np.float64]
 Tell = Callable[..., None]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.gel.history import GelTouch
+from tactiledata.gel.contact.history import GelTouch
 
 Array = NDArray[np.float64]
 

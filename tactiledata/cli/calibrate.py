@@ -52,7 +52,7 @@ def calibrate(
     from tactiledata.calibrate.page import calibration_page
     from tactiledata.contract.atomic import write_atomic
     from tactiledata.errors import UsageError
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     if out.suffix != ".json":
         raise UsageError(f"--out {out}", "a file that ends in .json", "The page beside it ends in .html.")

@@ -37,16 +37,16 @@ def demo(
 
     Example: tactiledata demo --out demo-out
     """
-    from tactiledata.ingest.overview import write_report
     from tactiledata.ingest.pipeline import ingest
+    from tactiledata.ingest.sources.overview import write_report
     from tactiledata.replay.overview import mesh_sections
     from tactiledata.rig.record import record
-    from tactiledata.rig.scenario import load_scenario
-    from tactiledata.rig.worlds import find_scenario
+    from tactiledata.rig.scenario.scenario import load_scenario
+    from tactiledata.rig.scenario.worlds import find_scenario
     from tactiledata.splits.audit import audit
     from tactiledata.splits.make import make_split
-    from tactiledata.store.reader import Store
-    from tactiledata.store.simulated import simulated_recordings
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.simulated import simulated_recordings
 
     def tell(text: str) -> None:
         if not as_json:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tactiledata.rig.scenario import Scenario
+    from tactiledata.rig.scenario.scenario import Scenario
 
 from tactiledata.cli.demo_gel import balls_of
 from tactiledata.cli.output import progress
@@ -21,10 +21,10 @@ def diagnose_touches(
     store: Path, out: Path, scenario: Scenario, workers: int, tell: Callable[[str], None], quiet: bool
 ) -> tuple[dict[str, Any] | None, Path | None]:
     """Document and page; neither where the world's touches are too few, or of no balls."""
-    from tactiledata.diagnose.diagnose_store import diagnose_store
-    from tactiledata.diagnose.store_document import store_document, write_store_diagnosis
-    from tactiledata.diagnose.store_options import DiagnosisOptions
-    from tactiledata.store.reader import Store
+    from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
+    from tactiledata.diagnose.options import DiagnosisOptions
+    from tactiledata.diagnose.store import diagnose_store
+    from tactiledata.store.read.reader import Store
 
     tell(f"8. Diagnose: what physics does the simulation lack? (balls, at most {TOUCHES} touches, linear preview)")
     balls = balls_of(scenario)
@@ -49,7 +49,7 @@ def diagnose_touches(
 
 
 def _concealed(scenario: Scenario) -> str:
-    from tactiledata.diagnose.residuals import joined_names
+    from tactiledata.diagnose.residuals.residuals import joined_names
     from tactiledata.effects import EFFECTS
 
     titles = {str(EFFECTS[name]().number): EFFECTS[name]().title for name in EFFECTS}

@@ -65,7 +65,7 @@ def _calibrate(
     from tactiledata.calibrate.options import CalibrationOptions
     from tactiledata.calibrate.page import calibration_page, result_rows
     from tactiledata.contract.atomic import write_atomic
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     options = CalibrationOptions(fidelity=fidelity, trajectories=TOUCHES, indenters=balls_of(scenario), workers=workers)
     with progress("playing", quiet=quiet) as bar:
@@ -86,7 +86,7 @@ def _calibrate(
 
 
 def _replay_options(document: dict[str, Any] | None, material: Any, fidelity: Any) -> Any:
-    from tactiledata.gel.material import GelMaterial
+    from tactiledata.gel.elasticity.material import GelMaterial
     from tactiledata.replay.options import ReplayOptions
 
     if document is None:

@@ -65,7 +65,7 @@ def diagnose(
     if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
     else:
-        from tactiledata.diagnose.store_options import DiagnosisOptions
+        from tactiledata.diagnose.options import DiagnosisOptions
 
         options = DiagnosisOptions(
             trajectories=trajectories,
@@ -143,7 +143,7 @@ def _table(
     path: Path, out: Path | None, seed: int, columns: Path | None, group: str | None, quiet: bool
 ) -> tuple[dict[str, Any], list[Path], bool]:
     from tactiledata.contract.schema import read_document
-    from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
+    from tactiledata.diagnose.table import diagnose_table, write_diagnosis
 
     meant = None
     if columns is not None:
@@ -157,9 +157,9 @@ def _table(
 
 def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[dict[str, Any], list[Path], bool]:
     from tactiledata.cli.explain import damage_explains
-    from tactiledata.diagnose.diagnose_store import diagnose_store
-    from tactiledata.diagnose.store_document import store_document, write_store_diagnosis
-    from tactiledata.store.reader import Store
+    from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
+    from tactiledata.diagnose.store import diagnose_store
+    from tactiledata.store.read.reader import Store
 
     with damage_explains(location), progress("diagnosing", quiet=quiet) as tell:
         steps: list[str] = []

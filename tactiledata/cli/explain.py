@@ -30,7 +30,7 @@ def damage_explains(location: str) -> Iterator[None]:
 
 
 def _first_damage(location: str) -> str:
-    from tactiledata.store.check import check
+    from tactiledata.store.check.check import check
 
     try:
         found = [finding for finding in check(location, images=False) if finding.severity == "damage"]

@@ -81,7 +81,7 @@ def effects(as_json: bool = JSON_OPTION) -> None:
     Example: tactiledata effects
     """
     from tactiledata.effects import EFFECTS
-    from tactiledata.effects.catalogue import catalogue
+    from tactiledata.effects.simulate.catalogue import catalogue
 
     listed = catalogue(EFFECTS[name]() for name in EFFECTS)
     if as_json:
@@ -107,7 +107,7 @@ def inspect(
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
     from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
-    from tactiledata.ingest.discover import find_sources
+    from tactiledata.ingest.sources.discover import find_sources
 
     sources, unclaimed = find_sources([path])
     document = mapping_document(mapping)

@@ -40,8 +40,8 @@ def ingest(
 
     After log.yaml or a mapping was corrected: tactiledata ingest recordings/run7 --store ds.zarr --replace
     """
-    from tactiledata.ingest.assemble import IngestOptions
     from tactiledata.ingest.pipeline import ingest as add
+    from tactiledata.ingest.trajectories.assemble import IngestOptions
 
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "seconds above 0")
@@ -108,7 +108,7 @@ def _print(report: Any) -> None:
 
 def _next_step(location: str) -> str:
     from tactiledata.splits.suggest import suggest_split
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     suggested = suggest_split(Store.open(location))
     return f"next: {suggested.command}" if suggested.command else f"no split can be drawn yet: {suggested.reason}"
@@ -117,7 +117,7 @@ def _next_step(location: str) -> str:
 def _split_again(location: str, name: str) -> str:
     from tactiledata.splits.again import command
     from tactiledata.splits.manifest import read_split_document
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     try:
         document = read_split_document(Store.open(location), name)

@@ -35,8 +35,8 @@ def record(
     """
     from tactiledata.contract.simulated import SimulatedCount
     from tactiledata.rig.record import record as play
-    from tactiledata.rig.scenario import load_scenario
-    from tactiledata.rig.worlds import find_scenario
+    from tactiledata.rig.scenario.scenario import load_scenario
+    from tactiledata.rig.scenario.worlds import find_scenario
 
     with wrong_document_is_wrong_usage():
         loaded = load_scenario(find_scenario(scenario))

@@ -45,12 +45,12 @@ def replay(
 
     Example: tactiledata replay ds.zarr --calibration calibration.json --workers 2
     """
-    from tactiledata.effects.setting import settings_of
-    from tactiledata.gel.material import GelMaterial
+    from tactiledata.effects.simulate.setting import settings_of
+    from tactiledata.gel.elasticity.material import GelMaterial
     from tactiledata.replay.attach import replay as attach
     from tactiledata.replay.options import ReplayOptions
     from tactiledata.replay.overview import write_replay_page
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     for given, option, choices in (
         (resolution, "resolution", ("low", "high")),
@@ -126,7 +126,7 @@ def _material(
 
 
 def _own_pad(path: Path | None, unit: str) -> Any:
-    from tactiledata.gel.mesh_file import pad_from_file
+    from tactiledata.gel.mesh.mesh_file import pad_from_file
 
     if path is None:
         return None

@@ -30,7 +30,7 @@ def scene(
     Example: tactiledata scene ds.zarr --trajectory t00000 --frame 8 --out touch.png
     """
     from tactiledata.replay.frame_scene import frame_scene
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     kind = out.suffix.lower()
     if kind not in (".png", ".xml"):

@@ -58,7 +58,7 @@ def sensors(
 def _add_sensor(
     words: list[str], background: Path | None, said: dict[str, Any], store: str | None, as_json: bool
 ) -> None:
-    from tactiledata.store.add_sensor import add_sensor
+    from tactiledata.store.change.add_sensor import add_sensor
 
     if not words or background is None:
         raise UsageError(
@@ -75,7 +75,7 @@ def _add_sensor(
 
 
 def _remove_sensor(names: list[str], store: str | None, as_json: bool) -> None:
-    from tactiledata.store.add_sensor import remove_sensor
+    from tactiledata.store.change.add_sensor import remove_sensor
 
     if len(names) != 1:
         raise UsageError("sensors remove needs one name", "tactiledata sensors remove NAME", "")
@@ -122,8 +122,8 @@ def _list_sensors(store: str | None, as_json: bool) -> None:
 
 def _of_store(location: str) -> tuple[list[tuple[Any, ...]], dict[str, str]]:
     """Rows of the table of a store's sensors; what the names of target sensors stand for where YCB-Slide is there."""
-    from tactiledata.store.reader import Store
-    from tactiledata.store.targets import YCB_SERIALS, ycb_store
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.targets import YCB_SERIALS, ycb_store
 
     opened = Store.open(location)
     references = opened.references()

@@ -38,7 +38,7 @@ def split(
     Example: tactiledata split --by trajectory,sensor
     """
     from tactiledata.splits.make import make_split
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     location = working_store(store)
     with damage_explains(location):
@@ -71,7 +71,7 @@ def audit(
     """
     from tactiledata.splits.across import audit_across
     from tactiledata.splits.audit import audit as look
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     location = working_store(store)
     with damage_explains(location), progress("auditing", quiet=as_json) as tell:

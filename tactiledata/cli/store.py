@@ -26,9 +26,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
-    from tactiledata.store.overview import overview
-    from tactiledata.store.reader import Store
-    from tactiledata.store.simulated import simulated_recordings
+    from tactiledata.store.read.overview import overview
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.simulated import simulated_recordings
 
     location = working_store(store)
     with damage_explains(location):
@@ -90,8 +90,8 @@ def check(
 
     Example: tactiledata check ds.zarr --repair
     """
-    from tactiledata.store.check import check as look
-    from tactiledata.store.repair import repair as mend
+    from tactiledata.store.check.check import check as look
+    from tactiledata.store.check.repair import repair as mend
 
     location = working_store(store)
     with damage_explains(location), progress("checking", quiet=as_json) as tell:
@@ -117,7 +117,7 @@ def merge(
 
     Example: tactiledata merge monday.zarr tuesday.zarr --into week.zarr
     """
-    from tactiledata.store.merge import merge as add
+    from tactiledata.store.change.merge import merge as add
 
     with progress("merging", quiet=as_json) as tell:
         found = add(stores, into, tell)
@@ -138,10 +138,10 @@ def report(
 
     Example: tactiledata report ds.zarr --out report
     """
-    from tactiledata.ingest.overview import write_report
+    from tactiledata.ingest.sources.overview import write_report
     from tactiledata.replay.overview import mesh_sections
-    from tactiledata.store.reader import Store
-    from tactiledata.store.simulated import simulated_recordings
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.simulated import simulated_recordings
 
     location = working_store(store)
     with damage_explains(location):

@@ -7,8 +7,8 @@ from typing import ClassVar, Literal
 
 from tactiledata.effects.design import null_exact_weights
 from tactiledata.effects.parameter import Parameter
-from tactiledata.effects.response import GelVariant
-from tactiledata.effects.state import TouchState
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.effects.touch.state import TouchState
 from tactiledata.errors import UnknownName
 
 Slot = Literal["P", "K", "C", "I", "T", "S"]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
 from tactiledata.errors import BrokenLog, UnsafeContent
-from tactiledata.formats.corpus import (
+from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     Timeline,
     describe,
@@ -22,8 +22,8 @@ from tactiledata.formats.corpus import (
     sensor_for,
     subfolders,
 )
-from tactiledata.formats.intake import Intake
-from tactiledata.formats.natural_order import natural_key, natural_paths
+from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.natural_order import natural_key, natural_paths
 
 FILE_NAME = re.compile(r"results_(?P<sensor>[a-zA-Z0-9]+)_(?P<job>.+)\.(?:hdf5|h5)")
 NODES = "nodal_coords_"

@@ -17,7 +17,7 @@ from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog, UnsafeContent
-from tactiledata.formats.corpus import (
+from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     Timeline,
     describe,
@@ -27,8 +27,8 @@ from tactiledata.formats.corpus import (
     stream_name,
     subfolders,
 )
-from tactiledata.formats.intake import Intake
-from tactiledata.formats.natural_order import natural_key, natural_paths
+from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.natural_order import natural_key, natural_paths
 from tactiledata.units import SIGNAL_COLUMNS
 
 TAR_NAME = re.compile(r"data-\d+\.tar")

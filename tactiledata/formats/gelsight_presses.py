@@ -16,12 +16,12 @@ from tactiledata.contract.description import LOG_FORMAT, LogDescription
 from tactiledata.contract.image_bytes import IMAGE_SUFFIXES
 from tactiledata.contract.records import Finding, Recording, Severity, Source, Trajectory, Values
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.contact_radius import radius_findings
-from tactiledata.formats.corpus import CorpusFormat, files_in, stream_name
-from tactiledata.formats.csv_cells import listed
-from tactiledata.formats.intake import Intake
-from tactiledata.formats.natural_order import natural_paths
-from tactiledata.formats.npz_members import load_members, member_names
+from tactiledata.formats.reading.contact_radius import radius_findings
+from tactiledata.formats.reading.corpus import CorpusFormat, files_in, stream_name
+from tactiledata.formats.reading.csv_cells import listed
+from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.natural_order import natural_paths
+from tactiledata.formats.reading.npz_members import load_members, member_names
 from tactiledata.sensors import SENSORS
 
 MODEL = "gelsight_r15"

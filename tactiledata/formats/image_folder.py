@@ -16,11 +16,11 @@ from tactiledata.contract.image_bytes import IMAGE_SUFFIXES, ImageHeader, decode
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding, Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog, UsageError
-from tactiledata.formats.backgrounds import load_backgrounds, read_image_file
-from tactiledata.formats.corpus import CorpusFormat, files_in, raise_empty, stream_name
-from tactiledata.formats.csv_cells import listed
-from tactiledata.formats.described import described_trajectories
-from tactiledata.formats.intake import Intake
+from tactiledata.formats.reading.backgrounds import load_backgrounds, read_image_file
+from tactiledata.formats.reading.corpus import CorpusFormat, files_in, raise_empty, stream_name
+from tactiledata.formats.reading.csv_cells import listed
+from tactiledata.formats.reading.described import described_trajectories
+from tactiledata.formats.reading.intake import Intake
 
 ANY_CAMERA = "tactile"
 """Stream name of images whose sensor's model is not known."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.records import Recording, Source, Trajectory
-from tactiledata.formats.corpus import (
+from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     Timeline,
     describe,
@@ -17,8 +17,8 @@ from tactiledata.formats.corpus import (
     sensor_for,
     subfolders,
 )
-from tactiledata.formats.intake import Intake
-from tactiledata.formats.natural_order import natural_key
+from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.natural_order import natural_key
 
 TACTILE = "tactile_data"
 CAMERA = "gelsight"

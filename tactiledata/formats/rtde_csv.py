@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Times, Values
 from tactiledata.errors import BrokenLog, UsageError
-from tactiledata.formats.corpus import CorpusFormat
-from tactiledata.formats.csv_cells import CsvTable, Mask, listed
-from tactiledata.formats.csv_tables import read_csv_table
-from tactiledata.formats.described import described_trajectories
-from tactiledata.formats.intake import Intake
+from tactiledata.formats.reading.corpus import CorpusFormat
+from tactiledata.formats.reading.csv_cells import CsvTable, Mask, listed
+from tactiledata.formats.reading.csv_tables import read_csv_table
+from tactiledata.formats.reading.described import described_trajectories
+from tactiledata.formats.reading.intake import Intake
 from tactiledata.units import SIGNAL_COLUMNS
 
 CLOCK = "timestamp"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.corpus import (
+from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     describe,
     nominal_ns,
@@ -23,10 +23,10 @@ from tactiledata.formats.corpus import (
     stream_name,
     subfolders,
 )
-from tactiledata.formats.intake import Intake, Payload
-from tactiledata.formats.natural_order import natural_key, natural_paths
-from tactiledata.formats.pickled_list import BytesList, index_bytes_list
-from tactiledata.formats.restricted_pickle import load_pickle
+from tactiledata.formats.reading.intake import Intake, Payload
+from tactiledata.formats.reading.natural_order import natural_key, natural_paths
+from tactiledata.formats.reading.pickled_list import BytesList, index_bytes_list
+from tactiledata.formats.reading.restricted_pickle import load_pickle
 
 FORCES = "dataset_slip_forces.pkl"
 SENSORS = {"digit": "digit", "gelsight": "gelsight_mini"}

@@ -16,7 +16,7 @@ from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.corpus import (
+from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     Timeline,
     beside,
@@ -27,9 +27,9 @@ from tactiledata.formats.corpus import (
     sensor_for,
     subfolders,
 )
-from tactiledata.formats.intake import Intake
-from tactiledata.formats.modality import DECISION, look_of, votes_tactile
-from tactiledata.formats.natural_order import last_number, natural_key
+from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.modality import DECISION, look_of, votes_tactile
+from tactiledata.formats.reading.natural_order import last_number, natural_key
 
 TABLES = ("train.csv", "test.csv")
 LISTS = {"contact.json": 1.0, "not_contact.json": 0.0}

@@ -16,7 +16,7 @@ from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
 from tactiledata.contract.simulated import Kind
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.corpus import (
+from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     beside,
     describe,
@@ -28,10 +28,10 @@ from tactiledata.formats.corpus import (
     sensor_for,
     subfolders,
 )
-from tactiledata.formats.intake import Intake
-from tactiledata.formats.natural_order import last_number
-from tactiledata.formats.optitrack import JUMP_FACTOR, contact_poses, is_pose, nearest_rows, read_tracks
-from tactiledata.formats.restricted_pickle import load_npy, load_pickle
+from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.natural_order import last_number
+from tactiledata.formats.reading.optitrack import JUMP_FACTOR, contact_poses, is_pose, nearest_rows, read_tracks
+from tactiledata.formats.reading.restricted_pickle import load_npy, load_pickle
 from tactiledata.units import SIGNAL_COLUMNS
 
 MAX_CLOCK_DIFFERENCE = 20 * 60

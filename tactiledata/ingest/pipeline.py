@@ -23,22 +23,22 @@ from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import Take, findings_of, findings_table
 from tactiledata.errors import BrokenLog, MissingFile
 from tactiledata.formats import FORMATS
-from tactiledata.ingest.assemble import IngestOptions, assemble
-from tactiledata.ingest.checks import broken_images, check_take, flag_broken
-from tactiledata.ingest.conflicts import conflict_findings
-from tactiledata.ingest.discover import find_sources
-from tactiledata.ingest.lag import camera_lag
-from tactiledata.ingest.replacing import replace_recordings
-from tactiledata.ingest.reports import IngestReport, SourceReport, report_of
-from tactiledata.ingest.spooled import SpooledImages
-from tactiledata.ingest.twins import twin_findings
-from tactiledata.store.commit import commit_groups, create, recover
-from tactiledata.store.layout import INTAKE_LOCK, MANIFEST, staging_folder
-from tactiledata.store.lock import reading_lock, writing_lock
-from tactiledata.store.manifest import read_manifest
-from tactiledata.store.reader import Store
-from tactiledata.store.spool import Spool
-from tactiledata.store.writer import StagedTake, find_staged, stage
+from tactiledata.ingest.checks.checks import broken_images, check_take, flag_broken
+from tactiledata.ingest.checks.conflicts import conflict_findings
+from tactiledata.ingest.checks.spooled import SpooledImages
+from tactiledata.ingest.checks.twins import twin_findings
+from tactiledata.ingest.clocks.lag import camera_lag
+from tactiledata.ingest.sources.discover import find_sources
+from tactiledata.ingest.sources.replacing import replace_recordings
+from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
+from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
+from tactiledata.store.layout.lock import reading_lock, writing_lock
+from tactiledata.store.layout.manifest import read_manifest
+from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST, staging_folder
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit_groups, create, recover
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import StagedTake, find_staged, stage
 
 Progress = Callable[[int, int, str], None]
 """Called with how many sources are done, how many there are, and the name of the last one."""
@@ -92,7 +92,7 @@ def ingest(
     progress : callable, optional
     replace : bool
         Read also what the store has already, and put it in the place of what the store holds of the same recording:
-        see `tactiledata.ingest.replacing.StoredRecordings`.
+        see `tactiledata.ingest.sources.replacing.StoredRecordings`.
 
     Raises
     ------

@@ -11,7 +11,7 @@ import pyarrow as pa
 from tactiledata.loaders.index import FrameIndex
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 EXTRA = "extra."
 """Before the name of a free column."""

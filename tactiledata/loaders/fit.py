@@ -20,7 +20,7 @@ RECORDINGS_DIFFER = (
 """What to do where one sensor's pictures differ in size."""
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 
 def require_references(store: Store, index: FrameIndex, streams: Iterable[Stream]) -> None:

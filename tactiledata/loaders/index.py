@@ -14,7 +14,7 @@ from tactiledata.loaders.selection import Selection
 from tactiledata.loaders.streams import Unit
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 
 @dataclass(frozen=True)

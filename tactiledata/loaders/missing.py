@@ -16,7 +16,7 @@ from tactiledata.loaders.selection import LoadReport
 from tactiledata.loaders.streams import Stream, values_at_frames
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 Missing = Literal["warn", "keep", "drop"]
 MISSING_CHOICES = ("warn", "keep", "drop")

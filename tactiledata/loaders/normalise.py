@@ -22,7 +22,7 @@ from tactiledata.loaders.streams import Stream, values_at_frames
 from tactiledata.splits.manifest import Split, frame_rows, partition_rows
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 FORMAT = "tactiledata-normalisation/2"
 SUFFIX = ".normalisation.json"

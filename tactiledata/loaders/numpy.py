@@ -22,7 +22,7 @@ from tactiledata.loaders.normalise import Normaliser, normalisers
 from tactiledata.loaders.order import Order
 from tactiledata.loaders.selection import LoadReport, Selection, select
 from tactiledata.loaders.streams import Stream, Unit, find_streams, nodes_at_frames, values_at_frames
-from tactiledata.store.reader import RowState, Store
+from tactiledata.store.read.reader import RowState, Store
 
 Item = dict[str, Any]
 IMAGE_DTYPES = ("float32", "uint8")

@@ -17,7 +17,7 @@ from tactiledata.splits.manifest import Split, frame_rows, load_split, partition
 from tactiledata.splits.options import PARTITIONS
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 ALL = "all"
 COLUMNS = ("trajectory", "camera", "flags")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tactiledata.errors import StoreError, UnknownName, UsageError
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 BACKGROUND = "background"
 MeshKind = Literal["mesh", "mesh_wrench", "contact_mask"]

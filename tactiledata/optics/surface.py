@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.errors import UsageError
-from tactiledata.store.meshes import PadArrays
+from tactiledata.store.read.meshes import PadArrays
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from tactiledata.compute import SCHEDULERS
 from tactiledata.errors import UsageError
-from tactiledata.gel.surface import contact_surface
+from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.replay.effect_touches import EffectTouch, ReplayEffects
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.options import ReplayOptions
@@ -19,14 +19,14 @@ from tactiledata.replay.plan import PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.replay.report import ReplayReport
 from tactiledata.replay.solve import Run, solve_run
 from tactiledata.replay.status import STATUSES
-from tactiledata.store.card import write_card
-from tactiledata.store.commit import recover, store_errors
-from tactiledata.store.layout import INTAKE_LOCK, STAGING, folder_name
-from tactiledata.store.lock import writing_lock
-from tactiledata.store.manifest import read_manifest
-from tactiledata.store.mesh_writer import append_mesh, drop_mesh
-from tactiledata.store.meshes import PadArrays
-from tactiledata.store.reader import Store
+from tactiledata.store.layout.lock import writing_lock
+from tactiledata.store.layout.manifest import read_manifest
+from tactiledata.store.layout.places import INTAKE_LOCK, STAGING, folder_name
+from tactiledata.store.read.meshes import PadArrays
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.card import write_card
+from tactiledata.store.write.commit import recover, store_errors
+from tactiledata.store.write.mesh_writer import append_mesh, drop_mesh
 
 Progress = Callable[[int, int, str], None]
 """Called with how many trajectories are done, how many there are, and the name of the last one."""

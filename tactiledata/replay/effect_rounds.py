@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.effects.balance import Balance
-from tactiledata.effects.simulator import as_read, in_contact, unbalanced
-from tactiledata.effects.state import TouchState
-from tactiledata.gel.embedded import EmbeddedEngine
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelHistory, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.recorder import Keep
+from tactiledata.effects.simulate.balance import Balance
+from tactiledata.effects.simulate.simulator import as_read, in_contact, unbalanced
+from tactiledata.effects.touch.state import TouchState
+from tactiledata.gel.contact.history import GelHistory, GelTouch
+from tactiledata.gel.contact.recorder import Keep
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.embedded import EmbeddedEngine
+from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.replay.effect_touches import EffectTouch
 from tactiledata.replay.played_answer import PlayedAnswer
 

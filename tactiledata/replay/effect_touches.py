@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.effects.gel_variants import warped
-from tactiledata.effects.response import GelVariant
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.touch import Touch
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.effects.touch.gel_variants import warped
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UsageError
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.scaled import scaled
 from tactiledata.replay.plan import NOMINAL, PlannedPad, PlannedTouch, ReplayPlan
 from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.replay.store_motion import StoreMotion
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 APART = 1e-9
 """s: frames of one moment are told apart by so much."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulate.setting import EffectSetting
 
 
 def effects_in_words(settings: Mapping[str, Any]) -> str:

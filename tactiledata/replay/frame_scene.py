@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.errors import TactileDataError, UnknownName, UsageError
-from tactiledata.gel.arm import ToolCheck, base_from_flange, fit_tool
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.scene import GelScene, SceneParts
-from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import pad_mesh
+from tactiledata.gel.scene.arm import ToolCheck, base_from_flange, fit_tool
+from tactiledata.gel.scene.scene import GelScene, SceneParts
 from tactiledata.indenters import make_indenter
 from tactiledata.replay.geometry import gel_geometry
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform, pose_matrices
 
 Array = NDArray[np.float64]

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.provenance import digest_of
-from tactiledata.effects.setting import EffectSetting, in_order
-from tactiledata.gel.fem import Fidelity
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.recorder import Keep
-from tactiledata.gel.structured_pad import Resolution, pad_mesh
+from tactiledata.effects.simulate.setting import EffectSetting, in_order
+from tactiledata.gel.contact.recorder import Keep
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import Fidelity
+from tactiledata.gel.mesh.structured_pad import Resolution, pad_mesh
 from tactiledata.replay.plan import GAP_LIMIT_NS, MakePad
 
 

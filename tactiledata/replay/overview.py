@@ -14,9 +14,9 @@ from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
-from tactiledata.store.meshes import HAS_MESH, StoredMesh
-from tactiledata.store.reader import Store
-from tactiledata.store.simulated import simulated_recordings, touch_mark
+from tactiledata.store.read.meshes import HAS_MESH, StoredMesh
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import simulated_recordings, touch_mark
 
 MOST_TOUCHES = 5
 IN_CONTACT = HAS_MESH[0]

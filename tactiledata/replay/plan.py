@@ -13,19 +13,19 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.effects.response import GelVariant
+from tactiledata.effects.touch.response import GelVariant
 from tactiledata.errors import TactileDataError, UsageError
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.relief import indenter_relief
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.contact.relief import indenter_relief
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.replay.geometry import gel_geometry, implausible
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.replay.status import STATUSES, ReplayStatus
 from tactiledata.sensors.base import GelGeometry
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 Array = NDArray[np.float64]
 MakePad = Callable[[str, GelGeometry], PadMesh]

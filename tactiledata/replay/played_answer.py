@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.effects.gel_variants import surface_height
-from tactiledata.effects.response import ContactResponse, GelVariant
-from tactiledata.effects.shear_stiffness import shear_stiffness
-from tactiledata.effects.state import wrench_at
-from tactiledata.effects.touch import Touch
-from tactiledata.gel.history import GelHistory
-from tactiledata.gel.pad import PadMesh
+from tactiledata.effects.touch.gel_variants import surface_height
+from tactiledata.effects.touch.response import ContactResponse, GelVariant
+from tactiledata.effects.touch.shear_stiffness import shear_stiffness
+from tactiledata.effects.touch.state import wrench_at
+from tactiledata.effects.touch.touch import Touch
+from tactiledata.gel.contact.history import GelHistory
+from tactiledata.gel.mesh.pad import PadMesh
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -11,9 +11,9 @@ from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.plan import ReplayPlan
-from tactiledata.store.meshes import HAS_MESH
-from tactiledata.store.reader import Store
-from tactiledata.store.simulated import simulated_recordings
+from tactiledata.store.read.meshes import HAS_MESH
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import simulated_recordings
 
 
 @dataclass(frozen=True)

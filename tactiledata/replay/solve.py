@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.effects.gel_variants import variant_engine
-from tactiledata.effects.response import GelVariant
-from tactiledata.gel.embedded import EmbeddedEngine
-from tactiledata.gel.fem import FemEngine, Fidelity
-from tactiledata.gel.history import FrameStatus, GelHistory
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.recorder import Keep
+from tactiledata.effects.touch.gel_variants import variant_engine
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.gel.contact.history import FrameStatus, GelHistory
+from tactiledata.gel.contact.recorder import Keep
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.embedded import EmbeddedEngine
+from tactiledata.gel.engines.fem import FemEngine, Fidelity
 from tactiledata.replay.effect_rounds import play_with_effects
 from tactiledata.replay.effect_touches import EffectTouch
 from tactiledata.replay.plan import PlannedPad, PlannedTouch
 from tactiledata.replay.status import ReplayStatus
-from tactiledata.store.meshes import FRAME_ARRAYS, axes_of
-from tactiledata.store.reader import Store
+from tactiledata.store.read.meshes import FRAME_ARRAYS, axes_of
+from tactiledata.store.read.reader import Store
 
 
 @dataclass(frozen=True)

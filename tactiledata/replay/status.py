@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-from tactiledata.gel.history import FrameStatus
+from tactiledata.gel.contact.history import FrameStatus
 
 
 class ReplayStatus(IntEnum):

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.effects.imprint import ImprintTable, strongest_imprint
+from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 from tactiledata.transforms import pose_matrices
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Visit:
     t_ns : int
     place : (2,) m, gel frame
     imprint : m^4
-        See `tactiledata.effects.imprint`.
+        See `tactiledata.effects.touch.imprint`.
     """
 
     t_ns: int

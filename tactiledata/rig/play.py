@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
-from tactiledata.rig import motion
-from tactiledata.rig.contact import CONTACT_RATE, Contact, Played, TouchSetup, missed_at
-from tactiledata.rig.contact_layer import touch_layer
-from tactiledata.rig.footprint import GelGrid, footprint
-from tactiledata.rig.hidden_base import TouchFacts, Visit
-from tactiledata.rig.hidden_contact import analytic, touch_hidden
-from tactiledata.rig.layer_grid import LayerGrid
-from tactiledata.rig.layer_solver import Layer
-from tactiledata.rig.scenario import Gel, Scenario
-from tactiledata.rig.touch import Touch
+from tactiledata.rig.contact.by_layer import touch_layer
+from tactiledata.rig.contact.contact import CONTACT_RATE, Contact, Played, TouchSetup, missed_at
+from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.hidden.base import TouchFacts, Visit
+from tactiledata.rig.hidden.contact import analytic, touch_hidden
+from tactiledata.rig.layer.grid import LayerGrid
+from tactiledata.rig.layer.solver import Layer
+from tactiledata.rig.motion import motion
+from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.scenario.scenario import Gel, Scenario
 from tactiledata.transforms import Transform
 
 Array = NDArray[np.floating[Any]]

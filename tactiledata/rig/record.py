@@ -13,14 +13,14 @@ from typing import Literal
 
 from tactiledata.contract.worker_pool import worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
-from tactiledata.rig.generate import touches
+from tactiledata.rig.logs.sampling import sample
+from tactiledata.rig.logs.truth import write_truth
+from tactiledata.rig.logs.write_folder import write_folder
+from tactiledata.rig.logs.write_mcap import write_mcap
+from tactiledata.rig.motion.touch import Touch
 from tactiledata.rig.play import Stage
-from tactiledata.rig.sampling import sample
-from tactiledata.rig.scenario import Scenario
-from tactiledata.rig.touch import Touch
-from tactiledata.rig.truth import write_truth
-from tactiledata.rig.write_folder import write_folder
-from tactiledata.rig.write_mcap import write_mcap
+from tactiledata.rig.scenario.generate import touches
+from tactiledata.rig.scenario.scenario import Scenario
 
 Form = Literal["mcap", "folder"]
 BETWEEN_LOGS_NS = 3600 * 10**9

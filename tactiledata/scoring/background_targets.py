@@ -15,8 +15,8 @@ from tactiledata.metrics.bootstrap import bootstrap
 from tactiledata.scoring.sensor_pairs import PairScore
 from tactiledata.scoring.sensor_sets import SensorSet, background_of, contact_masks, load_pictures
 from tactiledata.sensors.image_checks import CONTACT_BLUR
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import Target
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import Target
 
 Picture = NDArray[np.uint8]
 KIND = "picture without contact"

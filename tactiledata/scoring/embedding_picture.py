@@ -12,7 +12,7 @@ from tactiledata.errors import UsageError
 from tactiledata.metrics.embedding import tsne
 from tactiledata.scoring.sensor_pairs import Encode, load_touches
 from tactiledata.scoring.sensor_sets import SensorSet
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 
 def embed_sets(

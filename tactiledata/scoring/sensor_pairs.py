@@ -13,7 +13,7 @@ from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.bootstrap import Interval, bootstrap
 from tactiledata.scoring.sensor_sets import SensorSet, background_of, contact_masks, load_pictures
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 Pictures = NDArray[np.uint8]
 Vectors = Mapping[str, NDArray[np.floating]]

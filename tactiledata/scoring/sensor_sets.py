@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import StoreError
 from tactiledata.sensors.image_checks import shows_contact
-from tactiledata.store.reader import Store
-from tactiledata.store.simulated import trajectory_kinds
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import trajectory_kinds
 
 CONTACT_FORCE = (1.0, 13.0)
 """N; frames whose contact force lies between show a touch, as in splits. Without forces every frame counts."""

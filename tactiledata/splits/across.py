@@ -10,7 +10,7 @@ from tactiledata.splits.groups import family_roots
 from tactiledata.splits.leaks import leak, partition_codes
 from tactiledata.splits.manifest import load_split, partition_rows
 from tactiledata.splits.options import PARTITIONS
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 
 def audit_across(

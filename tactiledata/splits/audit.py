@@ -25,7 +25,7 @@ from tactiledata.splits.options import PARTITIONS
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 Progress = Callable[[int, int], None]
 

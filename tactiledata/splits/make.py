@@ -18,7 +18,7 @@ from tactiledata.splits.report import SplitReport, count_parts, count_strata, no
 from tactiledata.splits.select import FRAME_COLUMNS, check_force_filter, frames_per_trajectory, taken_frames
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 TRAJECTORY_COLUMNS = ("uid", "trajectory", "source", "sensor", "indenter", "start_ns", "end_ns", "parent")
 

@@ -38,7 +38,7 @@ from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 SPLIT_FORMAT = "tactiledata-split/1"
 REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)

@@ -13,7 +13,7 @@ from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS
 
 if TYPE_CHECKING:
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from tactiledata.calibrate.experiment import Experiment
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import Response
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.gel.history import GelTouch
+from tactiledata.gel.contact.history import GelTouch
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.nuisance.noise import WrenchNoise
 

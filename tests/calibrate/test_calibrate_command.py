@@ -9,9 +9,9 @@ import pytest
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.cli.main import run
-from tactiledata.gel import structured_pad
-from tactiledata.gel.structured_pad import GridPlan
-from tactiledata.store.reader import Store
+from tactiledata.gel.mesh import structured_pad
+from tactiledata.gel.mesh.structured_pad import GridPlan
+from tactiledata.store.read.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 

@@ -17,9 +17,9 @@ from tactiledata.calibrate.page import calibration_page
 from tactiledata.calibrate.player import Batch, play_at, play_batch
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import TactileDataError
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.nuisance.numerical import FORCE_ERROR

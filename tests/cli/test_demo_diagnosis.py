@@ -7,10 +7,10 @@ import pytest
 from tactiledata.cli.demo_diagnosis import diagnose_touches
 from tactiledata.cli.demo_gel import balls_of
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.rig.generate import touches
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import find_scenario
+from tactiledata.rig.scenario.generate import touches
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import find_scenario
 
 pytestmark = pytest.mark.slow
 

@@ -120,7 +120,7 @@ def test_a_fault_of_ours_is_json_too(folder, capsys, monkeypatch):
         def fail(*_, error=error):
             raise error
 
-        monkeypatch.setattr("tactiledata.store.overview.overview", fail)
+        monkeypatch.setattr("tactiledata.store.read.overview.overview", fail)
         found, out, err = run_command(capsys, "info", folder["ds.zarr"], "--json")
         assert (found, json.loads(out)["code"], err) == (code, code, "")
 
@@ -131,7 +131,7 @@ def test_ctrl_c_says_that_work_is_kept(folder, capsys, monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tactiledata.store.overview.overview", stop)
+    monkeypatch.setattr("tactiledata.store.read.overview.overview", stop)
     code, out, err = run_command(capsys, "info", folder["ds.zarr"])
     assert (code, out) == (130, "")
     assert err.splitlines() == ["interrupted: nothing is half written; the same command goes on from what is finished."]

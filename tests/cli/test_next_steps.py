@@ -10,9 +10,9 @@ import pytest
 from command import run_command
 from generators.folder_log import write
 
-from tactiledata.ingest.overview import choose_touches, draw, page
+from tactiledata.ingest.sources.overview import choose_touches, draw, page
 from tactiledata.splits.make import make_split
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 STEP = re.compile(r"(?:next|bring it up to date): (tactiledata .*)")
 

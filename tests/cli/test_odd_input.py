@@ -18,7 +18,7 @@ def test_very_long_and_unicode_names_survive(bench, capsys):
     assert code in (0, 1), text
     code, text = command(capsys, "info", bench.folder / "new.zarr")
     assert code == 0, text
-    from tactiledata.store.reader import Store
+    from tactiledata.store.read.reader import Store
 
     assert name in Store.open(bench.folder / "new.zarr").trajectories(["trajectory"])["trajectory"].to_pylist()
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from command import run_command
 
-from tactiledata.gel import structured_pad
-from tactiledata.gel.structured_pad import GridPlan
-from tactiledata.store.reader import Store
+from tactiledata.gel.mesh import structured_pad
+from tactiledata.gel.mesh.structured_pad import GridPlan
+from tactiledata.store.read.reader import Store
 
 pytestmark = pytest.mark.slow
 

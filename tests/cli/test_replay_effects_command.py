@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from command import run_command
 
-from tactiledata.effects.setting import EffectSetting, write_settings
-from tactiledata.gel import structured_pad
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import GridPlan
-from tactiledata.store.reader import Store
+from tactiledata.effects.simulate.setting import EffectSetting, write_settings
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.mesh import structured_pad
+from tactiledata.gel.mesh.structured_pad import GridPlan
+from tactiledata.store.read.reader import Store
 
 ROUGH = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 TURN = EffectSetting("frame_rotation", {"yaw": 0.1})

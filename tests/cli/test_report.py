@@ -11,8 +11,8 @@ import pytest
 from command import run_command
 
 from tactiledata.contract.sealed import sealed_json
-from tactiledata.ingest.overview import page
-from tactiledata.store.reader import Store
+from tactiledata.ingest.sources.overview import page
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture

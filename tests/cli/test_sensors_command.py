@@ -9,7 +9,7 @@ import pytest
 from command import run_command
 
 from tactiledata.sensors.backgrounds import load_background
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture

@@ -12,11 +12,11 @@ from command import run_command
 from tactiledata.contract import image_bytes
 from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import TactileDataError
-from tactiledata.ingest import image_sizes
+from tactiledata.ingest.checks import image_sizes
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.splits.make import make_split
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture(params=["one image", "all images"])

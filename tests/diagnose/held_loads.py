@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from tactiledata.diagnose.history import fading_memory
+from tactiledata.diagnose.residuals.history import fading_memory
 
 LAWS = {
     "normal": lambda rng, n: rng.normal(size=n),

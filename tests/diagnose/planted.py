@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactiledata.diagnose.residuals import Covariate, Parameter, Residuals
+from tactiledata.diagnose.residuals.residuals import Covariate, Parameter, Residuals
 
 COMPONENTS = ("fx", "fy", "fz")
 PHASES = ("free air", "press", "dwell", "shear", "leave")

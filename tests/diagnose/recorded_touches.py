@@ -2,7 +2,7 @@
 
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 POWERED = 90.0
 

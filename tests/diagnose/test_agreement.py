@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.agreement import agreement
-from tactiledata.diagnose.random_effects import RandomEffects
+from tactiledata.diagnose.naming.evidence import agreement
+from tactiledata.diagnose.naming.metric import RandomEffects
 
 TRAJECTORIES, FRAMES = 20, 6
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from tactiledata.diagnose.answer_numbers import material_is_of
+from tactiledata.diagnose.answer.sentences import material_is_of
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulate.setting import EffectSetting
 
 
 def told(*effects):

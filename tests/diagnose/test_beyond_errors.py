@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.beyond_errors import beyond_errors
-from tactiledata.diagnose.event_effects import event_effects
-from tactiledata.diagnose.events import find_events
-from tactiledata.diagnose.gate import NoiseModel
-from tactiledata.diagnose.honest_tree import honest_tree
-from tactiledata.diagnose.instability import instability
-from tactiledata.diagnose.locate import LocateOptions, locate
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.region import region_maps
+from tactiledata.diagnose.locate.drifts import instability
+from tactiledata.diagnose.locate.event_effects import event_effects
+from tactiledata.diagnose.locate.events import find_events
+from tactiledata.diagnose.locate.gate import NoiseModel
+from tactiledata.diagnose.locate.locate import LocateOptions, locate
+from tactiledata.diagnose.locate.region_map import region_maps
+from tactiledata.diagnose.locate.simulator_errors import beyond_errors
+from tactiledata.diagnose.locate.tree import honest_tree
+from tactiledata.diagnose.residuals.projection import project
 
 EXACT = {"fx": 0.0, "fy": 0.0, "fz": 0.0, "E": 0.0, "mu": 0.0}
 WIDE = dict.fromkeys(EXACT, 10.0)

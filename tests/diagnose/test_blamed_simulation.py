@@ -5,10 +5,10 @@ import dataclasses
 import pytest
 from touch_worlds import START, World, world_cases
 
-from tactiledata.diagnose.blamed_simulation import Blamed, blamed_simulation, blamed_words
-from tactiledata.diagnose.plain_fit import plain_fit
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.naming.joint_fit import plain_fit
+from tactiledata.diagnose.naming.simulator_share import Blamed, blamed_simulation, blamed_words
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
 
 SHARE = 0.06
 

@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 from touch_worlds import PLANTS, START, World, base, null, world_cases
 
-from tactiledata.diagnose.case_covariates import phases
-from tactiledata.diagnose.case_residuals import case_noise, case_residuals, locate_touches, signature_fields, slide_ways
-from tactiledata.diagnose.joint_fit import joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.overall import offsets
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.signatures import likenesses
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.formula.likeness import likenesses
+from tactiledata.diagnose.locate.common_offset import offsets
+from tactiledata.diagnose.naming.joint_fit import joint_fit
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.touches.covariates import phases
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.unseen.touch_residuals import (
+    case_noise,
+    case_residuals,
+    locate_touches,
+    signature_fields,
+    slide_ways,
+)
 
 pytestmark = pytest.mark.slow
 

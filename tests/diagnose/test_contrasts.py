@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from planted import MODULUS, planted
 
-from tactiledata.diagnose.contrasts import IN_CONTACT, contrasts, instruments_of, sizes_of
-from tactiledata.diagnose.findings import findings
-from tactiledata.diagnose.gate import NoiseModel
-from tactiledata.diagnose.locate import LocateOptions, locate
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.residuals import Covariate
-from tactiledata.diagnose.simulation_errors import scatter_beyond_noise
+from tactiledata.diagnose.answer.locator_rows import findings
+from tactiledata.diagnose.locate.contrasts import IN_CONTACT, contrasts, instruments_of, sizes_of
+from tactiledata.diagnose.locate.gate import NoiseModel
+from tactiledata.diagnose.locate.locate import LocateOptions, locate
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.residuals.residuals import Covariate
+from tactiledata.diagnose.unseen.touch_residuals import scatter_beyond_noise
 
 EXACT = {"fx": 0.0, "fy": 0.0, "fz": 0.0, "E": 0.0, "mu": 0.0, "offset": 0.0}
 
@@ -106,7 +106,7 @@ def test_no_parameter_changes_its_sign(monkeypatch):
 
     projection = project(white(7, plant=plant))
     assert all(abs(one.size) <= 1.0 for one in contrasts(projection, EXACT) if one.what in ("E", "mu"))
-    monkeypatch.setattr("tactiledata.diagnose.contrasts.MOST_CHANGE", np.inf)
+    monkeypatch.setattr("tactiledata.diagnose.locate.contrasts.MOST_CHANGE", np.inf)
     assert contrasts(projection, EXACT)[0].size == pytest.approx(-3.0, abs=0.2)
 
 

@@ -11,15 +11,15 @@ from recorded_touches import recorded_store
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.cli.main import run
 from tactiledata.contract.schema import check_document
-from tactiledata.diagnose import diagnose_store
-from tactiledata.diagnose.gel_variant_plays import design_variants, variants_of
-from tactiledata.diagnose.store_cases import store_cases
-from tactiledata.diagnose.store_options import DiagnosisOptions
-from tactiledata.diagnose.zero_causes import ZeroCause
+from tactiledata.diagnose import store as diagnose_store
+from tactiledata.diagnose.options import DiagnosisOptions
+from tactiledata.diagnose.touches.play_grid import design_variants, variants_of
+from tactiledata.diagnose.touches.store_cases import store_cases
+from tactiledata.diagnose.zeros.causes import ZeroCause
 from tactiledata.effects import EFFECTS
-from tactiledata.gel import structured_pad
-from tactiledata.gel.structured_pad import GridPlan
-from tactiledata.store.reader import Store
+from tactiledata.gel.mesh import structured_pad
+from tactiledata.gel.mesh.structured_pad import GridPlan
+from tactiledata.store.read.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 

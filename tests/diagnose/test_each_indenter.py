@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from touch_worlds import START, null
 
-from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.effect_signatures import effect_signatures
-from tactiledata.diagnose.name_effects import name_effects
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import WhitenedCases
-from tactiledata.effects.setting import EffectSetting
+from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.signatures import effect_signatures
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
 FEW = ("mount_offset", "frame_rotation", "lag")

@@ -7,9 +7,9 @@ import pytest
 
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import provenance
-from tactiledata.diagnose.store_document import effects_file
-from tactiledata.effects.setting import EffectSetting, effects_document, read_material, read_settings
-from tactiledata.gel.material import GelMaterial
+from tactiledata.diagnose.answer.documents import effects_file
+from tactiledata.effects.simulate.setting import EffectSetting, effects_document, read_material, read_settings
+from tactiledata.gel.elasticity.material import GelMaterial
 
 LAG = EffectSetting("lag", {"delay": 0.01})
 GEL = GelMaterial(0.9e6, 0.47, 0.7)

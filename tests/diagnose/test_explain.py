@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.dependence import dependence
-from tactiledata.diagnose.explain import explain
-from tactiledata.diagnose.gap import Gap
-from tactiledata.diagnose.gate import NoiseModel
-from tactiledata.diagnose.instability import instability
-from tactiledata.diagnose.leading import leading_drifts
-from tactiledata.diagnose.locate import LocateOptions, locate
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.wording import quantity, rounded, signed_change, with_interval
+from tactiledata.diagnose.answer.locator_rows import dependence
+from tactiledata.diagnose.formula.explain import explain
+from tactiledata.diagnose.locate.drifts import instability
+from tactiledata.diagnose.locate.gate import NoiseModel
+from tactiledata.diagnose.locate.leading_drifts import leading_drifts
+from tactiledata.diagnose.locate.locate import LocateOptions, locate
+from tactiledata.diagnose.residuals.gap import Gap
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.residuals.wording import quantity, rounded, signed_change, with_interval
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from tactiledata.diagnose.friction_memory import CubicsOverFriction, remembered_shear
+from tactiledata.diagnose.touches.friction_history import CubicsOverFriction, remembered_shear
 
 NODES = np.array([0.4, 0.6, 0.85])
 STIFFNESS = 4e3

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tactiledata.diagnose.gap import Gap
-from tactiledata.diagnose.gap_words import change_words, gap_words
+from tactiledata.diagnose.residuals.gap import Gap
+from tactiledata.diagnose.residuals.wording import change_words, gap_words
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from planted import modulus_over, planted
 
-from tactiledata.diagnose.gate import NoiseModel, gate
-from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.locate.gate import NoiseModel, gate
+from tactiledata.diagnose.residuals.projection import project
 from tactiledata.errors import UsageError
 
 

@@ -7,13 +7,13 @@ import pytest
 from held_loads import LAWS, held_loads
 from tables import presses
 
-from tactiledata.diagnose.atoms import atoms
-from tactiledata.diagnose.explain import explain
-from tactiledata.diagnose.held_steps import times_since_steps
-from tactiledata.diagnose.locate import LocateOptions
-from tactiledata.diagnose.open_form import open_form
-from tactiledata.diagnose.residuals import Covariate
-from tactiledata.diagnose.table import residuals_of
+from tactiledata.diagnose.formula.explain import explain
+from tactiledata.diagnose.formula.open_form import open_form
+from tactiledata.diagnose.formula.terms import atoms
+from tactiledata.diagnose.locate.locate import LocateOptions
+from tactiledata.diagnose.residuals.residuals import Covariate
+from tactiledata.diagnose.table_input.held_steps import times_since_steps
+from tactiledata.diagnose.table_input.residuals_of import residuals_of
 
 SINCE = "time since the last step of load"
 

@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.instability import instability, look_alikes
-from tactiledata.diagnose.ladder import slope, steps
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.residuals import Covariate
-from tactiledata.diagnose.scores import contributions
-from tactiledata.diagnose.sign_flips import family_wise, signs
-from tactiledata.diagnose.slopes import change
-from tactiledata.diagnose.zeros import with_zeros
+from tactiledata.diagnose.locate.drifts import instability, look_alikes
+from tactiledata.diagnose.locate.free_air import with_zeros
+from tactiledata.diagnose.residuals.instruments import slope, steps
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.residuals.residuals import Covariate
+from tactiledata.diagnose.residuals.scores import contributions
+from tactiledata.diagnose.residuals.sign_flips import family_wise, signs
+from tactiledata.diagnose.residuals.slopes import change
 from tactiledata.errors import TactileDataError
 
 

@@ -3,11 +3,11 @@
 import pytest
 from tied_worlds import START, effect, recorded
 
-from tactiledata.diagnose import joint_fit as module
-from tactiledata.diagnose.joint_fit import joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.linearised import Linearised
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.naming import joint_fit as module
+from tactiledata.diagnose.naming.joint_fit import joint_fit
+from tactiledata.diagnose.naming.linearise import Linearised
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.touches.whitened import WhitenedCases
 
 
 @pytest.fixture(scope="module")

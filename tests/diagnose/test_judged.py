@@ -6,21 +6,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.decide import decide, ties_of_two
-from tactiledata.diagnose.evidence_scale import ESTIMATED
-from tactiledata.diagnose.identifiability import Identifiability
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.judge import Judged
-from tactiledata.diagnose.left_over import LeftOver
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.random_effects import RandomEffects
-from tactiledata.diagnose.refits import Refits
-from tactiledata.diagnose.screen import Screened
-from tactiledata.diagnose.strength import Strength
+from tactiledata.diagnose.naming.decide import decide, ties_of_two
+from tactiledata.diagnose.naming.evidence import Judged
+from tactiledata.diagnose.naming.identifiability import Identifiability
+from tactiledata.diagnose.naming.metric import RandomEffects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.naming.refit import Refits
+from tactiledata.diagnose.naming.remaining_structure import LeftOver
+from tactiledata.diagnose.naming.screen import Screened
+from tactiledata.diagnose.naming.strength import Strength
+from tactiledata.diagnose.naming.thresholds import ESTIMATED
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
-from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.elasticity.material import GelMaterial
 
 UNIT = ESTIMATED.claim / 26.0
 
@@ -212,7 +212,7 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     def unbalanced(*_, **options):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
-    monkeypatch.setattr("tactiledata.diagnose.refits.joint_fit", unbalanced)
+    monkeypatch.setattr("tactiledata.diagnose.naming.refit.joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
     fits = Refits(SimpleNamespace(starts=[0]), np.zeros((1, 6, 0)), plain, NamingOptions(), lambda text: None)
     start = EffectSetting("arm_compliance", {"translation": 1e-4})

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from planted import planted
 
-from tactiledata.diagnose.black_box import black_box
-from tactiledata.diagnose.empirical import LABEL, empirical
-from tactiledata.diagnose.projection import project
+from tactiledata.diagnose.formula.surface import LABEL, empirical
+from tactiledata.diagnose.residuals.ceiling import black_box
+from tactiledata.diagnose.residuals.projection import project
 
 
 def bump(world):

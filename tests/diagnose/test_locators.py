@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.change_points import change_points, series_of
-from tactiledata.diagnose.energy import energy_shares
-from tactiledata.diagnose.event_effects import event_effects
-from tactiledata.diagnose.event_locked import event_locked
-from tactiledata.diagnose.events import find_events
-from tactiledata.diagnose.free_air import free_air
-from tactiledata.diagnose.honest_tree import honest_tree
-from tactiledata.diagnose.overall import offsets
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.region import region_maps
+from tactiledata.diagnose.locate.common_offset import offsets
+from tactiledata.diagnose.locate.energy import energy_shares
+from tactiledata.diagnose.locate.event_effects import event_effects
+from tactiledata.diagnose.locate.event_locked import event_locked
+from tactiledata.diagnose.locate.events import find_events
+from tactiledata.diagnose.locate.free_air import free_air
+from tactiledata.diagnose.locate.region_map import region_maps
+from tactiledata.diagnose.locate.steps import change_points, series_of
+from tactiledata.diagnose.locate.tree import honest_tree
+from tactiledata.diagnose.residuals.projection import project
 
 NULLS = 200
 

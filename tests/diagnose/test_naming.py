@@ -8,17 +8,17 @@ from touch_worlds import PLANTS, START, base, null, world_cases
 
 import tactiledata
 from tactiledata.contract.schema import load_schema
-from tactiledata.diagnose.answer import Answer
-from tactiledata.diagnose.effect_signatures import effect_signatures, nuisance
-from tactiledata.diagnose.evidence_scale import ESTIMATED
-from tactiledata.diagnose.identifiability import identifiability_of
-from tactiledata.diagnose.joint_fit import joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.name_effects import name_effects
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import NumericalErrors, WhitenedCases
-from tactiledata.effects.setting import EffectSetting
+from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.naming.identifiability import identifiability_of
+from tactiledata.diagnose.naming.joint_fit import joint_fit
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.naming.signatures import effect_signatures, nuisance
+from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.nuisance.numerical import SHAPE_ERROR
 

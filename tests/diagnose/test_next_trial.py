@@ -9,20 +9,20 @@ import pytest
 from tied_worlds import START, effect, fitted, recorded
 
 from tactiledata.contract.schema import load_schema
-from tactiledata.diagnose.name_effects import name_effects
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.next_trial import SEPARATED, propose_trials, ranked_trials
-from tactiledata.diagnose.next_trial_words import next_trial_sentences, next_trials_document
-from tactiledata.diagnose.rivals import NOTHING, Pair, Rival, Rivals, rivals_of
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.trial_bench import TrialBench
-from tactiledata.diagnose.trial_cases import trial_cases
-from tactiledata.diagnose.trial_distance import Recorded, TrialRows, error_probability, square_with
-from tactiledata.diagnose.trial_kinds import TRIALS, hold, slides
-from tactiledata.diagnose.trial_scenario import trial_scenario
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.rivals import NOTHING, Pair, Rival, Rivals, rivals_of
+from tactiledata.diagnose.next_trial.bench import TrialBench
+from tactiledata.diagnose.next_trial.cases import trial_cases
+from tactiledata.diagnose.next_trial.distance import Recorded, TrialRows, error_probability, square_with
+from tactiledata.diagnose.next_trial.kinds import TRIALS, hold, slides
+from tactiledata.diagnose.next_trial.propose import SEPARATED, propose_trials, ranked_trials
+from tactiledata.diagnose.next_trial.scenario import trial_scenario
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 pytestmark = pytest.mark.slow
 

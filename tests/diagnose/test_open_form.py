@@ -6,17 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.atoms import atoms
-from tactiledata.diagnose.candidates import Candidates, carriers
-from tactiledata.diagnose.dimensions import NONE, UNITS, find_unit
-from tactiledata.diagnose.gap import gap_closed, scatter
-from tactiledata.diagnose.held_out import held_out
-from tactiledata.diagnose.history import fading_memory, largest_so_far
-from tactiledata.diagnose.open_form import find_candidates, open_form
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.residuals import Covariate
-from tactiledata.diagnose.signatures import likenesses
-from tactiledata.diagnose.stability import false_terms_bound, halves, pursue
+from tactiledata.diagnose.formula.candidates import Candidates, carriers
+from tactiledata.diagnose.formula.likeness import likenesses
+from tactiledata.diagnose.formula.open_form import find_candidates, open_form
+from tactiledata.diagnose.formula.select import false_terms_bound, halves, pursue
+from tactiledata.diagnose.formula.terms import atoms
+from tactiledata.diagnose.formula.unseen import held_out
+from tactiledata.diagnose.residuals.dimensions import NONE, UNITS, find_unit
+from tactiledata.diagnose.residuals.gap import gap_closed, scatter
+from tactiledata.diagnose.residuals.history import fading_memory, largest_so_far
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.residuals.residuals import Covariate
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from planted import planted
 
-from tactiledata.diagnose.own_drifts import own_drifts, own_values
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.residuals import Covariate
+from tactiledata.diagnose.locate.own_offsets import own_drifts, own_values
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.residuals.residuals import Covariate
 
 DRAWS = 299
 

@@ -6,15 +6,14 @@ import pytest
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.diagnose.gel_variant_plays import variants_of
-from tactiledata.diagnose.play_touches import play_touches, solvable
-from tactiledata.diagnose.played_response import PlayedFamily
-from tactiledata.effects.response import GelVariant
-from tactiledata.effects.touch import Touch
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.diagnose.touches.play_grid import play_touches, solvable, variants_of
+from tactiledata.diagnose.touches.played_response import PlayedFamily
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.effects.touch.touch import Touch
+from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 

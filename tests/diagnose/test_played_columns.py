@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.interpolate import PchipInterpolator
 
-from tactiledata.diagnose.played_columns import AREA, LEAST_FORCE, cubics_at, pressed, wrench_at_height
-from tactiledata.effects.state import wrench_at
+from tactiledata.diagnose.touches.played_columns import AREA, LEAST_FORCE, cubics_at, pressed, wrench_at_height
+from tactiledata.effects.touch.state import wrench_at
 
 COUNT = 5
 NUMBERS = st.floats(-3.0, 3.0, allow_subnormal=False)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from touch_worlds import START, World, world_cases
 
-from tactiledata.diagnose.recording_limits import limits
-from tactiledata.diagnose.touch_case import CaseSet
+from tactiledata.diagnose.next_trial.limits import limits
+from tactiledata.diagnose.touches.touch_case import CaseSet
 
 
 @pytest.fixture(scope="module")

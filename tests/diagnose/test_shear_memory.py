@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tactiledata.diagnose.shear_memory import shear_change
-from tactiledata.diagnose.sliders import Sliders
+from tactiledata.diagnose.touches.friction_history import Sliders, shear_change
 
 FRAMES = 21
 PATH = np.column_stack([np.linspace(0.0, 1e-4, FRAMES), np.zeros(FRAMES)])

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from tables import presses
 
-from tactiledata.diagnose.explain import explain
-from tactiledata.diagnose.locate import LocateOptions
-from tactiledata.diagnose.residuals import Residuals
-from tactiledata.diagnose.shifted import shift_carriers, slope_inside
-from tactiledata.diagnose.table import residuals_of
+from tactiledata.diagnose.formula.explain import explain
+from tactiledata.diagnose.formula.shifted import shift_carriers, slope_inside
+from tactiledata.diagnose.locate.locate import LocateOptions
+from tactiledata.diagnose.residuals.residuals import Residuals
+from tactiledata.diagnose.table_input.residuals_of import residuals_of
 
 
 def pressed(seed, observe):

@@ -9,19 +9,18 @@ import pytest
 from touch_worlds import FORCE_NOISE, PLANTS, START, base, null, world_cases
 
 from tactiledata.contract.schema import load_schema
-from tactiledata.diagnose.grouped_prediction import folds_of
-from tactiledata.diagnose.held_out_errors import held_out_errors
-from tactiledata.diagnose.held_out_wrenches import held_out_wrenches
-from tactiledata.diagnose.joint_fit import joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.name_effects import name_effects
-from tactiledata.diagnose.naming_document import naming_document
-from tactiledata.diagnose.naming_options import NamingOptions
-from tactiledata.diagnose.naming_page import naming_page, naming_sentences
-from tactiledata.diagnose.show import show
-from tactiledata.diagnose.shown_words import doubts, same_digits, shown_sentences
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.answer.documents import naming_document
+from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
+from tactiledata.diagnose.answer.unseen_page import doubts, same_digits, shown_sentences
+from tactiledata.diagnose.naming.held_out import folds_of
+from tactiledata.diagnose.naming.joint_fit import joint_fit
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.unseen.compare import show
+from tactiledata.diagnose.unseen.errors import held_out_errors, held_out_wrenches
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tactiledata.diagnose.sliders import PARTS, Sliders, own_sliders
+from tactiledata.diagnose.touches.friction_history import PARTS, Sliders, own_sliders
 
 FRAMES = 201
 SPRING, LIMIT = np.full(FRAMES, 4e3), np.full(FRAMES, 2.0)

@@ -7,10 +7,10 @@ import pytest
 from recorded_touches import POWERED, recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.effects.imprint import SPREAD, ImprintTable
+from tactiledata.effects.touch.imprint import SPREAD, ImprintTable
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.store_facts import StoreFacts
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 pytestmark = pytest.mark.slow
 

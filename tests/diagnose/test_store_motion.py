@@ -5,11 +5,11 @@ import pytest
 from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.effects.felt_acceleration import FREQUENCIES
+from tactiledata.effects.touch.felt_acceleration import FREQUENCIES
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.store_motion import StoreMotion
-from tactiledata.rig.scenario import Robot
-from tactiledata.store.reader import Store
+from tactiledata.rig.scenario.scenario import Robot
+from tactiledata.store.read.reader import Store
 
 pytestmark = pytest.mark.slow
 

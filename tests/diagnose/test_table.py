@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 from tables import presses
 
 from tactiledata.contract.schema import check_document
-from tactiledata.diagnose.atoms import atoms
-from tactiledata.diagnose.columns import columns_of
-from tactiledata.diagnose.diagnose_table import diagnose_table, write_diagnosis
-from tactiledata.diagnose.read_table import read_table
-from tactiledata.diagnose.table import residuals_of
-from tactiledata.diagnose.unit_endings import split_unit
+from tactiledata.diagnose.formula.terms import atoms
+from tactiledata.diagnose.table import diagnose_table, write_diagnosis
+from tactiledata.diagnose.table_input.columns import columns_of, split_unit
+from tactiledata.diagnose.table_input.read import read_table
+from tactiledata.diagnose.table_input.residuals_of import residuals_of
 from tactiledata.errors import MissingFile, TactileDataError, UnknownName, UsageError
 
 
@@ -371,7 +370,7 @@ def test_the_same_table_gives_the_same_document(tmp_path):
 @pytest.mark.slow
 def test_empty_tables_are_rarely_called_structured(tmp_path):
     """At most one in twenty, of 100, without known noise."""
-    from tactiledata.diagnose.locate import LocateOptions, locate
+    from tactiledata.diagnose.locate.locate import LocateOptions, locate
 
     alarms = [
         locate(residuals_of(presses(seed, 24, 10, noise=False)).residuals, LocateOptions(seed=seed)).is_structured

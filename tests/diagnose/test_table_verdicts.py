@@ -8,19 +8,19 @@ import pytest
 from tables import presses
 
 from tactiledata.contract.schema import check_document
-from tactiledata.diagnose.atoms import atoms
-from tactiledata.diagnose.black_box import BlackBox, black_box
-from tactiledata.diagnose.candidates import Candidates, carriers
-from tactiledata.diagnose.explain import Explanation, explain
-from tactiledata.diagnose.explanation_page import explanation_page
-from tactiledata.diagnose.gap import Gap, is_improved
-from tactiledata.diagnose.held_out import HeldOut
-from tactiledata.diagnose.locate import LocateOptions
-from tactiledata.diagnose.projection import project
-from tactiledata.diagnose.residuals import Parameter
-from tactiledata.diagnose.slopes import Change
-from tactiledata.diagnose.table import residuals_of
-from tactiledata.diagnose.table_document import table_document
+from tactiledata.diagnose.answer.documents import table_document
+from tactiledata.diagnose.answer.formula_page import explanation_page
+from tactiledata.diagnose.formula.candidates import Candidates, carriers
+from tactiledata.diagnose.formula.explain import Explanation, explain
+from tactiledata.diagnose.formula.terms import atoms
+from tactiledata.diagnose.formula.unseen import HeldOut
+from tactiledata.diagnose.locate.locate import LocateOptions
+from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
+from tactiledata.diagnose.residuals.gap import Gap, is_improved
+from tactiledata.diagnose.residuals.projection import project
+from tactiledata.diagnose.residuals.residuals import Parameter
+from tactiledata.diagnose.residuals.slopes import Change
+from tactiledata.diagnose.table_input.residuals_of import residuals_of
 
 
 def rippled(seed=0, size=1.0):

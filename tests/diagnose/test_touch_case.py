@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 from tied_worlds import START, effect, recorded
 
-from tactiledata.effects.simulator import Simulator
+from tactiledata.effects.simulate.simulator import Simulator
 
 
 def test_what_is_played_before_changes_nothing():

@@ -5,12 +5,12 @@ import pytest
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.diagnose.played_response import PlayedFamily
-from tactiledata.diagnose.touch_plays import TouchPlays
-from tactiledata.effects.response import GelVariant
-from tactiledata.effects.touch import Touch
+from tactiledata.diagnose.touches.grid_answer import TouchPlays
+from tactiledata.diagnose.touches.played_response import PlayedFamily
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UsageError
-from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 

@@ -6,18 +6,17 @@ import numpy as np
 import pytest
 from tied_worlds import START, recorded
 
-from tactiledata.diagnose.closed_form import closed_form
-from tactiledata.diagnose.trial_bench import TrialBench
-from tactiledata.diagnose.trial_cases import duration, trial_cases
-from tactiledata.diagnose.trial_kinds import TRIALS
-from tactiledata.diagnose.trial_path import trial_path
-from tactiledata.diagnose.trial_scenario import trial_scenario
-from tactiledata.effects.touch import Touch
+from tactiledata.diagnose.next_trial.bench import TrialBench, closed_form
+from tactiledata.diagnose.next_trial.cases import duration, trial_cases
+from tactiledata.diagnose.next_trial.kinds import TRIALS
+from tactiledata.diagnose.next_trial.path import trial_path
+from tactiledata.diagnose.next_trial.scenario import trial_scenario
+from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import SchemaError, UsageError
 from tactiledata.indenters.ring import Ring
-from tactiledata.rig import motion
+from tactiledata.rig.motion import motion
 from tactiledata.rig.record import log_groups
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 BENCH = TrialBench.of(recorded(), START)
 STIFF = dataclasses.replace(START, youngs_modulus=3e6)

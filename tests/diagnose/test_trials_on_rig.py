@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 from tied_worlds import NOISE, START, fitted, recorded
 
-from tactiledata.diagnose.closed_form import closed_form
-from tactiledata.diagnose.next_trial import ranked_trials
-from tactiledata.diagnose.rivals import Pair, Rival, Rivals
-from tactiledata.diagnose.touch_case import CaseSet
-from tactiledata.diagnose.trial import Trial, TrialTouch, press, retreat, shear
-from tactiledata.diagnose.trial_bench import TrialBench
-from tactiledata.diagnose.trial_cases import trial_cases
-from tactiledata.diagnose.trial_kinds import hold, hold_then_slide, rate_ladder
-from tactiledata.diagnose.trial_scenario import trial_scenario
-from tactiledata.diagnose.whitened_cases import WhitenedCases
+from tactiledata.diagnose.naming.rivals import Pair, Rival, Rivals
+from tactiledata.diagnose.next_trial.bench import TrialBench, closed_form
+from tactiledata.diagnose.next_trial.cases import trial_cases
+from tactiledata.diagnose.next_trial.kinds import hold, hold_then_slide, rate_ladder
+from tactiledata.diagnose.next_trial.propose import ranked_trials
+from tactiledata.diagnose.next_trial.scenario import trial_scenario
+from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch, press, retreat, shear
+from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.rig.play import Stage
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 TRUTH = {"youngs_modulus": 0.88e6, "poisson_ratio": 0.48, "friction": 0.7}
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from recorded_touches import recorded_store
 
-from tactiledata.diagnose.force_zeros import ForceZeros, free_air_between, read_zeros
-from tactiledata.diagnose.zero_causes import GRAVITY, no_zeros, zero_causes
-from tactiledata.store.reader import Store
+from tactiledata.diagnose.zeros.causes import GRAVITY, no_zeros, zero_causes
+from tactiledata.diagnose.zeros.readings import ForceZeros, free_air_between, read_zeros
+from tactiledata.store.read.reader import Store
 
 PIECES = 3
 

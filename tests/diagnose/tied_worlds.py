@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 from touch_worlds import START, base
 
-from tactiledata.diagnose.joint_fit import joint_fit
-from tactiledata.diagnose.joint_model import joint_model
-from tactiledata.diagnose.touch_case import CaseSet, TouchCase
-from tactiledata.diagnose.whitened_cases import WhitenedCases
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.touch import Touch
+from tactiledata.diagnose.naming.joint_fit import joint_fit
+from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.effects.touch.touch import Touch
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.sensors.digit import DIGIT

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tactiledata.diagnose.touch_case import CaseSet, TouchCase
-from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.touch import Touch
-from tactiledata.gel.material import GelMaterial
+from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.touch.touch import Touch
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.sensors.digit import DIGIT

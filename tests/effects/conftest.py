@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.reference_touch import reference_touch
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.simulator import with_effects
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.simulate.reference_touch import reference_touch
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.effects.simulate.simulator import with_effects
 
 
 @pytest.fixture(scope="session")

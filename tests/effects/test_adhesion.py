@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.adhesion import AFTER_SHEAR, jkr_force, punch_force, tip_radius
-from tactiledata.effects.response import ContactResponse
-from tactiledata.effects.state import wrench_at
+from tactiledata.effects.interface.adhesion import AFTER_SHEAR, jkr_force, punch_force, tip_radius
+from tactiledata.effects.touch.response import ContactResponse
+from tactiledata.effects.touch.state import wrench_at
 from tactiledata.indenters import INDENTERS
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.dome import Dome

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tactiledata.effects.design import null_exact_weights
-from tactiledata.effects.partial_slip import slip_levels
-from tactiledata.effects.response import ContactResponse
-from tactiledata.effects.thickness import Thickness
-from tactiledata.gel.material import GelMaterial
+from tactiledata.effects.geometry.thickness import Thickness
+from tactiledata.effects.interface.partial_slip import slip_levels
+from tactiledata.effects.touch.response import ContactResponse
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 
@@ -21,10 +21,10 @@ MATERIAL = GelMaterial(0.88e6, 0.48, 0.8)
 @pytest.fixture
 def gel(monkeypatch, tmp_path):
     """gel(poses, geometry, modulus): wrenches on a 4 mm ball; modulus: a factor over places (c, 3), cell by cell."""
-    from tactiledata.gel import fem
-    from tactiledata.gel.cells import cell_quadrature
-    from tactiledata.gel.history import GelTouch
-    from tactiledata.gel.structured_pad import pad_mesh
+    from tactiledata.gel.contact.history import GelTouch
+    from tactiledata.gel.engines import fem
+    from tactiledata.gel.mesh.cells import cell_quadrature
+    from tactiledata.gel.mesh.structured_pad import pad_mesh
 
     def play(poses, geometry=DIGIT.gel, modulus=None):
         mesh = pad_mesh("test", geometry)

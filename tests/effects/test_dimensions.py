@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.ball_on_layer import BallOnLayer
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.parameter import DIMENSIONS
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.simulator import with_effects
-from tactiledata.gel.material import GelMaterial
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.effects.simulate.simulator import with_effects
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.sphere import Sphere
 
 LENGTH, FORCE, TIME = 1.1, 0.9, 1.2

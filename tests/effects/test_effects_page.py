@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.reference_touch import RIG, contact_stiffness, largest_changes
+from tactiledata.effects.simulate.reference_touch import RIG, contact_stiffness, largest_changes
 from tests.cli.command import run_command
 
 PAGE = Path(__file__).parents[2] / "docs" / "effects.md"

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.ball_on_layer import BallOnLayer
 from tactiledata.effects.base import SLOTS
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.parameter import DIMENSIONS
-from tactiledata.effects.reference_touch import largest_changes
-from tactiledata.effects.response import GelVariant
-from tactiledata.effects.setting import EffectSetting, in_order
-from tactiledata.effects.simulator import with_effects
-from tactiledata.effects.state import TouchState
-from tactiledata.effects.touch import Touch
+from tactiledata.effects.simulate.reference_touch import largest_changes
+from tactiledata.effects.simulate.setting import EffectSetting, in_order
+from tactiledata.effects.simulate.simulator import with_effects
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.effects.touch.state import TouchState
+from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UnknownName, UsageError
 
 CATALOGUE = set(range(1, 30)) - {28}

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tactiledata.effects.felt_acceleration import DAMPING, FREQUENCIES, RATE, felt_accelerations, felt_at
+from tactiledata.effects.touch.felt_acceleration import DAMPING, FREQUENCIES, RATE, felt_accelerations, felt_at
 from tactiledata.errors import UsageError
 
 FRAMES = np.arange(1.02, 2.0, 0.013)

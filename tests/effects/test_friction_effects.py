@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.last_move import SLOWEST as STANDING
-from tactiledata.effects.last_move import WAYS
-from tactiledata.effects.partial_slip import slip_levels
+from tactiledata.effects.interface.partial_slip import slip_levels
+from tactiledata.effects.touch.last_move import SLOWEST as STANDING
+from tactiledata.effects.touch.last_move import WAYS
 
 FRICTION_EFFECTS = ("area_friction", "rate_friction", "static_friction", "partial_slip")
 DEPTH = 8e-4

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import erf
 
-from tactiledata.effects.ball_on_layer import BallOnLayer
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.design import null_exact_weights
-from tactiledata.effects.heating import swelling
-from tactiledata.effects.reference_touch import contact_stiffness
-from tactiledata.effects.response import GelVariant
-from tactiledata.effects.state import TouchState
+from tactiledata.effects.material.heating import swelling
+from tactiledata.effects.simulate.reference_touch import contact_stiffness
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.effects.touch.state import TouchState
 
 
 def with_thickness(touch, factor):

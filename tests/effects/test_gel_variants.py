@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.gel_variants import surface_height, variant_engine, warped
-from tactiledata.effects.response import GelVariant, SoftSpot
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.effects.touch.gel_variants import surface_height, variant_engine, warped
+from tactiledata.effects.touch.response import GelVariant, SoftSpot
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 

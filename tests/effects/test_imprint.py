@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.imprint import DEEPEST, SPREAD, ImprintTable, nearness
+from tactiledata.effects.touch.imprint import DEEPEST, SPREAD, ImprintTable, nearness
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.last_move import WAYS, last_move, last_ways
+from tactiledata.effects.touch.last_move import WAYS, last_move, last_ways
 
 
 def path(rate=125.0):

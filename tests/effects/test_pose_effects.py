@@ -8,11 +8,11 @@ import pytest
 from scipy.optimize import brentq
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.simulator import CLOSE, with_effects
-from tactiledata.effects.state import TouchState
-from tactiledata.effects.stem_bending import stem_stiffness
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.pose.stem_bending import stem_stiffness
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.effects.simulate.simulator import CLOSE, with_effects
+from tactiledata.effects.touch.state import TouchState
 from tactiledata.errors import UsageError
 from tactiledata.indenters.sphere import Sphere
 
@@ -115,7 +115,7 @@ def test_the_softest_springs_find_their_balance(touch):
 
 def test_no_balance_is_said(touch, monkeypatch):
     """Where the rounds do not suffice there is an error, not a number."""
-    monkeypatch.setattr("tactiledata.effects.simulator.MOST_ROUNDS", 3)
+    monkeypatch.setattr("tactiledata.effects.simulate.simulator.MOST_ROUNDS", 3)
     with pytest.raises(UsageError, match="no balance"):
         with_effects(BallOnLayer, SOFTEST).play(touch)
 

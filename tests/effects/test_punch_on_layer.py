@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tactiledata.effects.punch_on_layer import PunchOnLayer
-from tactiledata.effects.reference_touch import reference_touch
-from tactiledata.effects.response import GelVariant
-from tactiledata.gel.material import GelMaterial
+from tactiledata.effects.closed_form.punch_on_layer import PunchOnLayer
+from tactiledata.effects.simulate.reference_touch import reference_touch
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.cylinder_flat import CylinderFlat
-from tactiledata.rig.layer_contact import punch_stiffness
-from tactiledata.rig.scenario import Material
+from tactiledata.rig.contact.closed_form import punch_stiffness
+from tactiledata.rig.scenario.scenario import Material
 
 MATERIAL = GelMaterial(0.9e6, 0.4999, 0.6)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tactiledata.effects.cable_drag import with_play
-from tactiledata.effects.clipping import limited, selection_bias
-from tactiledata.effects.quantisation import mean_told
+from tactiledata.effects.sensor.cable_drag import with_play
+from tactiledata.effects.sensor.clipping import limited, selection_bias
+from tactiledata.effects.sensor.quantisation import mean_told
 
 
 def in_free_air(touch, moved, n=90, **fields):

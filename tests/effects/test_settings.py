@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.response import GelVariant, SoftSpot
-from tactiledata.effects.setting import (
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.simulate.setting import (
     EffectSetting,
     effects_document,
     read_material,
@@ -16,9 +15,10 @@ from tactiledata.effects.setting import (
     settings_of,
     write_settings,
 )
-from tactiledata.effects.simulator import Simulator, with_effects
+from tactiledata.effects.simulate.simulator import Simulator, with_effects
+from tactiledata.effects.touch.response import GelVariant, SoftSpot
 from tactiledata.errors import MissingFile, SchemaError, UnknownName, UsageError
-from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.elasticity.material import GelMaterial
 
 
 def test_every_setting_survives_its_file(tmp_path, touch, medium):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.shear_stiffness import shear_stiffness
+from tactiledata.effects.touch.shear_stiffness import shear_stiffness
 
 
 def test_stiffness_has_both_limits():

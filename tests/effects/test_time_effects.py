@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.relaxing_shear import relaxing_shear
-from tactiledata.effects.setting import EffectSetting
-from tactiledata.effects.simulator import with_effects
-from tactiledata.effects.time_operators import delayed, fading_memory
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.effects.simulate.simulator import with_effects
+from tactiledata.effects.touch.relaxing_shear import relaxing_shear
+from tactiledata.effects.touch.time_operators import delayed, fading_memory
 
 
 def convolution(seconds, force, at, time):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tactiledata.effects.ball_on_layer import BallOnLayer
-from tactiledata.effects.state import TouchState
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.touch.state import TouchState
 
 
 class Counted(BallOnLayer):

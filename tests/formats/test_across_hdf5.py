@@ -7,8 +7,8 @@ from generators import across_hdf5
 from generators.collect import codes, read
 
 from tactiledata.errors import BrokenLog, UnsafeContent
-from tactiledata.formats import intake
 from tactiledata.formats.across_hdf5 import AcrossHdf5Format
+from tactiledata.formats.reading import intake
 
 FORMAT = AcrossHdf5Format()
 

@@ -13,7 +13,7 @@ from generators.collect import Collected, read
 from tactiledata.contract.schema import check_document
 from tactiledata.errors import MissingFile, TactileDataError, UsageError
 from tactiledata.formats import FORMATS
-from tactiledata.formats.corpus import Timeline, nominal_ns, seconds_to_ns, stream_name
+from tactiledata.formats.reading.corpus import Timeline, nominal_ns, seconds_to_ns, stream_name
 
 GENERATORS = {
     "ycb_slide": ycb_slide,

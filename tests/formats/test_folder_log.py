@@ -15,9 +15,9 @@ from generators.folder_log import FATAL, FAULTS, SENSOR, START, STEP, TOUCH, pic
 from tactiledata import errors
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import files_digest
-from tactiledata.formats.folder import FolderFormat
-from tactiledata.formats.folder_parts.files import TABLES, LogFolder
-from tactiledata.formats.folder_parts.signals import read_signals
+from tactiledata.formats.folder.files import TABLES, LogFolder
+from tactiledata.formats.folder.format import FolderFormat
+from tactiledata.formats.folder.signals import read_signals
 
 FORMAT = FolderFormat()
 

@@ -13,9 +13,9 @@ from generators.collect import codes, read
 from generators.gelsight_presses import arrays, write
 
 from tactiledata.errors import BrokenLog, UnsafeContent
-from tactiledata.formats import npz_members
-from tactiledata.formats.contact_radius import CODE, radius_findings
 from tactiledata.formats.gelsight_presses import GelsightPressesFormat
+from tactiledata.formats.reading import npz_members
+from tactiledata.formats.reading.contact_radius import CODE, radius_findings
 
 PACK = Path(__file__).resolve().parents[1] / "data" / "gelsight_r15"
 FORMAT = GelsightPressesFormat()

@@ -10,19 +10,19 @@ from tactiledata.cli.families import inspect
 from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.lfs_pointer import is_lfs_pointer
 from tactiledata.contract.schema import read_document
-from tactiledata.diagnose.read_table import read_table
+from tactiledata.diagnose.table_input.read import read_table
 from tactiledata.errors import BrokenLog, NotFetched
-from tactiledata.formats.csv_tables import read_csv_table
-from tactiledata.formats.folder import FolderFormat
-from tactiledata.formats.mcap_parts.survey import survey
-from tactiledata.formats.npz_members import load_members
-from tactiledata.formats.restricted_pickle import load_npy, load_pickle
-from tactiledata.gel.mesh_file import pad_from_file
+from tactiledata.formats.folder.format import FolderFormat
+from tactiledata.formats.mcap.survey import survey
+from tactiledata.formats.reading.csv_tables import read_csv_table
+from tactiledata.formats.reading.npz_members import load_members
+from tactiledata.formats.reading.restricted_pickle import load_npy, load_pickle
+from tactiledata.gel.mesh.mesh_file import pad_from_file
 from tactiledata.indenters.mesh_indenter import load_mesh_indenter
-from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.add_sensor import read_picture
-from tactiledata.store.reader import Store
+from tactiledata.ingest.sources.discover import find_sources
+from tactiledata.store.change.add_sensor import read_picture
+from tactiledata.store.read.reader import Store
 
 POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22e\nsize 12345\n"
 READERS = {
@@ -60,7 +60,7 @@ def test_every_reader_names_a_pointer(tmp_path, name):
 @pytest.mark.slow
 def test_weights_that_are_a_pointer_are_named(tmp_path):
     """The same of weights, which PyTorch would call broken."""
-    from split_models.checkpoint import load_checkpoint
+    from split_models.learning.checkpoint import load_checkpoint
     from tactiledata.metrics.gram_style import vgg19_features
 
     for load in (load_checkpoint, vgg19_features):

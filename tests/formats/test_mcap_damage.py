@@ -12,9 +12,9 @@ from generators.mcap_files import START, STEP, TOPICS, Tape, description, encode
 from mcap.reader import make_reader
 
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap import McapFormat
-from tactiledata.formats.mcap_parts import chunks as chunk_module
-from tactiledata.formats.mcap_parts.layout import CHUNK_RECORD, HEAD, MAGIC, MESSAGE_RECORD
+from tactiledata.formats.mcap import chunks as chunk_module
+from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.layout import CHUNK_RECORD, HEAD, MAGIC, MESSAGE_RECORD
 
 COUNT = 6600
 FORMAT = McapFormat()

@@ -25,8 +25,7 @@ from hypothesis import strategies as st
 from mcap.records import Channel, Schema
 
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap import McapFormat
-from tactiledata.formats.mcap_parts.cdr import (
+from tactiledata.formats.mcap.cdr import (
     COMPRESSED_LAYOUT,
     IMAGE_LAYOUT,
     JOINT_LAYOUT,
@@ -34,10 +33,11 @@ from tactiledata.formats.mcap_parts.cdr import (
     compressed_at,
     image_at,
 )
-from tactiledata.formats.mcap_parts.collect import SignalBuffer
-from tactiledata.formats.mcap_parts.decode import Decoder, decoder_for, frame_of, stamp_of, steps_of, value_at
-from tactiledata.formats.mcap_parts.readers import JointOrder, signal_taker
-from tactiledata.formats.mcap_parts.roles import SignalRole
+from tactiledata.formats.mcap.collect import SignalBuffer
+from tactiledata.formats.mcap.decode import Decoder, decoder_for, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.readers import JointOrder, signal_taker
+from tactiledata.formats.mcap.roles import SignalRole
 
 FORMAT = McapFormat()
 

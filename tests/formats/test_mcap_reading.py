@@ -27,10 +27,10 @@ from generators.mcap_files import (
 )
 
 from tactiledata.errors import BrokenLog, SchemaError
-from tactiledata.formats.mcap import McapFormat
-from tactiledata.formats.mcap_parts.readers import UR_JOINTS
-from tactiledata.ingest.discover import find_sources
+from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.readers import UR_JOINTS
 from tactiledata.ingest.pipeline import source_digest
+from tactiledata.ingest.sources.discover import find_sources
 
 FORMAT = McapFormat()
 MAPPING = {"format": "tactiledata-mapping/1"}

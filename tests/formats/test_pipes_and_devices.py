@@ -11,7 +11,7 @@ from generators.mcap_files import touch
 
 from tactiledata.errors import BrokenLog, SchemaError, TactileDataError
 from tactiledata.formats import FORMATS
-from tactiledata.ingest.discover import find_sources
+from tactiledata.ingest.sources.discover import find_sources
 
 
 @contextmanager

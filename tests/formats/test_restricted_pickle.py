@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tactiledata.errors import BrokenLog, MissingFile, UnsafeContent
-from tactiledata.formats.natural_order import last_number, natural_key, natural_sorted
-from tactiledata.formats.pickled_list import index_bytes_list
-from tactiledata.formats.restricted_pickle import load_npy, load_pickle, loads
+from tactiledata.formats.reading.natural_order import last_number, natural_key, natural_sorted
+from tactiledata.formats.reading.pickled_list import index_bytes_list
+from tactiledata.formats.reading.restricted_pickle import load_npy, load_pickle, loads
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 PLAIN = st.recursive(

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata.cli.main import run
-from tactiledata.formats.stream_rate import has_times, rate_of
+from tactiledata.formats.reading.stream_rate import has_times, rate_of
 
 
 @pytest.fixture

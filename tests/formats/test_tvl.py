@@ -10,7 +10,7 @@ from generators.collect import codes, read
 
 from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.errors import BrokenLog, UnsafeContent
-from tactiledata.formats.modality import DECISION, look_of, votes_tactile
+from tactiledata.formats.reading.modality import DECISION, look_of, votes_tactile
 from tactiledata.formats.tvl import TvlFormat
 
 FORMAT = TvlFormat()

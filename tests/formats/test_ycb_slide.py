@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.contract.simulated import recording_kind
 from tactiledata.errors import BrokenLog, UnsafeContent, UsageError
-from tactiledata.formats.optitrack import contact_poses, find_jumps, nearest_rows
+from tactiledata.formats.reading.optitrack import contact_poses, find_jumps, nearest_rows
 from tactiledata.formats.ycb_slide import BACKGROUNDS, YcbSlideFormat, background_of
 
 FORMAT = YcbSlideFormat()

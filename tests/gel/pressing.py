@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.sensors.base import GelGeometry
 
 

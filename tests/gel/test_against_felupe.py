@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.internal_forces import ElasticPad, internal_forces
-from tactiledata.gel.mixing import SecantMixer
-from tactiledata.gel.stiffness import linear_stiffness
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.elasticity.internal_forces import ElasticPad, internal_forces
+from tactiledata.gel.elasticity.mixing import SecantMixer
+from tactiledata.gel.elasticity.stiffness import linear_stiffness
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.sensors.base import GelGeometry
 
 BLOCK = GelGeometry(outline=(0.012, 0.012), thickness=0.004, edge_thickness=0.004)

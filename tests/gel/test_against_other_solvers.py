@@ -7,8 +7,8 @@ from pressing import forces_at, poses, pressed, slab
 from skfem import Basis, BilinearForm, ElementHex0, ElementHex1, ElementVector, MeshHex, condense, solve
 from skfem.helpers import ddot, div, sym_grad
 
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.pad import PadMesh
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere
 

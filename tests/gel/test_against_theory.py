@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pressing import block, forces_at, poses, pressed, slab
 
-from tactiledata.gel.fem import FemEngine
+from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.indenters.sphere import Sphere
 
 NU = 0.495

@@ -6,14 +6,14 @@ from pressing import poses, pressed, slab
 from scipy.spatial.transform import Rotation
 
 from tactiledata.errors import UsageError
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.compliance import FactorisedPad
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus, GelTouch
-from tactiledata.gel.internal_forces import ElasticPad, internal_forces
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import pad_mesh
-from tactiledata.gel.surface import contact_surface
+from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.elasticity.compliance import FactorisedPad
+from tactiledata.gel.elasticity.internal_forces import ElasticPad, internal_forces
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.structured_pad import pad_mesh
+from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT

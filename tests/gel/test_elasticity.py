@@ -5,11 +5,11 @@ import pytest
 from pressing import block
 from scipy.spatial.transform import Rotation
 
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.internal_forces import ElasticPad, internal_forces
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.stiffness import linear_stiffness
-from tactiledata.gel.tetrahedra import boundary_of, ten_node_cells
+from tactiledata.gel.elasticity.internal_forces import ElasticPad, internal_forces
+from tactiledata.gel.elasticity.stiffness import linear_stiffness
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.tetrahedra import boundary_of, ten_node_cells
 
 NU = 0.47
 SHEAR = 1 / (2 * (1 + NU))

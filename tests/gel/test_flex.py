@@ -8,14 +8,14 @@ import pytest
 from pressing import poses, pressed, slab
 
 from tactiledata.errors import UsageError
-from tactiledata.gel import flex
-from tactiledata.gel.engines import make_engine, mechanics_of
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.pad import PadMesh
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
-from tactiledata.gel.tetrahedra import ten_node_cells
+from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.flex import engine as flex
+from tactiledata.gel.make_engine import make_engine, mechanics_of
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.mesh.tetrahedra import ten_node_cells
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.ring import Ring
 from tactiledata.indenters.sphere import Sphere

@@ -9,13 +9,13 @@ from scipy.spatial.transform import Rotation
 from skfem import MeshTet
 
 from tactiledata.errors import MissingFile, SchemaError, UnknownName, UsageError
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus, GelTouch
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.mesh_file import pad_from_file
-from tactiledata.gel.structured_pad import pad_mesh
-from tactiledata.gel.surface import contact_surface
+from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.mesh_file import pad_from_file
+from tactiledata.gel.mesh.structured_pad import pad_mesh
+from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 

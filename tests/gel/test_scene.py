@@ -6,11 +6,11 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from tactiledata.errors import TactileDataError, UsageError
-from tactiledata.gel.arm import base_from_flange, fit_tool
-from tactiledata.gel.mujoco_package import load_mujoco
-from tactiledata.gel.scene import GelScene, SceneParts
+from tactiledata.gel.scene.arm import base_from_flange, fit_tool
+from tactiledata.gel.scene.mujoco_package import load_mujoco
+from tactiledata.gel.scene.scene import GelScene, SceneParts
 from tactiledata.indenters.sphere import Sphere
-from tactiledata.rig import ur5e
+from tactiledata.rig.motion import ur5e
 from tactiledata.transforms import Transform
 
 JOINTS = np.random.default_rng(7).uniform(-2.5, 2.5, (20, 6))

@@ -5,15 +5,15 @@ import pytest
 from test_elasticity import NU, SHEAR, distorted, inside, on_top, piola, stretched
 
 from tactiledata.errors import UsageError
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.compliance import FactorisedPad, surface_response
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import GelTouch
-from tactiledata.gel.internal_forces import ElasticPad, internal_forces
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.stiffening import Stiffening
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
-from tactiledata.gel.surface import contact_surface
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.compliance import FactorisedPad, surface_response
+from tactiledata.gel.elasticity.internal_forces import ElasticPad, internal_forces
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.elasticity.stiffening import Stiffening
+from tactiledata.gel.engines.fem import FemEngine
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tactiledata.gel.cells import cell_quadrature
-from tactiledata.gel.compliance import FactorisedPad
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.elasticity.compliance import FactorisedPad
+from tactiledata.gel.mesh.cells import cell_quadrature
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.sensors.digit import DIGIT
 
 PLAN = GridPlan(7, 9, 0.8e-3, (2.4e-3, 2.4e-3), (0.0, 0.5, 0.8, 1.0))

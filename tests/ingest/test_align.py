@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.align import POSE_COLUMNS, align, fractions_between
+from tactiledata.ingest.clocks.align import POSE_COLUMNS, align, fractions_between
 
 START = 1_700_000_000_000_000_000
 

@@ -5,8 +5,8 @@ import shutil
 
 import pytest
 
-from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.trajectories.assemble import IngestOptions
 
 CODES = {"signal-elsewhere", "images-of-another-sensor", "camera-stuck", "no-free-air"}
 

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
-from tactiledata.ingest.clock_steps import Witness, judge_steps
-from tactiledata.ingest.clocks import choose_clock
+from tactiledata.ingest.clocks.clock_steps import Witness, judge_steps
+from tactiledata.ingest.clocks.clocks import choose_clock
+from tactiledata.ingest.clocks.timeline import put_on_host_clock
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.ingest.timeline import put_on_host_clock
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 START, STEP, SECOND = 1_700_000_000_000_000_000, 10_000_000, 1_000_000_000
 TRUE = START + np.arange(6000) * STEP

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata.contract.records import Stamps
-from tactiledata.ingest.clocks import choose_clock, time_order
+from tactiledata.ingest.clocks.clocks import choose_clock, time_order
 
 START = 1_700_000_000_000_000_000
 LOG = START + np.arange(100) * 10_000_000

@@ -2,7 +2,7 @@
 
 import shutil
 
-from tactiledata.ingest.conflicts import CONFLICTS
+from tactiledata.ingest.checks.conflicts import CONFLICTS
 from tactiledata.ingest.pipeline import ingest
 
 

@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from tactiledata.ingest.discover import find_sources
+from tactiledata.ingest.sources.discover import find_sources
 
 
 def test_links_that_lead_back_up_are_left(tiny_mcaps, tmp_path):

@@ -6,7 +6,7 @@ import pytest
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.gravity import tool_weight
+from tactiledata.ingest.forces.gravity import tool_weight
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 

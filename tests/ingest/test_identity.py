@@ -6,8 +6,8 @@ import pytest
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Source, Trajectory
-from tactiledata.ingest.frames import CapturedFrames
-from tactiledata.ingest.identity import name_sensors
+from tactiledata.ingest.trajectories.frames import CapturedFrames
+from tactiledata.ingest.trajectories.identity import name_sensors
 
 
 def named(sensors, cameras, trajectories=()):

@@ -10,12 +10,12 @@ import pytest
 from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb, read_header
 from tactiledata.contract.take import FrameFlag, findings_of
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.backgrounds import size_findings
-from tactiledata.formats.picture_kinds import remarks_on
+from tactiledata.formats.reading.backgrounds import size_findings
+from tactiledata.formats.reading.picture_kinds import remarks_on
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.loaders.numpy import TactileArrays
-from tactiledata.store.payload_checks import _size_fault
-from tactiledata.store.reader import Store
+from tactiledata.store.check.payloads import _size_fault
+from tactiledata.store.read.reader import Store
 
 
 def test_check_reports_what_a_store_never_decodes():

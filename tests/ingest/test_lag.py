@@ -4,11 +4,11 @@ import re
 
 import pytest
 
-from tactiledata.ingest.lag import lag_in_words
+from tactiledata.ingest.clocks.lag import lag_in_words
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import find_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import find_scenario
 
 
 def lag_of(tmp_path, late, capture="video"):

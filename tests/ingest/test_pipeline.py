@@ -13,13 +13,13 @@ import pyarrow.parquet as pq
 import pytest
 
 from tactiledata.errors import BrokenLog, MissingFile, SchemaError, StoreBusy
-from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.check import check
-from tactiledata.store.commit import create
-from tactiledata.store.layout import INTAKE_LOCK
-from tactiledata.store.lock import writing_lock
-from tactiledata.store.reader import Store
+from tactiledata.ingest.trajectories.assemble import IngestOptions
+from tactiledata.store.check.check import check
+from tactiledata.store.layout.lock import writing_lock
+from tactiledata.store.layout.places import INTAKE_LOCK
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import create
 
 
 def manifest(store):

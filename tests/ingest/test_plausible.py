@@ -9,8 +9,8 @@ import pytest
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Source, Stamps
 from tactiledata.contract.take import FRAME_SCHEMA, TRAJECTORY_SCHEMA, StoredSignal, Take, findings_table
-from tactiledata.ingest.plausible import description_findings
-from tactiledata.ingest.units_seen import unit_findings
+from tactiledata.ingest.checks.plausible import description_findings
+from tactiledata.ingest.checks.units_seen import unit_findings
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 SOUND = {

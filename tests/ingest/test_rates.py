@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.ingest.rates import gap_findings, measure_rate, rate_findings
+from tactiledata.ingest.clocks.rates import gap_findings, measure_rate, rate_findings
 
 STEP = 8_000_000
 FORCE = ("fx", "fy", "fz", "tx", "ty", "tz")

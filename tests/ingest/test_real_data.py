@@ -8,11 +8,11 @@ import pytest
 
 from tactiledata.errors import TactileDataError
 from tactiledata.formats import FORMATS
-from tactiledata.ingest.assemble import IngestOptions
-from tactiledata.ingest.discover import find_sources
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.check import check
-from tactiledata.store.reader import Store
+from tactiledata.ingest.sources.discover import find_sources
+from tactiledata.ingest.trajectories.assemble import IngestOptions
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 BAGS = sorted((DATA / "mcap").rglob("*.mcap"))

@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
 from tactiledata.errors import StoreBusy
-from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.check import check
-from tactiledata.store.reader import Store
+from tactiledata.ingest.trajectories.assemble import IngestOptions
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
 
 pytestmark = pytest.mark.slow
 
@@ -125,7 +125,7 @@ def test_a_staged_take_of_another_mapping_is_read_again(tiny_mcaps, tiny_store, 
     def killed(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tactiledata.store.commit.commit", killed)
+    monkeypatch.setattr("tactiledata.store.write.commit.commit", killed)
     with pytest.raises(KeyboardInterrupt):
         ingest(tiny_mcaps, store, OTHERWISE)
     monkeypatch.undo()

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps
-from tactiledata.ingest.align import align
-from tactiledata.ingest.contact import contact_wrench
-from tactiledata.ingest.timeline import put_on_host_clock
+from tactiledata.ingest.clocks.align import align
+from tactiledata.ingest.clocks.timeline import put_on_host_clock
+from tactiledata.ingest.forces.contact import contact_wrench
 from tests.ingest.test_stated_tares import ALL, TOUCH_SECONDS, WITHIN, World
 
 KINDS = ("header", "unset header", "one stamp")

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.contact import contact_wrench
-from tactiledata.ingest.gravity import STANDARD_GRAVITY
-from tactiledata.ingest.segment import segment_by_contact
-from tactiledata.ingest.tare import find_zero
+from tactiledata.ingest.forces.contact import contact_wrench
+from tactiledata.ingest.forces.gravity import STANDARD_GRAVITY
+from tactiledata.ingest.forces.tare import find_zero
+from tactiledata.ingest.trajectories.segment import segment_by_contact
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 START = 1_700_000_000_000_000_000

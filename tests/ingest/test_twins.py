@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
+from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.ingest.twins import ABSOLUTE, overlaps
 
 
 def touch(source, start, end, sensor="D20542", parent="", origin=ABSOLUTE):

@@ -20,10 +20,10 @@ from tactiledata.contract.take import (
     findings_table,
 )
 from tactiledata.splits.make import make_split
-from tactiledata.store.commit import commit, create
-from tactiledata.store.reader import Store
-from tactiledata.store.spool import Spool
-from tactiledata.store.writer import stage
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, create
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import stage
 
 HEIGHT, WIDTH = 16, 12
 FRAMES = 6

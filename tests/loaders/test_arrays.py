@@ -12,7 +12,7 @@ import pytest
 from tactiledata.errors import LeakError, MissingFile, MissingSplit, StoreError, UnknownName, UsageError
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.splits.manifest import frame_rows, load_split
-from tactiledata.store.manifest import write_manifest
+from tactiledata.store.layout.manifest import write_manifest
 
 ALL_STREAMS = ("digit", "wrench", "background", "centre")
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from tactiledata.errors import StoreError
-from tactiledata.ingest.assemble import IngestOptions
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.splits.make import make_split
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 STREAMS = ["digit", "contact_wrench"]
 

@@ -9,7 +9,7 @@ from tactiledata.optics.height_map import Indentation, contact_mask, height_map,
 from tactiledata.optics.surface import GelSurface
 from tactiledata.optics.view import View
 from tactiledata.sensors.digit import DIGIT
-from tactiledata.store.meshes import PadArrays
+from tactiledata.store.read.meshes import PadArrays
 
 
 @pytest.mark.parametrize("skew", [0.0, 1.5e-4])

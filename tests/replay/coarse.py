@@ -2,8 +2,8 @@
 
 import hashlib
 
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.replay.options import ReplayOptions
 
 PLAN = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))

@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
 from tactiledata.errors import TactileDataError, UnknownName, UsageError
-from tactiledata.gel.structured_pad import pad_mesh
+from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.replay.frame_scene import frame_scene
 from tactiledata.replay.plan import plan_replay
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform
 
 

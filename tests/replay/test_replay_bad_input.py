@@ -8,15 +8,15 @@ import trimesh
 import yaml
 from coarse import coarse_pad, options
 
-from tactiledata.gel.history import FrameStatus
+from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.replay.attach import replay
 from tactiledata.replay.geometry import gel_geometry
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.replay.status import STATUSES, ReplayStatus
-from tactiledata.store.check import check
-from tactiledata.store.reader import Store
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform, matrix_poses
 
 pytestmark = pytest.mark.slow

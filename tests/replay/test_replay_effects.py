@@ -9,19 +9,19 @@ import pytest
 import yaml
 from coarse import MATERIAL, coarse_pad, files, options
 
-from tactiledata.effects.setting import EffectSetting
+from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus, GelTouch
+from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.replay import attach
 from tactiledata.replay.attach import replay
 from tactiledata.replay.overview import mesh_section
 from tactiledata.replay.plan import plan_replay
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.store.check import check
-from tactiledata.store.reader import Store
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ from tactiledata.errors import UnknownName, UsageError
 from tactiledata.loaders.missing import MissingValuesWarning
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.replay.attach import replay
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 STREAMS = ["digit", "contact_wrench", "mesh", "mesh_wrench", "contact_mask"]
 

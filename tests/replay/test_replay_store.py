@@ -9,17 +9,17 @@ import pytest
 from coarse import MATERIAL, coarse_pad, files, options
 
 from tactiledata.errors import UsageError
-from tactiledata.gel.fem import FemEngine
-from tactiledata.gel.history import FrameStatus
-from tactiledata.gel.material import GelMaterial
+from tactiledata.gel.contact.history import FrameStatus
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.replay import attach
 from tactiledata.replay.attach import replay
 from tactiledata.replay.overview import mesh_sections, write_replay_page
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.status import STATUSES, ReplayStatus
-from tactiledata.store.check import check
-from tactiledata.store.meshes import FRAME_ARRAYS, HAS_MESH
-from tactiledata.store.reader import Store
+from tactiledata.store.check.check import check
+from tactiledata.store.read.meshes import FRAME_ARRAYS, HAS_MESH
+from tactiledata.store.read.reader import Store
 
 
 def test_rows_are_what_the_engine_says(replayed):

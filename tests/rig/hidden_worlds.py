@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.rig.contact import contact_times
+from tactiledata.rig.contact.contact import contact_times
+from tactiledata.rig.logs.sampling import sample
 from tactiledata.rig.play import Performance, Stage
 from tactiledata.rig.record import log_groups
-from tactiledata.rig.sampling import sample
-from tactiledata.rig.scenario import Scenario, load_scenario
+from tactiledata.rig.scenario.scenario import Scenario, load_scenario
 
 QUIET = dict.fromkeys(
     (

@@ -8,15 +8,16 @@ import pytest
 from hidden_worlds import touch, world
 
 from tactiledata.errors import UsageError
-from tactiledata.rig import contact_bank, motion
-from tactiledata.rig.contact import CONTACT_RATE, TouchSetup, contact_times
-from tactiledata.rig.contact_bank import ContactBank
-from tactiledata.rig.contact_layer import touch_layer
-from tactiledata.rig.footprint import GelGrid, footprint
-from tactiledata.rig.layer_grid import LayerGrid
-from tactiledata.rig.layer_solver import Layer
+from tactiledata.rig.bank import bank as contact_bank
+from tactiledata.rig.bank.bank import ContactBank
+from tactiledata.rig.contact.by_layer import touch_layer
+from tactiledata.rig.contact.contact import CONTACT_RATE, TouchSetup, contact_times
+from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.layer.grid import LayerGrid
+from tactiledata.rig.layer.solver import Layer
+from tactiledata.rig.motion import motion
 from tactiledata.rig.play import Stage
-from tactiledata.rig.scenario import Gel
+from tactiledata.rig.scenario.scenario import Gel
 
 pytestmark = pytest.mark.slow
 

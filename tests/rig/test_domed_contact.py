@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hidden_worlds import contact_of, stated, touch
 
-from tactiledata.effects.gel_variants import warped
-from tactiledata.effects.response import GelVariant
-from tactiledata.rig.gel_cap import Cap
-from tactiledata.rig.motion import gel_from_indenter_rotation
+from tactiledata.effects.touch.gel_variants import warped
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.rig.contact.gel_cap import Cap
+from tactiledata.rig.motion.motion import gel_from_indenter_rotation
 
 RADIUS = 0.08
 DOME = stated("dome", curvature=1 / RADIUS)
@@ -101,11 +101,11 @@ def test_the_picture_shows_the_indenter_where_the_gel_is():
 def test_it_changes_forces_as_a_domed_mesh_does(indenter):
     """The gel engine on a mesh of that shape: what the dome adds to pull, force and torque after a slide outward."""
     pytest.importorskip("numba")
-    from tactiledata.gel.fem import FemEngine
-    from tactiledata.gel.history import GelTouch
-    from tactiledata.gel.material import GelMaterial
-    from tactiledata.gel.structured_pad import pad_mesh
-    from tactiledata.rig.contact import contact_times
+    from tactiledata.gel.contact.history import GelTouch
+    from tactiledata.gel.elasticity.material import GelMaterial
+    from tactiledata.gel.engines.fem import FemEngine
+    from tactiledata.gel.mesh.structured_pad import pad_mesh
+    from tactiledata.rig.contact.contact import contact_times
     from tactiledata.sensors.digit import DIGIT
 
     press = {"press": {**PRESS["press"], "depth": 0.0005}}

@@ -11,10 +11,10 @@ import pytest
 from hidden_worlds import PRESS, SLIDE, played, stated, touch, world
 
 from tactiledata.errors import SchemaError
-from tactiledata.rig.hidden_effects import HIDDEN_EFFECTS, is_null, name_of
+from tactiledata.rig.hidden.effects import HIDDEN_EFFECTS, is_null, name_of
 from tactiledata.rig.record import log_groups, record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import find_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import find_scenario
 
 PLACES = {"pose", "contact", "force", "load", "sensor", "clock"}
 TWICE = [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hidden_worlds import PRESS, SLIDE, played, stated, strong, touch
 
-from tactiledata.rig.hidden_load import bouc_wen
+from tactiledata.rig.hidden.load import bouc_wen
 
 TURNED = [
     touch("a", steps=[PRESS, SLIDE], tilt=[0.12, 0.0]),

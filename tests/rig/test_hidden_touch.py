@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hidden_worlds import PRESS, SLIDE, contact_of, played, stated, touch, world
 
-from tactiledata.rig import ur5e
-from tactiledata.rig.contact import CONTACT_RATE
-from tactiledata.rig.hidden_base import Slide
-from tactiledata.rig.hidden_friction import RateFriction
-from tactiledata.rig.hidden_pose import JointCompliance, followed, sensor_poses
-from tactiledata.rig.hidden_slider import slide
-from tactiledata.rig.layer_contact import stick_slip
+from tactiledata.rig.contact.closed_form import stick_slip
+from tactiledata.rig.contact.contact import CONTACT_RATE
+from tactiledata.rig.hidden.base import Slide
+from tactiledata.rig.hidden.friction import RateFriction
+from tactiledata.rig.hidden.pose import JointCompliance, followed, sensor_poses
+from tactiledata.rig.hidden.slider import slide
+from tactiledata.rig.motion import ur5e
 
 PUSHED = [PRESS, SLIDE]
 HELD = [PRESS, {"dwell": {"time": 4.0}}]
@@ -318,7 +318,7 @@ def test_sliders_without_factors_are_coulombs():
 
 def facts_of(play, scenario):
     """What an effect would be told of a touch."""
-    from tactiledata.rig.hidden_base import TouchFacts
+    from tactiledata.rig.hidden.base import TouchFacts
     from tactiledata.rig.play import Stage
 
     mounted = Stage(scenario).mounted[play.touch.indenter]

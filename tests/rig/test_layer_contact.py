@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata.indenters import INDENTERS, make_indenter
-from tactiledata.rig.footprint import PITCH, GelGrid, footprint
-from tactiledata.rig.layer_contact import contact_law, press_along, punch_stiffness, sphere_force, stick_slip
-from tactiledata.rig.motion import gel_from_indenter_rotation
-from tactiledata.rig.scenario import Gel, Material
-from tactiledata.rig.touch import Touch
+from tactiledata.rig.contact.closed_form import contact_law, press_along, punch_stiffness, sphere_force, stick_slip
+from tactiledata.rig.contact.footprint import PITCH, GelGrid, footprint
+from tactiledata.rig.motion.motion import gel_from_indenter_rotation
+from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.scenario.scenario import Gel, Material
 
 GEL = Gel()
 GRID = GelGrid.of(GEL)

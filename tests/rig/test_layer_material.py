@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tactiledata.rig.layer_grid import Column, LayerGrid, gauss_lobatto
-from tactiledata.rig.layer_kernel import LayerKernel
-from tactiledata.rig.layer_strain import LayerStrain
+from tactiledata.rig.layer.grid import Column, LayerGrid, gauss_lobatto
+from tactiledata.rig.layer.kernel import LayerKernel
+from tactiledata.rig.layer.strain import LayerStrain
 
 PITCH, THICKNESS, SHEAR, LAME = 5e-4, 4e-3, 3.0e5, 7.0e6
 GRID = LayerGrid(PITCH, (12, 10))

@@ -6,15 +6,15 @@ from axisymmetric_layer import AxisymmetricLayer, graded
 from scipy.spatial.transform import Rotation
 
 from tactiledata.indenters import make_indenter
-from tactiledata.rig.layer_contact import sphere_force
-from tactiledata.rig.layer_friction import Grip
-from tactiledata.rig.layer_gap import TouchPoints, gaps, gaps_and_normals
-from tactiledata.rig.layer_grid import Column, LayerGrid
-from tactiledata.rig.layer_kernel import LayerKernel
-from tactiledata.rig.layer_press import solve_press
-from tactiledata.rig.layer_solver import SPRINGS, Layer, lame_constants
-from tactiledata.rig.layer_touch import Surface
-from tactiledata.rig.scenario import Material
+from tactiledata.rig.contact.closed_form import sphere_force
+from tactiledata.rig.layer.friction import Grip
+from tactiledata.rig.layer.gap import TouchPoints, gaps, gaps_and_normals
+from tactiledata.rig.layer.grid import Column, LayerGrid
+from tactiledata.rig.layer.kernel import LayerKernel
+from tactiledata.rig.layer.press import solve_press
+from tactiledata.rig.layer.solver import SPRINGS, Layer, lame_constants
+from tactiledata.rig.layer.touch import Surface
+from tactiledata.rig.scenario.scenario import Material
 
 THICKNESS = 4e-3
 GEL = Material(0.9e6, 0.48, 0.8)

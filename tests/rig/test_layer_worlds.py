@@ -9,15 +9,15 @@ import pandas as pd
 import pytest
 
 from tactiledata.indenters import make_indenter
-from tactiledata.rig import motion
-from tactiledata.rig.contact import TouchSetup
-from tactiledata.rig.contact_layer import STEP, STEP_OUT, solver_steps, touch_layer
-from tactiledata.rig.footprint import GelGrid, footprint
-from tactiledata.rig.layer_grid import LayerGrid
-from tactiledata.rig.layer_solver import Layer
+from tactiledata.rig.contact.by_layer import STEP, STEP_OUT, solver_steps, touch_layer
+from tactiledata.rig.contact.contact import TouchSetup
+from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.layer.grid import LayerGrid
+from tactiledata.rig.layer.solver import Layer
+from tactiledata.rig.motion import motion
+from tactiledata.rig.motion.touch import Step, Touch
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import Gel, Material, load_scenario
-from tactiledata.rig.touch import Step, Touch
+from tactiledata.rig.scenario.scenario import Gel, Material, load_scenario
 
 GEL = Gel((0.0124, 0.0124), 0.0041)
 PRESS = Step("press", depth=4e-4, settle=0.05)

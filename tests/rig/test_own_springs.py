@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.rig.own_springs import OwnSprings, own_springs
+from tactiledata.rig.bank.own_springs import OwnSprings, own_springs
 
 MOMENTS = np.arange(600)
 WAY = np.interp(MOMENTS, [0, 50, 250, 350, 550], [0.0, 0.0, 8e-4, 8e-4, 2e-4])

@@ -10,7 +10,7 @@ import pytest
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.schema import read_document
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.transforms import interpolate_poses, move_wrench, pose_matrices
 
 WRENCH = ["fx", "fy", "fz", "tx", "ty", "tz"]

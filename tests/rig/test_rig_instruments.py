@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactiledata.rig import imperfections, ros2_messages
-from tactiledata.rig.footprint import GelGrid
-from tactiledata.rig.reflectance import Camera, Optics
-from tactiledata.rig.scenario import ClockSetup, Gel, Imperfections
+from tactiledata.rig.contact.footprint import GelGrid
+from tactiledata.rig.logs import imperfections, ros2_messages
+from tactiledata.rig.logs.reflectance import Camera, Optics
+from tactiledata.rig.scenario.scenario import ClockSetup, Gel, Imperfections
 from tactiledata.sensors.backgrounds import load_background
 
 GRID = GelGrid.of(Gel())

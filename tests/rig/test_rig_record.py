@@ -14,9 +14,10 @@ from mcap_ros2.decoder import DecoderFactory
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.schema import read_document
 from tactiledata.errors import UnknownName, UsageError
-from tactiledata.rig import ros2_messages, ur5e
+from tactiledata.rig.logs import ros2_messages
+from tactiledata.rig.motion import ur5e
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.transforms import pose_matrices
 
 START = 1_700_000_000_000_000_000
@@ -170,7 +171,7 @@ def test_nothing_in_the_log_tells_the_truth(tiny_folders, tiny_mcaps):
 
 def test_a_log_is_whole_or_not_there(tmp_path, monkeypatch):
     """A fault in the middle of a log leaves the log of before, and no part file."""
-    from tactiledata.rig import write_mcap
+    from tactiledata.rig.logs import write_mcap
 
     recorded(tmp_path)
     before = (tmp_path / "D1.mcap").read_bytes()

@@ -7,10 +7,10 @@ import pytest
 
 from tactiledata.cli.main import run
 from tactiledata.errors import SchemaError, UnknownName
-from tactiledata.rig.generate import touches
 from tactiledata.rig.record import log_groups, record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import bundled_worlds, find_scenario
+from tactiledata.rig.scenario.generate import touches
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import bundled_worlds, find_scenario
 
 MINIMAL = {
     "format": "tactiledata-scenario/1",

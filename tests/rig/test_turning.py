@@ -5,10 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tactiledata.errors import SchemaError
-from tactiledata.rig.motion import TURNING_CLEARANCE, gel_from_indenter_rotation, plan
+from tactiledata.rig.logs.sampling import load_on_ft
+from tactiledata.rig.motion.motion import TURNING_CLEARANCE, gel_from_indenter_rotation, plan
 from tactiledata.rig.play import Stage
-from tactiledata.rig.sampling import load_on_ft
-from tactiledata.rig.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
 
 TURNS = [{"turn": {"to": [0.5, 0.0, 0.0], "settle": 0.2}}, {"turn": {"to": [0.0, 0.0, 0.8], "speed": 1.0}}]
 TOUCH = {"name": "turns", "sensor": "A", "indenter": "ball", "tilt": [0.0, 0.1], "yaw": 0.3}

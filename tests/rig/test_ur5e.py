@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactiledata.errors import UsageError
-from tactiledata.rig.ur5e import HOME, forward, inverse
+from tactiledata.rig.motion.ur5e import HOME, forward, inverse
 
 
 def test_forward_of_the_stretched_arm_is_the_sum_of_its_links():

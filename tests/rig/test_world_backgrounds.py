@@ -2,9 +2,9 @@
 
 import pytest
 
-from tactiledata.rig.sampling import background_of
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import bundled_worlds, find_scenario
+from tactiledata.rig.logs.sampling import background_of
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import bundled_worlds, find_scenario
 from tactiledata.sensors.backgrounds import ALIASES, load_background
 from tactiledata.sensors.same_sensor import is_same_sensor
 

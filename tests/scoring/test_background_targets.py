@@ -8,17 +8,17 @@ import pytest
 from cli.command import run_command
 from loaders.loader_stores import write_loader_store
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.transfer import transfer_store
+from split_models.transfer.pixels import PIXEL_TRANSFERS
+from split_models.transfer.transfer_store import transfer_store
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.scoring.background_targets import outside_contact, score_backgrounds, unlocated
 from tactiledata.scoring.chosen_scores import chosen_scores
 from tactiledata.scoring.sensor_sets import sensor_sets
 from tactiledata.sensors.backgrounds import load_background
-from tactiledata.store.keep_sensors import remove_picture
-from tactiledata.store.merge import merge
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import Target, find_target
+from tactiledata.store.change.keep_sensors import remove_picture
+from tactiledata.store.change.merge import merge
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import Target, find_target
 
 LEAK = {"histogram_intersection": 1e-9, "gram_style_random": 3e-4}
 """What a touch may change outside of it. Features of a network look beyond the pixel that they stand at: a white square

@@ -7,9 +7,9 @@ import pytest
 from cli.command import run_command
 from loaders.loader_stores import write_loader_store
 
-from split_models.latent_vectors import picture_vectors
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.transfer import transfer_store
+from split_models.transfer.latent_vectors import picture_vectors
+from split_models.transfer.pixels import PIXEL_TRANSFERS
+from split_models.transfer.transfer_store import transfer_store
 from tactiledata.errors import MissingFile, StoreError, UnknownName, UsageError
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score, metric
@@ -17,9 +17,9 @@ from tactiledata.scoring.chosen_scores import chosen_scores
 from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
 from tactiledata.scoring.sensor_pairs import load_touches, score_pairs
 from tactiledata.scoring.sensor_sets import sensor_sets
-from tactiledata.store.merge import merge
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import find_target
+from tactiledata.store.change.merge import merge
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import find_target
 
 CHILDREN = "D2 of D1 by background_swap"
 

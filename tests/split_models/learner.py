@@ -7,13 +7,13 @@ from pathlib import Path
 
 import torch
 
-from split_models.checkpoint import Stamps
-from split_models.device import processes
-from split_models.items import TensorItems
-from split_models.objectives import Regression
-from split_models.projection import Projection
-from split_models.train import train
-from split_models.train_options import TrainOptions
+from split_models.learning.checkpoint import Stamps
+from split_models.learning.device import processes
+from split_models.learning.items import TensorItems
+from split_models.learning.objectives import Regression
+from split_models.learning.train import train
+from split_models.learning.train_options import TrainOptions
+from split_models.networks.projection import Projection
 
 STAMPS = Stamps(recipe="r", split="s", items="i")
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from split_models.image_vae import ImageVae
-from split_models.mesh_graph import Topology, build_hierarchy
-from split_models.mesh_vae import MeshVae
+from split_models.networks.image_vae import ImageVae
+from split_models.networks.mesh_graph import Topology, build_hierarchy
+from split_models.networks.mesh_vae import MeshVae
 
 ROWS, COLUMNS = 17, 12
 

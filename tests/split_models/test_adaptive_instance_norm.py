@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from split_models.adaptive_instance_norm import adaptive_instance_norm
+from split_models.transfer.adaptive_instance_norm import adaptive_instance_norm
 from tactiledata.errors import UsageError
 
 

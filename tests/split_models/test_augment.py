@@ -6,9 +6,9 @@ import pytest
 import torch
 from small_models import image_vae, mesh_vae, pictures
 
-from split_models.augment import Augmentation, turned
-from split_models.image_vae import as_input
-from split_models.objectives import ImageVaeObjective, MeshVaeObjective
+from split_models.learning.augment import Augmentation, turned
+from split_models.learning.objectives import ImageVaeObjective, MeshVaeObjective
+from split_models.networks.image_vae import as_input
 
 
 @pytest.fixture

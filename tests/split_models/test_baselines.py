@@ -6,11 +6,11 @@ import torch
 import yaml
 from touch_world import UNSEEN, tiny_recipe
 
-from split_models.baselines import PerUnit, surface_of, unit_touches
-from split_models.evaluate import image_values
-from split_models.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, TITLES
-from split_models.recipe import load_recipe
-from split_models.workshop import Workshop
+from split_models.methods.baselines import PerUnit, surface_of, unit_touches
+from split_models.methods.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, TITLES
+from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_run import Workshop
+from split_models.tables.evaluate import image_values
 from tactiledata.errors import UsageError
 
 pytestmark = pytest.mark.slow
@@ -66,7 +66,7 @@ def test_units_are_calibrated_once_each(workshop, monkeypatch):
     class Found:
         view = "view"
 
-    monkeypatch.setattr("split_models.baselines.register", lambda surface, touches, start: Found())
+    monkeypatch.setattr("split_models.methods.baselines.register", lambda surface, touches, start: Found())
 
     def calibrate(surface, view, touches):
         calls.append((view, len(touches)))

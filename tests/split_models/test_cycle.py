@@ -8,8 +8,8 @@ import torch
 from small_models import grid_topology, presses
 from touch_world import tiny_recipe
 
-from split_models.cycle import MESHES, PICTURES, CycleObjective, CyclePair
-from split_models.mesh_picture import MeshPictures
+from split_models.methods.cycle import MESHES, PICTURES, CycleObjective, CyclePair
+from split_models.tables.mesh_picture import MeshPictures
 from tactiledata.optics.surface import GelSurface
 
 pytestmark = pytest.mark.slow

@@ -9,13 +9,13 @@ import yaml
 from cli.command import run_command
 from touch_world import UNSEEN, tiny_recipe
 
-from split_models.alignment_pictures import AS_RECORDED
-from split_models.data import TouchFrames
-from split_models.domain_alignment import alignment_rows, prepare_alignment
-from split_models.paired_truth import overlap, paired_values
-from split_models.recipe import load_recipe
-from split_models.unit_frames import UnitFrames, paired_frames, spread_evenly
-from split_models.workshop import Workshop
+from split_models.learning.data import TouchFrames
+from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_run import Workshop
+from split_models.tables.alignment_pictures import AS_RECORDED
+from split_models.tables.domain_alignment import alignment_rows, prepare_alignment
+from split_models.tables.paired_truth import overlap, paired_values
+from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_evenly
 from tactiledata.errors import MissingFile, UnknownName, UsageError
 
 SOURCES = ["D20001", "D20002"]

@@ -9,8 +9,8 @@ from cli.command import run_command
 from loaders.loader_stores import split_store, write_loader_store
 from small_models import image_vae, mesh_vae
 
-from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
-from split_models.image_vae import ImageVae
+from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.networks.image_vae import ImageVae
 
 pytestmark = pytest.mark.slow
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import torch
 
-from split_models.force_head import ForceHead
-from split_models.force_intervals import CalibratedEnsemble, ForceIntervals, group_quantile, least_trajectories
-from split_models.interval_rows import interval_rows
+from split_models.networks.force_head import ForceHead
+from split_models.tables.force_intervals import CalibratedEnsemble, ForceIntervals, group_quantile, least_trajectories
+from split_models.tables.interval_rows import interval_rows
 from tactiledata.errors import UsageError
 
 

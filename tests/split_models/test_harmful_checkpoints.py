@@ -7,7 +7,7 @@ import traceback
 import pytest
 import torch
 
-from split_models.checkpoint import load_checkpoint
+from split_models.learning.checkpoint import load_checkpoint
 from tactiledata.contract.tensor_files import refusal
 from tactiledata.errors import CheckpointError, SchemaError
 from tactiledata.metrics.gram_style import vgg19_features

@@ -10,16 +10,16 @@ import yaml
 from small_models import grid_topology, image_vae, mesh_vae, pictures, presses
 from touch_world import PLAN, tiny_recipe
 
-from split_models.inference_time import cost_rows
-from split_models.latent import LatentMeshToImage, NoContact
-from split_models.optical_method import OpticalMethod
-from split_models.peak_memory import peak_memory
-from split_models.projection import Projection
-from split_models.simulated_frames import SimulatedFrames
-from split_models.step_race import Contender, race, steps_of
-from split_models.taxim_method import taxim_published
+from split_models.methods.optical_method import OpticalMethod
+from split_models.methods.taxim import taxim_published
+from split_models.networks.latent import LatentMeshToImage, NoContact
+from split_models.networks.projection import Projection
+from split_models.tables.inference_time import cost_rows
+from split_models.tables.peak_memory import peak_memory
+from split_models.tables.simulated_frames import SimulatedFrames
+from split_models.tables.step_race import Contender, race, steps_of
 from tactiledata.cli.main import run
-from tactiledata.gel.structured_pad import PLANS, GridPlan
+from tactiledata.gel.mesh.structured_pad import PLANS, GridPlan
 from tactiledata.optics.surface import GelSurface
 
 TOPOLOGY = grid_topology()
@@ -90,8 +90,8 @@ def test_a_race_is_over_the_same_frames():
 @pytest.mark.slow
 def test_the_table_from_a_store(touch_store, tmp_path, monkeypatch, capsys):
     """Taxim at both resolutions, SPLIT at the low one, all steps, and the picture of them; another pad is refused."""
-    monkeypatch.setattr("split_models.step_race.peak_memory", lambda *_: 5.0)
-    monkeypatch.setattr("split_models.simulated_frames.peak_memory", lambda *_: 7.0)
+    monkeypatch.setattr("split_models.tables.step_race.peak_memory", lambda *_: 5.0)
+    monkeypatch.setattr("split_models.tables.simulated_frames.peak_memory", lambda *_: 7.0)
     path = tmp_path / "times.yaml"
     rows = {"methods": ["taxim_published", "split"], "parts": ["test"], "frames": 6}
     path.write_text(yaml.safe_dump(tiny_recipe(touch_store, "inference_time", **rows)))

@@ -7,9 +7,9 @@ import pytest
 import torch
 from small_models import grid_topology, image_vae, mesh_vae, pictures, presses
 
-from split_models.contact_region import contact_region
-from split_models.end_to_end import EndToEnd
-from split_models.latent import (
+from split_models.learning.contact_region import contact_region
+from split_models.networks.end_to_end import EndToEnd
+from split_models.networks.latent import (
     AtRest,
     DirectMeshToImage,
     LatentImageToMesh,
@@ -22,7 +22,7 @@ from split_models.latent import (
     encode_pictures,
     subtract,
 )
-from split_models.projection import Projection
+from split_models.networks.projection import Projection
 from tactiledata.errors import CheckpointError, UsageError
 
 

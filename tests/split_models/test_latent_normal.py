@@ -6,7 +6,7 @@ import pytest
 import torch
 from small_models import grid_topology, mesh_vae, presses
 
-from split_models.latent_normal import annealed, divergence, draw, drawn_alike
+from split_models.networks.latent_normal import annealed, divergence, draw, drawn_alike
 
 
 def test_divergence_of_a_wide_normal():

@@ -5,10 +5,10 @@ import pytest
 import torch
 from small_models import image_vae, mesh_vae, pictures
 
-from split_models.checkpoint import Checkpoint, Stamps, save_checkpoint
-from split_models.latent import decode_pictures, encode_pictures
-from split_models.latent_transfer import LatentTransfer, laid_on, load_image_vae, scaled
-from split_models.transfer_methods import LATENT, vae_transfer
+from split_models.learning.checkpoint import Checkpoint, Stamps, save_checkpoint
+from split_models.networks.latent import decode_pictures, encode_pictures
+from split_models.transfer.latent_transfer import LatentTransfer, laid_on, load_image_vae, scaled
+from split_models.transfer.methods import LATENT, vae_transfer
 from tactiledata.errors import CheckpointError
 
 

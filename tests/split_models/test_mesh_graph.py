@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from small_models import grid_topology, presses
 
-from split_models.decimation import decimate
-from split_models.mesh_graph import Hierarchy, Topology, build_hierarchy, cell_faces, scaled_laplacian
+from split_models.networks.decimation import decimate
+from split_models.networks.mesh_graph import Hierarchy, Topology, build_hierarchy, cell_faces, scaled_laplacian
 
 
 def block_topology(nx=5, ny=6, nz=4):

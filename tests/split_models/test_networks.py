@@ -5,16 +5,16 @@ import pytest
 import torch
 from small_models import grid_topology, image_vae, mesh_vae, pictures, presses
 
-from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
-from split_models.end_to_end import EndToEnd
-from split_models.force_head import ForceHead, RawForces
-from split_models.image_vae import ImageVae, _enlarge, as_input, as_pictures
-from split_models.latent_normal import annealed, divergence
-from split_models.mesh_graph import build_hierarchy
-from split_models.mesh_vae import ChebyshevConvolution, MeshVae
-from split_models.perceptron import perceptron
-from split_models.projection import Projection
-from split_models.sparse_map import SparseMap
+from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.networks.end_to_end import EndToEnd
+from split_models.networks.force_head import ForceHead, RawForces
+from split_models.networks.image_vae import ImageVae, _enlarge, as_input, as_pictures
+from split_models.networks.latent_normal import annealed, divergence
+from split_models.networks.mesh_graph import build_hierarchy
+from split_models.networks.mesh_vae import ChebyshevConvolution, MeshVae
+from split_models.networks.perceptron import perceptron
+from split_models.networks.projection import Projection
+from split_models.networks.sparse_map import SparseMap
 from tactiledata.errors import UsageError
 
 

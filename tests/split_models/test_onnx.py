@@ -9,12 +9,12 @@ import torch
 from small_models import grid_topology as grid
 from small_models import image_vae, mesh_vae, pictures, presses
 
-from split_models.gather_map import GatherMap, with_gathers
-from split_models.latent import LatentImageToMesh, LatentMeshToImage
-from split_models.onnx_export import TOLERANCE, export_models
-from split_models.onnx_models import MODELS, OnnxImageToMesh, OnnxMeshToImage, OnnxModels
-from split_models.projection import Projection
-from split_models.sparse_map import SparseMap
+from split_models.networks.latent import LatentImageToMesh, LatentMeshToImage
+from split_models.networks.projection import Projection
+from split_models.networks.sparse_map import SparseMap
+from split_models.onnx.export import TOLERANCE, export_models
+from split_models.onnx.gather_map import GatherMap, with_gathers
+from split_models.onnx.models import MODELS, OnnxImageToMesh, OnnxMeshToImage, OnnxModels
 from tactiledata.errors import CheckpointError, MissingFile, TactileDataError, UsageError
 
 BACKGROUND = pictures(1, seed=9)[0]
@@ -101,14 +101,14 @@ def test_an_export_that_differs_is_refused(networks, tmp_path, monkeypatch):
     """A network that is random after all: its file cannot agree."""
     image, mesh, forth, back = networks
     monkeypatch.setattr(OnnxModels, "run", lambda self, name, values: np.zeros(1, np.float32))
-    monkeypatch.setattr("split_models.onnx_export.write_network", lambda *_: None)
+    monkeypatch.setattr("split_models.onnx.export.write_network", lambda *_: None)
     with pytest.raises(TactileDataError, match="differs from PyTorch"):
         export_models(tmp_path, image, mesh, forth, back, pictures(2), presses(grid(), 2))
 
 
 def test_packages_that_are_missing_are_said(networks, tmp_path, monkeypatch):
     """Before anything is written."""
-    monkeypatch.setattr("split_models.onnx_export.find_spec", lambda name: None)
+    monkeypatch.setattr("split_models.onnx.export.find_spec", lambda name: None)
     with pytest.raises(UsageError, match="onnxscript not installed"):
         export_models(tmp_path / "new", *networks, pictures(2), presses(grid(), 2))
     assert not (tmp_path / "new").exists()
@@ -120,7 +120,7 @@ def test_running_needs_no_pytorch(exported):
     import subprocess
 
     program = (
-        "import sys; from pathlib import Path; from split_models.onnx_models import OnnxModels; "
+        "import sys; from pathlib import Path; from split_models.onnx.models import OnnxModels; "
         f"OnnxModels(Path({str(exported)!r})).run; assert 'torch' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from small_models import grid_topology, mesh_vae, presses
 
-from split_models.across import AcrossMethod
-from split_models.fots import ColourNetwork, change_by, fots_calibrated, fots_published, learned_colours
-from split_models.optical_method import OpticalMethod
-from split_models.taxim_method import taxim_calibrated, taxim_published
+from split_models.methods.across import AcrossMethod
+from split_models.methods.fots import ColourNetwork, change_by, fots_calibrated, fots_published, learned_colours
+from split_models.methods.optical_method import OpticalMethod
+from split_models.methods.taxim import taxim_calibrated, taxim_published
 from tactiledata.errors import UsageError
 from tactiledata.metrics.image_similarity import l1
 from tactiledata.optics.height_map import Indentation, contact_mask
@@ -112,7 +112,7 @@ def test_a_fots_network_learns_what_it_is_taught():
 
 def test_across_is_taxim_on_what_the_mesh_vae_gives_back():
     """Its picture is Taxim's of the reconstructed mesh; a mesh of another topology is refused."""
-    from split_models.latent import decode_displacements, encode_displacements
+    from split_models.networks.latent import decode_displacements, encode_displacements
 
     topology = grid_topology()
     vae = mesh_vae(topology).eval()

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.pixel_transfer.fourier import low_frequencies
-from split_models.pixel_transfer.reinhard import statistics
+from split_models.transfer.pixels import PIXEL_TRANSFERS
+from split_models.transfer.pixels.fourier import low_frequencies
+from split_models.transfer.pixels.reinhard import statistics
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.sensors.backgrounds import load_background
 

@@ -4,7 +4,7 @@ import pytest
 import yaml
 from touch_world import tiny_recipe
 
-from split_models.recipe import DEFAULTS, SCALES, bundled_recipes, laid_over, load_recipe
+from split_models.recipe.recipe import DEFAULTS, SCALES, bundled_recipes, laid_over, load_recipe
 from tactiledata.contract.schema import check_document, load_schema
 from tactiledata.errors import MissingFile, SchemaError, UnknownName, UsageError
 

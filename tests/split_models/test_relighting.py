@@ -7,13 +7,13 @@ import yaml
 from small_models import image_vae, pictures
 from touch_world import UNSEEN, tiny_recipe
 
-from split_models.augment import Augmentation
-from split_models.image_vae_recipe import image_vae_objective
-from split_models.methods import mesh_to_image, title_of
-from split_models.objectives import ImageVaeObjective
-from split_models.recipe import load_recipe
-from split_models.relighting import ArithmeticVaeObjective, relight
-from split_models.workshop import Workshop
+from split_models.learning.augment import Augmentation
+from split_models.learning.objectives import ImageVaeObjective
+from split_models.learning.relighting import ArithmeticVaeObjective, relight
+from split_models.methods.methods import mesh_to_image, title_of
+from split_models.recipe.image_vae_recipe import image_vae_objective
+from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_run import Workshop
 from tactiledata.errors import UnknownName, UsageError
 
 

@@ -2,8 +2,8 @@
 
 import json
 
-from split_models.recipe import load_recipe
-from split_models.results import cell, markdown, result_document, write_result
+from split_models.recipe.recipe import load_recipe
+from split_models.tables.results import cell, markdown, result_document, write_result
 
 
 def row(part, method, **scores):

@@ -12,15 +12,15 @@ from cli.command import run_command
 from small_models import image_vae
 from touch_world import UNSEEN, tiny_recipe
 
-from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
-from split_models.learned_backgrounds import kept_small
-from split_models.recipe import load_recipe
-from split_models.transfer_methods import BUNDLED_MODEL
-from split_models.workshop import Workshop
+from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.networks.learned_backgrounds import kept_small
+from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_run import Workshop
+from split_models.transfer.methods import BUNDLED_MODEL
 from tactiledata.sensors.backgrounds import ALIASES, load_background
 from tactiledata.sensors.same_sensor import is_same_sensor
-from tactiledata.store.seen_target import target_findings
-from tactiledata.store.targets import Target
+from tactiledata.store.read.seen_target import target_findings
+from tactiledata.store.read.targets import Target
 
 BOTH = ("D20001", "D20002")
 

@@ -5,11 +5,11 @@ import pytest
 import torch
 from touch_world import UNSEEN
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.style_augmentation import OWN, StyleAugmentation
+from split_models.transfer.pixels import PIXEL_TRANSFERS
+from split_models.transfer.style_augmentation import OWN, StyleAugmentation
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.loaders.torch import TactileDataset, collate
-from tactiledata.store.keep_sensors import remove_picture
+from tactiledata.store.change.keep_sensors import remove_picture
 
 TARGETS = ["digit-bg-7", "D20002"]
 
@@ -42,7 +42,7 @@ def test_pictures_are_what_the_method_makes(dataset, touch_store):
     moved = StyleAugmentation(dataset, TARGETS, method)(batch)
     assert torch.equal(batch["digit"], before)
     store = dataset.arrays.store
-    from tactiledata.store.targets import find_target
+    from tactiledata.store.read.targets import find_target
 
     for row, style in enumerate(moved["style"]):
         picture = before[row].movedim(0, -1).numpy()

@@ -14,18 +14,18 @@ import torch
 import yaml
 from touch_world import UNSEEN, coarse_replay, tiny_recipe
 
-from split_models.checkpoint import load_checkpoint
-from split_models.data import TouchFrames, vertex_moments
-from split_models.evaluate import image_values
-from split_models.items import PictureItems
-from split_models.latent import NoContact
-from split_models.recipe import load_recipe
-from split_models.train import LAST
-from split_models.workshop import Workshop
+from split_models.learning.checkpoint import load_checkpoint
+from split_models.learning.data import TouchFrames, vertex_moments
+from split_models.learning.items import PictureItems
+from split_models.learning.train import LAST
+from split_models.networks.latent import NoContact
+from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_run import Workshop
+from split_models.tables.evaluate import image_values
 from tactiledata.cli.main import run
 from tactiledata.errors import CheckpointError, MissingSplit, StoreError, UsageError
-from tactiledata.store.manifest import write_manifest
-from tactiledata.store.reader import Store
+from tactiledata.store.layout.manifest import write_manifest
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture(scope="module")
@@ -190,7 +190,7 @@ def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tin
 
 def test_weights_of_another_state_are_refused(touch_store, tmp_path, out):
     """The store's meshes were made anew on another material, or the split drawn anew: what differs is said."""
-    from tactiledata.gel.material import GelMaterial
+    from tactiledata.gel.elasticity.material import GelMaterial
     from tactiledata.replay.attach import replay
     from tactiledata.splits.make import make_split
 

@@ -14,13 +14,13 @@ import pytest
 import torch
 from learner import STAMPS, items, learn, objective
 
-from split_models.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
-from split_models.device import find_device
-from split_models.items import TensorItems
-from split_models.objectives import Regression
-from split_models.projection import Projection
-from split_models.train import train
-from split_models.train_options import TrainOptions
+from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.learning.device import find_device
+from split_models.learning.items import TensorItems
+from split_models.learning.objectives import Regression
+from split_models.learning.train import train
+from split_models.learning.train_options import TrainOptions
+from split_models.networks.projection import Projection
 from tactiledata.errors import CheckpointError, MissingFile, NotFinite, UnknownName, UsageError
 
 LEARNER = Path(__file__).with_name("learner.py")

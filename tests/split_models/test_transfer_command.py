@@ -10,10 +10,10 @@ from cli.command import run_command
 from small_models import image_vae
 from transfer_stores import write_two_sensors
 
-from split_models.checkpoint import Checkpoint, Stamps, save_checkpoint
-from split_models.transfer_picture import sheet
+from split_models.learning.checkpoint import Checkpoint, Stamps, save_checkpoint
+from split_models.transfer.transfer_picture import sheet
 from tactiledata.sensors.backgrounds import load_background
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def test_wrong_calls(folder, capsys, words, code, says):
 
 def test_latent_without_a_model_says_what_to_do(folder, capsys, monkeypatch):
     """Where no model is bundled, the default method names both ways out."""
-    monkeypatch.setattr("split_models.transfer_methods.BUNDLED_MODEL", folder / "none.ckpt")
+    monkeypatch.setattr("split_models.transfer.methods.BUNDLED_MODEL", folder / "none.ckpt")
     code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorA")
     assert code == 2
     assert "tactiledata train RECIPE" in err

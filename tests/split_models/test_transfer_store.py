@@ -11,19 +11,19 @@ import pyarrow as pa
 import pytest
 from transfer_stores import MOMENTS, write_two_sensors
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.transfer import transfer_store
+from split_models.transfer.pixels import PIXEL_TRANSFERS
+from split_models.transfer.transfer_store import transfer_store
 from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.splits.audit import audit, audit_tables
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import Split, load_split, read_split
-from tactiledata.store.check import check
-from tactiledata.store.keep_sensors import keep_sensors
-from tactiledata.store.merge import merge
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import Target, find_target
+from tactiledata.store.change.keep_sensors import keep_sensors
+from tactiledata.store.change.merge import merge
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import Target, find_target
 
 SWAP = PIXEL_TRANSFERS["background_swap"]
 
@@ -126,7 +126,7 @@ def test_to_itself_changes_nothing(source, tmp_path):
 
 def test_batch_borders_do_not_show(source, target, made, tmp_path, monkeypatch):
     """Another number of pictures in memory gives the same bytes."""
-    monkeypatch.setattr("split_models.transfer_take.BATCH", 5)
+    monkeypatch.setattr("split_models.transfer.transfer_take.BATCH", 5)
     transfer_store(source, target, SWAP, tmp_path / "t1.zarr")
     assert Store.open(tmp_path / "t1.zarr").digest == made.digest
     assert Store.open(tmp_path / "t1.zarr").encoded(range(made.n_frames)) == made.encoded(range(made.n_frames))
@@ -204,7 +204,7 @@ def files(folder):
 @pytest.mark.parametrize("seed", range(2))
 def test_killed_and_run_again_gives_the_same_bytes(target, tmp_path, seed, monkeypatch):
     """SIGKILL at random calls that change the disk, then left alone: every file as without a kill."""
-    monkeypatch.setattr("tactiledata.store.commit.GROUP_TAKES", 2)
+    monkeypatch.setattr("tactiledata.store.write.commit.GROUP_TAKES", 2)
     source = write_two_sensors(tmp_path / "ds.zarr", n_sources=4)
     whole, killed = tmp_path / "whole.zarr", tmp_path / "killed.zarr"
     transfer_store(source, target, SWAP, whole)
@@ -316,7 +316,7 @@ def test_few_pictures_are_in_memory(source, target, tmp_path, monkeypatch):
     asked = []
     read = Store.images
     monkeypatch.setattr(Store, "images", lambda self, rows, *more: asked.append(len(rows)) or read(self, rows, *more))
-    monkeypatch.setattr("split_models.transfer_take.BATCH", 4)
+    monkeypatch.setattr("split_models.transfer.transfer_take.BATCH", 4)
     transfer_store(source, target, SWAP, tmp_path / "out.zarr")
     assert max(asked) == 4
     assert sum(asked) == Store.open(tmp_path / "out.zarr").n_frames

@@ -7,12 +7,12 @@ import yaml
 from small_models import grid_topology, presses
 from touch_world import tiny_recipe
 
-from split_models.depth_rendering import DepthRenderer
-from split_models.mesh_graph import build_hierarchy
-from split_models.methods import IMAGE_TO_MESH
-from split_models.recipe import load_recipe
-from split_models.workshop import Workshop
-from split_models.zhu import ZhuMethod, ZhuNetwork, ZhuObjective, imprints_of
+from split_models.methods.depth_rendering import DepthRenderer
+from split_models.methods.methods import IMAGE_TO_MESH
+from split_models.methods.zhu import ZhuMethod, ZhuNetwork, ZhuObjective, imprints_of
+from split_models.networks.mesh_graph import build_hierarchy
+from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_run import Workshop
 from tactiledata.errors import UsageError
 from tactiledata.optics.height_map import Indentation
 from tactiledata.optics.surface import GelSurface

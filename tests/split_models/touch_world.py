@@ -1,15 +1,15 @@
 """A store to learn from: a world of few touches, recorded, ingested, replayed on a coarse pad, and split."""
 
-from tactiledata.gel.material import GelMaterial
-from tactiledata.gel.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.replay.attach import replay
 from tactiledata.replay.options import ReplayOptions
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario import load_scenario
-from tactiledata.rig.worlds import find_scenario
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import find_scenario
 from tactiledata.splits.make import make_split
-from tactiledata.store.reader import Store
+from tactiledata.store.read.reader import Store
 
 PLAN = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 UNSEEN = "D20003"

@@ -2,8 +2,8 @@
 
 from loaders.loader_stores import SENSORS, write_loader_store
 
-from tactiledata.store.keep_sensors import remove_picture
-from tactiledata.store.reader import Store
+from tactiledata.store.change.keep_sensors import remove_picture
+from tactiledata.store.read.reader import Store
 
 MOMENTS = ("pwrite", "replace", "rename", "fsync", "ftruncate", "unlink", "rmdir", "open")
 

@@ -5,13 +5,13 @@ import shutil
 import pytest
 from loaders.loader_stores import write_loader_store
 
-from split_models.pixel_transfer import PIXEL_TRANSFERS
-from split_models.transfer import transfer_store
+from split_models.transfer.pixels import PIXEL_TRANSFERS
+from split_models.transfer.transfer_store import transfer_store
 from tactiledata.errors import UsageError
 from tactiledata.splits.across import audit_across
 from tactiledata.splits.make import make_split
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import Target
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import Target
 
 SHARES = (0.5, 0.25, 0.25)
 

@@ -21,9 +21,9 @@ from tactiledata.contract.take import (
     Take,
     findings_table,
 )
-from tactiledata.store.layout import Settings
-from tactiledata.store.spool import Spool
-from tactiledata.store.writer import StagedTake, stage, staging_folder
+from tactiledata.store.layout.places import Settings
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import StagedTake, stage, staging_folder
 
 SMALL = Settings(heap_chunk_bytes=4096, signal_chunk_rows=16, shard_frames=4)
 """Chunks so small that a few frames cross every border."""

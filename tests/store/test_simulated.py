@@ -9,15 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata.contract.simulated import SimulatedCount, recording_kind
-from tactiledata.ingest.overview import page, touch_picture
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.sources.overview import page, touch_picture
 from tactiledata.replay.overview import mesh_sections
 from tactiledata.report.page import Picture
-from tactiledata.store.card import card
-from tactiledata.store.merge import merge
-from tactiledata.store.overview import overview
-from tactiledata.store.reader import Store
-from tactiledata.store.simulated import simulated_recordings, simulated_sensors, simulated_trajectories
+from tactiledata.store.change.merge import merge
+from tactiledata.store.read.overview import overview
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import simulated_recordings, simulated_sensors, simulated_trajectories
+from tactiledata.store.write.card import card
 
 TERM = "simulated recordings"
 

@@ -7,11 +7,11 @@ import pytest
 
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.diagnose.diagnose_store import diagnose_store
-from tactiledata.diagnose.store_options import DiagnosisOptions
+from tactiledata.diagnose.options import DiagnosisOptions
+from tactiledata.diagnose.store import diagnose_store
 from tactiledata.errors import TactileDataError
-from tactiledata.store.reader import Store
-from tactiledata.store.value_checks import need_sound_values
+from tactiledata.store.check.values import need_sound_values
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture

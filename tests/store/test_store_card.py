@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from random_takes import SMALL, staged_take
 
-from tactiledata.store.card import card
-from tactiledata.store.commit import commit, commit_groups, create
-from tactiledata.store.reader import Store
-from tactiledata.store.statistics import added, no_statistics, standard_deviation
+from tactiledata.store.layout.statistics import added, no_statistics, standard_deviation
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.card import card
+from tactiledata.store.write.commit import commit, commit_groups, create
 
 NUMBERS = arrays(
     float, st.tuples(st.integers(0, 30), st.just(2)), elements=st.floats(-1e6, 1e6) | st.sampled_from([np.nan, np.inf])

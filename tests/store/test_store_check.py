@@ -14,11 +14,11 @@ from random_takes import SMALL, random_images, staged_take
 from tactiledata.contract.records import Image
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create
-from tactiledata.store.manifest import write_manifest
-from tactiledata.store.reader import Store
-from tactiledata.store.repair import repair
+from tactiledata.store.check.check import check
+from tactiledata.store.check.repair import repair
+from tactiledata.store.layout.manifest import write_manifest
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, create
 
 
 @pytest.fixture(scope="module")

@@ -13,12 +13,12 @@ import pyarrow.parquet as pq
 import pytest
 from random_takes import SMALL, random_images, staged_take
 
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create
-from tactiledata.store.layout import TABLE_SCHEMAS, TABLES
-from tactiledata.store.manifest import write_manifest
-from tactiledata.store.reader import Store
-from tactiledata.store.repair import repair
+from tactiledata.store.check.check import check
+from tactiledata.store.check.repair import repair
+from tactiledata.store.layout.manifest import write_manifest
+from tactiledata.store.layout.places import TABLE_SCHEMAS, TABLES
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, create
 
 
 @pytest.fixture(scope="module")

@@ -14,15 +14,15 @@ from test_store_kill import in_child
 
 from tactiledata.errors import StoreError, TactileDataError
 from tactiledata.splits.make import make_split
-from tactiledata.store import commit as committing
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create, recover
-from tactiledata.store.document_checks import document_findings
-from tactiledata.store.keep_sensors import keep_sensors, remove_picture
-from tactiledata.store.manifest import read_manifest
-from tactiledata.store.reader import Store
-from tactiledata.store.repair import repair
-from tactiledata.store.split_checks import split_findings
+from tactiledata.store.change.keep_sensors import keep_sensors, remove_picture
+from tactiledata.store.check.check import check
+from tactiledata.store.check.documents import document_findings
+from tactiledata.store.check.repair import repair
+from tactiledata.store.check.splits import split_findings
+from tactiledata.store.layout.manifest import read_manifest
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write import commit as committing
+from tactiledata.store.write.commit import commit, create, recover
 
 FLIPS = 200
 """Bits turned in each document."""

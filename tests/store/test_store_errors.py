@@ -18,13 +18,13 @@ from random_takes import SMALL, random_take, staged_take
 from tactiledata.contract.records import Image
 from tactiledata.contract.take import Reference
 from tactiledata.errors import MissingFile, StoreBusy, StoreError, TactileDataError, UsageError
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create, recover
-from tactiledata.store.layout import Settings, staging_folder
-from tactiledata.store.lock import writing_lock
-from tactiledata.store.reader import Store
-from tactiledata.store.spool import Spool
-from tactiledata.store.writer import find_staged, stage
+from tactiledata.store.check.check import check
+from tactiledata.store.layout.lock import writing_lock
+from tactiledata.store.layout.places import Settings, staging_folder
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, create, recover
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import find_staged, stage
 
 
 def test_opening_nothing(tmp_path: Path) -> None:

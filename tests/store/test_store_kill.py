@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from random_takes import SMALL, staged_take
 
-from tactiledata.store import commit as committing
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit_groups, create, recover
-from tactiledata.store.reader import Store
-from tactiledata.store.writer import find_staged
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write import commit as committing
+from tactiledata.store.write.commit import commit_groups, create, recover
+from tactiledata.store.write.writer import find_staged
 
 pytestmark = pytest.mark.slow
 

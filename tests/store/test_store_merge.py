@@ -10,11 +10,11 @@ import pytest
 from random_takes import SMALL, staged_take
 
 from tactiledata.errors import StoreError, UsageError
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create
-from tactiledata.store.merge import merge
-from tactiledata.store.reader import Store
-from tactiledata.store.repair import repair
+from tactiledata.store.change.merge import merge
+from tactiledata.store.check.check import check
+from tactiledata.store.check.repair import repair
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, create
 
 
 def made(folder: Path, seeds: list[int], **options) -> Path:
@@ -144,7 +144,7 @@ def test_merge_into_itself_is_refused(tmp_path: Path) -> None:
 def test_merge_carries_sensors_added_by_hand(tmp_path: Path) -> None:
     """A sensor that no recording carries goes along, with its picture."""
     from tactiledata.contract.take import Reference
-    from tactiledata.store.keep_sensors import keep_sensors
+    from tactiledata.store.change.keep_sensors import keep_sensors
 
     folder = made(tmp_path / "a", [1])
     picture = np.full((4, 5, 3), 7, np.uint8)

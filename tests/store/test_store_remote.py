@@ -19,9 +19,9 @@ from random_takes import SMALL, random_images, staged_take
 
 from tactiledata.contract.sealed import sealed_json
 from tactiledata.errors import MissingFile, StoreError
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create
-from tactiledata.store.reader import Store
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, create
 
 
 @pytest.fixture(scope="module")

@@ -14,13 +14,13 @@ from random_takes import SMALL, staged_take
 
 from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, TactileDataError
-from tactiledata.store import commit as committing
-from tactiledata.store.check import check
-from tactiledata.store.commit import commit, create, recover
-from tactiledata.store.keep_sensors import BY_HAND, keep_sensors
-from tactiledata.store.merge import merge
-from tactiledata.store.reader import Store
-from tactiledata.store.replace import replace_takes
+from tactiledata.store.change.keep_sensors import BY_HAND, keep_sensors
+from tactiledata.store.change.merge import merge
+from tactiledata.store.change.replace import replace_takes
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write import commit as committing
+from tactiledata.store.write.commit import commit, create, recover
 
 pytestmark = pytest.mark.slow
 

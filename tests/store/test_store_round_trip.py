@@ -19,11 +19,11 @@ from random_takes import SMALL, random_images, random_take, staged_take
 from tactiledata.contract.records import Image
 from tactiledata.contract.take import Take
 from tactiledata.errors import StoreError, UnknownName, UsageError
-from tactiledata.store.commit import commit, commit_groups, create
-from tactiledata.store.images import place_payloads
-from tactiledata.store.layout import Settings, folder_name
-from tactiledata.store.reader import Store
-from tactiledata.store.spool import Spool
+from tactiledata.store.layout.images import place_payloads
+from tactiledata.store.layout.places import Settings, folder_name
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit, commit_groups, create
+from tactiledata.store.write.spool import Spool
 
 
 class Images(list):

@@ -11,10 +11,10 @@ import pytest
 
 from tactiledata.errors import UsageError
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.store.add_sensor import add_sensor, remove_sensor
-from tactiledata.store.check import check
-from tactiledata.store.free_air import free_air_median
-from tactiledata.store.reader import Store
+from tactiledata.store.change.add_sensor import add_sensor, remove_sensor
+from tactiledata.store.check.check import check
+from tactiledata.store.read.free_air import free_air_median
+from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def test_pictures_of_recordings_are_not_removed(store: Path) -> None:
 
 def test_a_touch_is_told_by_the_stores_own_frames(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A frame of largest force is refused as a background; one in free air is taken."""
-    monkeypatch.setattr("tactiledata.store.free_air.LEAST_FRAMES", 1)  # the tiny world has few
+    monkeypatch.setattr("tactiledata.store.read.free_air.LEAST_FRAMES", 1)  # the tiny world has few
     opened = Store.open(store)
     serial = next(name for name in opened.references() if free_air_median(opened, name) is not None)
     frames = opened.frames(["sensor", "contact_force"]).to_pandas()

@@ -10,9 +10,9 @@ from generators import ycb_slide
 from tactiledata.errors import UnknownName
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.sensors.backgrounds import load_background
-from tactiledata.store.add_sensor import add_sensor
-from tactiledata.store.reader import Store
-from tactiledata.store.targets import find_target
+from tactiledata.store.change.add_sensor import add_sensor
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.targets import find_target
 
 
 @pytest.fixture(scope="module")

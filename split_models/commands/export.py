@@ -1,0 +1,44 @@
+"""`export`: SPLIT's networks for programs that have no PyTorch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from tactiledata.cli.output import JSON_OPTION, emit, say
+
+OUT = typer.Option(Path("runs"), "--out", help="Folder that the models were trained into.")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the verb; nothing heavy is imported until it is used."""
+    app.command("export")(export)
+
+
+def export(
+    recipe: str = typer.Argument(..., help="A recipe file, or the name of a bundled one."),
+    to: str = typer.Option("onnx", "--to", help="onnx."),
+    scale: str = typer.Option("small", "--scale", help="small or paper, as the models were trained."),
+    out: Path = OUT,
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """VAEs and projections of a recipe as ONNX files. What is not trained is trained; each is held against PyTorch.
+
+    Example: tactiledata export split_backbone --to onnx
+    """
+    from split_models.commands.verbs import opened_workshop
+    from tactiledata.errors import UnknownName
+
+    if to != "onnx":
+        raise UnknownName("format of exported models", to, ("onnx",))
+    with opened_workshop(recipe, scale, "cpu", out, 1, as_json) as workshop:
+        from split_models.onnx.export import onnx_models
+
+        models = onnx_models(workshop)
+    if as_json:
+        emit({"folder": str(models.folder), **models.document})
+        return
+    for name, difference in models.document["difference"].items():
+        say(f"{name}.onnx: within {difference:.1g} of PyTorch")
+    say(f"{models.folder}")

@@ -1,0 +1,136 @@
+"""`score`: how far apart the pictures of a store's sensors are, and their latent vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
+from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.errors import UnknownName
+
+if TYPE_CHECKING:
+    from tactiledata.scoring.sensor_pairs import PairScore
+    from tactiledata.scoring.sensor_sets import SensorSet
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.targets import Target
+
+MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE whose latent vectors t-SNE looks at.")
+WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
+OUT = typer.Option(Path("scores"), "--out", help="Folder for the picture of t-SNE.")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the verb; nothing heavy is imported until it is used."""
+    app.command("score")(score)
+
+
+def score(
+    store: str = STORE_ARGUMENT,
+    metric: str = typer.Option(..., "--metric", help="histogram_intersection, gram_style, tsne, … with commas."),
+    against: str = typer.Option(
+        None,
+        "--against",
+        help="Sensors that all others are scored against, with commas: sets of the store, or names that `tactiledata "
+        "sensors` lists [default: every pair].",
+    ),
+    model: Path = MODEL,
+    weights: Path = WEIGHTS,
+    most: int = typer.Option(200, "--frames", min=1, help="Frames of each sensor at most, spread evenly."),
+    out: Path = OUT,
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Score the pictures of sensors against each other. Synthetic ones apart, with intervals over trajectories.
+
+    A sensor of --against that is known by its picture without contact alone is compared outside the contact.
+
+    Example: tactiledata score both.zarr --metric histogram_intersection,gram_style,tsne --against ycb-sensorA
+    """
+    from split_models.transfer.latent_vectors import picture_vectors, vectors_by_model
+    from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
+    from tactiledata.scoring.chosen_scores import TSNE, chosen_scores
+    from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
+    from tactiledata.scoring.sensor_pairs import score_pairs
+    from tactiledata.scoring.sensor_sets import require_sets, sensor_sets
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.simulated import simulated_recordings, simulated_sensors
+
+    location = working_store(store)
+    names = _listed(metric)
+    with damage_explains(location):
+        opened = Store.open(location)
+        simulated = simulated_recordings(opened)
+        scores = chosen_scores(names, weights)
+        sets = sensor_sets(opened, most, least=1)
+        named, targets = (None, []) if against is None else _against(_listed(against), sets, opened)
+        if not targets:
+            require_sets(opened, sets, 2)
+        encode = vectors_by_model(model) if model is not None else picture_vectors
+        with progress("scoring", quiet=as_json) as tell:
+            found = list(score_pairs(opened, scores, sets, named, encode, tell))
+        if targets:
+            found += score_backgrounds(opened, scores, sets, targets)
+        notes = sentences(targets, unlocated(opened, sets) if targets else [])
+        kinds = {one.name: one.kind for one in sets}
+        heading = simulated.heading
+        drawn = None
+        if TSNE in names:
+            drawn = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", kinds, heading)
+    if as_json:
+        picture = str(drawn) if drawn else None
+        facts = {"tsne": picture, "notes": notes, "simulated_recordings": simulated.document()}
+        emit({"store": location, "scores": [one.document() for one in found], **facts})
+        return
+    _tell(found, notes, heading)
+    if simulated.label:
+        say(f"simulated recordings: those of {', '.join(simulated_sensors(opened))}")
+    if drawn is not None:
+        say(f"wrote {drawn}")
+
+
+def _against(names: Sequence[str], sets: Sequence[SensorSet], store: Store) -> tuple[list[str], list[Target]]:
+    """The names that are sets of a store, and the targets that are known by a picture alone.
+
+    Raises
+    ------
+    UnknownName
+        A name that is neither.
+    """
+    from tactiledata.store.read.targets import find_target
+
+    known = [one.name for one in sets]
+    touched, targets = [], []
+    for name in names:
+        if name in known:
+            touched.append(name)
+            continue
+        try:
+            target = find_target(name, store)
+        except UnknownName as error:
+            raise UnknownName("set of pictures or sensor", name, [*known, *error.facts["known"]]) from error
+        if target.name in known:
+            touched.append(target.name)
+        else:
+            targets.append(target)
+    return touched, targets
+
+
+def _tell(found: Sequence[PairScore], notes: Sequence[str], heading: str) -> None:
+    """Print the table for people under a heading, and what the table cannot say."""
+    columns = ("score", "of", "which is", "against", "which is", "looked at", "mean and 95 % interval")
+    rows = [
+        (pair.score.title, pair.first, pair.first_kind, pair.second, pair.second_kind, pair.looked_at, pair.interval)
+        for pair in found
+    ]
+    table(heading, columns, rows)
+    say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in found)))
+    for note in notes:
+        say(note)
+
+
+def _listed(words: str) -> list[str]:
+    return [word.strip() for word in words.split(",") if word.strip()]

@@ -1,0 +1,99 @@
+"""`transfer`: a store as another sensor might have recorded it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
+from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.wording import counted
+
+if TYPE_CHECKING:
+    from split_models.transfer.methods import TransferMethod
+    from split_models.transfer.transfer_store import TransferReport
+
+MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE [default: the bundled one].")
+OUT = typer.Option(None, "--out", help="Store to write [default: transferred/STORE-TARGET-METHOD.zarr].")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the verb; nothing heavy is imported until it is used."""
+    app.command("transfer")(transfer)
+
+
+def transfer(
+    store: str = STORE_ARGUMENT,
+    to: str = typer.Option(..., "--to", help="The target sensor: a name that `tactiledata sensors` lists."),
+    method: str = typer.Option(
+        "latent-on-background",
+        "--method",
+        help="latent-on-background, latent, latent-ratio-on-background, adain, background-swap, background-ratio, "
+        "histogram-matching, reinhard, fourier or no-contact.",
+    ),
+    model: Path = MODEL,
+    sources: str = typer.Option(None, "--from", help="Sensors whose frames to take, with commas [default: all]."),
+    out: Path = OUT,
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Give the touches of a store the style of another sensor. The result is a store whose trajectories name parents.
+
+    Example: tactiledata transfer --to ycb-sensorA
+    """
+    from split_models.transfer.methods import transfer_method
+    from split_models.transfer.transfer_picture import write_transfer_picture
+    from split_models.transfer.transfer_store import transfer_store
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.simulated import simulated_recordings
+    from tactiledata.store.read.targets import find_target
+
+    location = working_store(store)
+    with damage_explains(location):
+        opened = Store.open(location)
+        target = find_target(to, opened)
+        way = transfer_method(method, model)
+        written = out if out is not None else _default_out(location, to, way.name)
+        named = [name.strip() for name in sources.split(",")] if sources is not None else None
+        with progress("transferring", quiet=as_json) as tell:
+            report = transfer_store(opened, target, way, written, named, tell)
+        picture = write_transfer_picture(opened, Store.open(written), target.background, written.with_suffix(".png"))
+    if as_json:
+        hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
+        simulated = {"simulated_recordings": simulated_recordings(opened).document()}
+        emit({**report.document(), **hashes, **simulated, "picture": str(picture)})
+        return
+    if sentence := simulated_recordings(opened).sentence:
+        say(sentence)
+    _tell(report, to, way, location, picture)
+
+
+def _default_out(location: str, target: str, method: str) -> Path:
+    """A folder below the working one: the working folder keeps one store, so that commands still find it unnamed."""
+    stem = location.rstrip("/").rpartition("/")[2].removesuffix(".zarr")
+    safe = target.replace("/", "_")
+    return Path("transferred") / f"{stem}-{safe}-{method.replace('_', '-')}.zarr"
+
+
+def _tell(report: TransferReport, to: str, way: TransferMethod, location: str, picture: Path) -> None:
+    """The report for people."""
+    say(f"{to} is {report.target.resolved}")
+    if model := getattr(way, "model", ""):
+        say(f"model {model[:12]}, of recipe {getattr(way, 'recipe', '')[:12]}")
+    was = "" if report.added == report.recordings else f"; {counted(report.added, 'recording')} of them added now"
+    say(
+        f"{counted(report.frames, 'frame')} of {', '.join(report.sensors)} in {counted(report.recordings, 'recording')}"
+        f" by {report.method}{was}"
+    )
+    if report.left_out:
+        say(
+            f"{counted(report.left_out, 'frame')} left out: of other cameras or sensors, without a whole image, or in "
+            "no trajectory"
+        )
+    for note in report.notes:
+        say(note)
+    findings((report.target.name, finding) for finding in report.findings)
+    say(f"wrote {report.out} and {picture}: look at the picture before you train on them")
+    say(f"to train on both: tactiledata merge {location} {report.out} --into with-children/both.zarr, then split that")

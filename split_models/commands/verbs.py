@@ -1,0 +1,171 @@
+"""`train`, `evaluate`, `run`, `transfer`, `score`, `export`: verbs that this package adds to `tactiledata`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from split_models.commands import export as export_command
+from split_models.commands import fine_tune as fine_tune_command
+from split_models.commands import score as score_command
+from split_models.commands import transfer as transfer_command
+from tactiledata.cli.documents import wrong_document_is_wrong_usage
+from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.errors import UsageError
+
+RECIPE = typer.Argument(..., help="A recipe file, or the name of a bundled one.")
+SCALE = typer.Option("small", "--scale", help="small: two cores; paper: the paper's sizes, for a GPU.")
+DEVICE = typer.Option("cpu", "--device", help="cpu or cuda.")
+OUT = typer.Option(Path("runs"), "--out", help="Folder for data, models and tables; models are shared by recipes.")
+WORKERS = typer.Option(1, "--workers", min=1, help="Local processes that record and replay a world.")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the verbs; nothing heavy is imported until one of them is used."""
+    app.command("train")(train)
+    app.command("evaluate")(evaluate)
+    app.command("run")(run)
+    transfer_command.register(app)
+    score_command.register(app)
+    fine_tune_command.register(app)
+    export_command.register(app)
+
+
+def train(
+    recipe: str = RECIPE,
+    scale: str = SCALE,
+    device: str = DEVICE,
+    out: Path = OUT,
+    workers: int = WORKERS,
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Train all models of a recipe; goes on where it was killed. Several processes: torchrun -m split_models.
+
+    Example: tactiledata train table_digit_images --scale small
+    """
+    with opened_workshop(recipe, scale, device, out, workers, as_json) as workshop:
+        trained = _prepare(workshop)
+        if workshop.ranks.is_first:
+            _told(trained, as_json)
+
+
+def evaluate(
+    recipe: str = RECIPE,
+    scale: str = SCALE,
+    device: str = DEVICE,
+    out: Path = OUT,
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """The table of a recipe, by models that are trained.
+
+    Example: tactiledata evaluate table_digit_images --scale small
+    """
+    with opened_workshop(recipe, scale, device, out, 1, as_json, may_train=False) as workshop:
+        if workshop.ranks.is_first:
+            _table(workshop, as_json)
+
+
+def run(
+    recipe: str = RECIPE,
+    scale: str = SCALE,
+    device: str = DEVICE,
+    out: Path = OUT,
+    workers: int = WORKERS,
+    as_json: bool = JSON_OPTION,
+) -> None:
+    """Make a table of the paper from nothing: data, models, scores. What is there already is used.
+
+    Example: tactiledata run table_digit_images --scale small --workers 2
+    """
+    with opened_workshop(recipe, scale, device, out, workers, as_json) as workshop:
+        trained = _prepare(workshop)
+        if not workshop.ranks.is_first:
+            return
+        if workshop.recipe.table is None:
+            _told(trained, as_json)
+        else:
+            _table(workshop, as_json)
+
+
+@contextmanager
+def opened_workshop(
+    recipe: str, scale: str, device: str, out: Path, workers: int, as_json: bool, may_train: bool = True
+) -> Iterator[Any]:
+    """The recipe's workshop; wrong usage is said before anything is made."""
+    from split_models.recipe.recipe import load_recipe
+
+    with wrong_document_is_wrong_usage():
+        loaded = load_recipe(recipe, scale)
+    if find_spec("torch") is None:
+        raise UsageError(
+            "PyTorch is not installed", "it, to train and evaluate", "pip install -c constraints.txt -e '.[models]'"
+        )
+    from split_models.learning.device import find_device, processes
+    from split_models.recipe.recipe_run import Workshop
+
+    place = find_device(device)
+    with processes(place) as ranks, _by_steps(as_json or not ranks.is_first) as tell:
+        yield Workshop(loaded, out, place, ranks, tell, workers, may_train)
+
+
+@contextmanager
+def _by_steps(quiet: bool) -> Iterator[Callable[..., None]]:
+    """A function to report progress to; what comes before a colon names a step, and each step has a bar of its own."""
+    with ExitStack() as bars:
+        current: list[Any] = ["", None]
+
+        def tell(done: int, total: int, what: str = "") -> None:
+            step, _, words = what.partition(": ")
+            if step != current[0]:
+                bars.close()
+                current[:] = [step, bars.enter_context(progress(step, quiet))]
+            current[1](done, total, words)
+
+        yield tell
+
+
+def _prepare(workshop: Any) -> dict[str, str]:
+    """Everything trained that the recipe needs; where each model lies."""
+    from split_models.tables.tables import PREPARE
+
+    table = workshop.recipe.table
+    if table is None:
+        workshop.train_backbone()
+    else:
+        PREPARE[table](workshop)
+    return dict(workshop.kept.folders)
+
+
+def _told(trained: dict[str, str], as_json: bool) -> None:
+    if as_json:
+        emit({"models": trained})
+        return
+    for name, folder in trained.items():
+        say(f"{name}: {folder}")
+
+
+def _table(workshop: Any, as_json: bool) -> None:
+    from split_models.networks.latent_normal import drawn_alike
+    from split_models.tables.results import result_document, write_result
+    from split_models.tables.tables import ROWS
+    from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.simulated import simulated_recordings
+
+    recipe = workshop.recipe
+    if recipe.table is None:
+        raise UsageError(f"the recipe {recipe.name} has no table", "`table: …` in it", "`tactiledata train` is for it.")
+    with drawn_alike(recipe.seed):
+        rows = ROWS[recipe.table](workshop)
+    store = Store.open(workshop.store)
+    document = result_document(recipe, rows, store.digest, simulated_recordings(store))
+    paths = write_result(workshop.tables, document)
+    if as_json:
+        emit({**document, "files": {name: str(path) for name, path in paths.items()}})
+        return
+    say(paths["markdown"].read_text(encoding="utf-8"))
+    say(f"{paths['markdown']} and {paths['json']}")

@@ -1,0 +1,219 @@
+"""Weights on disk with what they were learned from; read without running code, refused where they do not fit."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from split_models.networks.network import Network
+from tactiledata import __version__
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
+from tactiledata.contract.tensor_files import read_tensors
+from tactiledata.errors import CheckpointError, MissingFile
+from tactiledata.registry import Registry
+
+FORMAT = "tactiledata-checkpoint/1"
+
+KINDS = Registry(
+    "kind of network",
+    {
+        "image_vae": "split_models.networks.image_vae:ImageVae",
+        "mesh_vae": "split_models.networks.mesh_vae:MeshVae",
+        "projection": "split_models.networks.projection:Projection",
+        "force_head": "split_models.networks.force_head:ForceHead",
+        "raw_forces": "split_models.networks.force_head:RawForces",
+        "end_to_end": "split_models.networks.end_to_end:EndToEnd",
+        "zhu": "split_models.methods.zhu:ZhuNetwork",
+        "cycle_pair": "split_models.methods.cycle:CyclePair",
+    },
+    group="split_models.networks",
+)
+"""Networks that a checkpoint can hold."""
+
+
+@dataclass(frozen=True)
+class Stamps:
+    """What weights were learned from; all of it must be the same to go on, or to be used on its data.
+
+    Parameters
+    ----------
+    recipe : str
+        Digest of everything in the recipe that shapes the weights.
+    split : str
+        Digest of the split's table.
+    items : str
+        Fingerprint of the training items.
+    topology : str
+        Digest of the mesh; empty where there is none.
+    """
+
+    recipe: str = ""
+    split: str = ""
+    items: str = ""
+    topology: str = ""
+
+    def differing(self, other: Stamps) -> list[str]:
+        """Names of what is not the same."""
+        return [name for name, value in vars(self).items() if value != getattr(other, name)]
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A file of weights.
+
+    Parameters
+    ----------
+    kind : str
+    settings : dict
+        Of the network; JSON values.
+    stamps : Stamps
+    topology : str
+        Digest of the mesh that the network is for.
+    weights, extras : dict of Tensor
+        Mean and spread by which values are scaled are among the weights.
+    progress : dict
+        Of the training, JSON values.
+    optimiser : dict
+        Its state; empty where training is over.
+    """
+
+    kind: str
+    settings: Mapping[str, Any]
+    stamps: Stamps
+    topology: str
+    weights: Mapping[str, Tensor]
+    extras: Mapping[str, Tensor]
+    progress: Mapping[str, Any] = field(default_factory=dict)
+    optimiser: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, network: Network, stamps: Stamps, progress: Any = None, optimiser: Any = None) -> Checkpoint:
+        """Of a network as it is now."""
+        return cls(
+            network.kind,
+            network.settings,
+            stamps,
+            network.topology,
+            network.state_dict(),
+            network.extras(),
+            progress or {},
+            optimiser or {},
+        )
+
+    def network(self) -> Network:
+        """The network with these weights, on the CPU, for evaluation.
+
+        Raises
+        ------
+        CheckpointError
+            The weights do not fit the settings.
+        """
+        try:
+            network: Network = KINDS[self.kind].rebuilt(self.settings, self.extras, self.topology)
+            network.load_state_dict(dict(self.weights))
+        except (RuntimeError, TypeError, KeyError, ValueError) as error:
+            raise CheckpointError(
+                f"the weights of a {self.kind} do not fit its settings: {str(error)[:300]}",
+                "a checkpoint of this version",
+                "Train it again.",
+            ) from error
+        return network.eval()
+
+
+def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
+    """A file that is there whole or not at all."""
+    document = {
+        "format": FORMAT,
+        "version": __version__,
+        "kind": checkpoint.kind,
+        "settings": dict(checkpoint.settings),
+        "stamps": vars(checkpoint.stamps),
+        "topology": checkpoint.topology,
+        "progress": dict(checkpoint.progress),
+    }
+    content = io.BytesIO()
+    whole = {
+        "document": json.dumps(document, sort_keys=True),
+        "weights": dict(checkpoint.weights),
+        "extras": dict(checkpoint.extras),
+        "optimiser": dict(checkpoint.optimiser),
+    }
+    torch.save(whole, content)
+    write_atomic(path, content.getvalue())
+
+
+def load_checkpoint(path: Path) -> Checkpoint:
+    """The checkpoint in a file, on the CPU; only tensors and plain values are read, no code is run.
+
+    Raises
+    ------
+    MissingFile, NotFetched, CheckpointError
+    """
+    if not path.is_file():
+        raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
+    refuse_lfs_pointer(path)
+    whole = read_tensors(path, "cannot be read as a checkpoint", CheckpointError)
+    try:
+        document = json.loads(whole["document"])
+        parts = whole["weights"], whole["extras"], whole["optimiser"]
+    except (LookupError, TypeError, ValueError, RecursionError) as error:
+        raise CheckpointError(
+            f"{path} cannot be read as a checkpoint: it lacks a part, or its document is no JSON",
+            f"a file of format {FORMAT}",
+            "It is of another program, or damaged. Remove it and train again.",
+            path=str(path),
+        ) from error
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        found = document.get("format") if isinstance(document, dict) else document
+        raise CheckpointError(f"{path} has format {found!r}", FORMAT, "It is of another program or version.")
+    weights, extras, optimiser = parts
+    return Checkpoint(
+        document["kind"],
+        document["settings"],
+        Stamps(**document["stamps"]),
+        document["topology"],
+        weights,
+        extras,
+        document["progress"],
+        optimiser,
+    )
+
+
+def require_stamps(found: Stamps, expected: Stamps, where: str) -> None:
+    """Nothing, where weights were learned from what is at hand; else `CheckpointError`."""
+    differing = found.differing(expected)
+    if not differing:
+        return
+    words = {
+        "recipe": "the recipe",
+        "split": "the split (who is in which part)",
+        "items": "the frames that it learns from",
+        "topology": "the mesh topology",
+    }
+    listed = ", ".join(words[name] for name in differing)
+    values = ", ".join(f"{name} {getattr(found, name)[:12] or 'none'}" for name in differing)
+    wanted = ", ".join(f"{name} {getattr(expected, name)[:12] or 'none'}" for name in differing)
+    raise CheckpointError(
+        f"{where} was made with another state of {listed} ({values})",
+        wanted,
+        "Name another --out folder, or remove the file to train anew.",
+        differing=differing,
+    )
+
+
+def require_topology(network: Network, topology: str, where: str) -> None:
+    """Nothing, where a network is for the mesh at hand or for none; else `CheckpointError`."""
+    if network.topology and network.topology != topology:
+        raise CheckpointError(
+            f"the {network.kind} is for another mesh topology ({network.topology[:12]})",
+            f"that of {where} ({topology[:12]})",
+            "Name the mesh that it was trained on (`tactiledata info` lists meshes), or train on this one.",
+        )

@@ -1,0 +1,268 @@
+"""One plain training loop for every network: it can be killed, resumed, and shared between processes."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import torch
+from torch import distributed
+from torch.nn.parallel import DistributedDataParallel
+
+from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, require_stamps, save_checkpoint
+from split_models.learning.curves import write_curves
+from split_models.learning.device import Ranks, uses_bfloat16
+from split_models.learning.items import Batch, Items
+from split_models.learning.objectives import Losses, Objective
+from split_models.learning.require_finite import require_finite_batch, require_finite_losses, require_finite_validation
+from split_models.learning.train_options import TrainOptions
+from split_models.learning.training_progress import Progress
+from split_models.networks.network import Network
+from tactiledata.errors import UsageError
+from tactiledata.loaders.order import Order
+
+Tell = Callable[..., None]
+"""Called with epochs done, epochs in all, and words."""
+T = TypeVar("T")
+
+LAST, BEST = "last.pt", "best.pt"
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A network that has learned: its weights at the best epoch, and its curve."""
+
+    network: Network
+    rows: list[dict[str, float]]
+    best_epoch: int
+
+
+def train(
+    objective: Objective,
+    items: Items,
+    validation: Items,
+    options: TrainOptions,
+    folder: Path,
+    stamps: Stamps,
+    device: torch.device,
+    ranks: Ranks | None = None,
+    tell: Tell | None = None,
+) -> Trained:
+    """A network trained, or gone on with where it was killed, or read where it is ready.
+
+    Whatever moment the process is killed at, the same call ends with the same losses: the order of items, and all
+    that is random in a step, depend on the seed, the epoch and the step alone.
+
+    Parameters
+    ----------
+    objective : Objective
+    items, validation : Items
+    folder : Path
+        ``last.pt``, ``best.pt``, ``curve.csv`` and ``curve.json`` go there.
+    stamps : Stamps
+        What the weights depend on; a checkpoint with others is refused.
+    device : torch.device
+    ranks : Ranks, optional
+    tell : callable, optional
+
+    Raises
+    ------
+    UsageError
+        Nothing to learn from or to validate on.
+    NotFinite
+        NaN or infinity in a batch or in a loss; the message names frames.
+    CheckpointError
+        The folder holds weights of something else.
+    """
+    ranks = ranks or Ranks()
+    for what, some in (("train", items), ("validate", validation)):
+        if not len(some):
+            raise UsageError(f"nothing to {what} the {objective.network.kind} on", "at least one item", "")
+    with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
+        loop = _Loop(objective, items, validation, options, folder, stamps, device, ranks, tell)
+        loop.resume()
+        while not loop.progress.is_over:
+            loop.epoch()
+    loop.ranks.wait()
+    kept = load_checkpoint(folder / BEST)
+    objective.network.load_state_dict(dict(kept.weights))
+    objective.network.to(device).eval()
+    return Trained(objective.network, loop.progress.rows, loop.progress.best_epoch)
+
+
+class _Loop:
+    def __init__(
+        self,
+        objective: Objective,
+        items: Items,
+        validation: Items,
+        options: TrainOptions,
+        folder: Path,
+        stamps: Stamps,
+        device: torch.device,
+        ranks: Ranks,
+        tell: Tell | None,
+    ) -> None:
+        self.objective = objective.to(device)
+        self.items, self.validation, self.options = items, validation, options
+        self.folder, self.stamps, self.device, self.ranks = folder, stamps, device, ranks
+        self.tell = tell if ranks.is_first else None
+        if options.batch_size % ranks.world:
+            raise UsageError(
+                f"batches of {options.batch_size} for {ranks.world} processes", "a batch size that divides", ""
+            )
+        self.optimiser = torch.optim.Adam(
+            [one for one in objective.parameters() if one.requires_grad],
+            lr=options.learning_rate,
+            weight_decay=options.weight_decay,
+        )
+        self.order = Order(
+            len(items),
+            seed=options.seed,
+            batch_size=options.batch_size // ranks.world,
+            rank=ranks.rank,
+            world_size=ranks.world,
+            fingerprint=items.fingerprint,
+        )
+        self.steps = -(-len(items) // self.order.stride)
+        self.progress = Progress()
+        self.saved = time.monotonic()
+
+    def resume(self) -> None:
+        """Take up the last checkpoint where there is one; processes start from the same weights."""
+        path = self.folder / LAST
+        self.ranks.wait()
+        if path.exists():
+            kept = load_checkpoint(path)
+            require_stamps(kept.stamps, self.stamps, str(path))
+            self.objective.network.load_state_dict(dict(kept.weights))
+            self.progress = Progress.from_document(kept.progress)
+            if not self.progress.is_over:
+                self.optimiser.load_state_dict(dict(kept.optimiser))
+            self.order.load_state_dict(self.progress.order)
+        self.learner = (
+            DistributedDataParallel(self.objective, broadcast_buffers=False) if self.ranks.world > 1 else self.objective
+        )
+
+    def epoch(self) -> None:
+        """One epoch, or what is left of it, and its end."""
+        epoch, started = self.order.epoch, time.monotonic()
+        self.objective.train()
+        spent, consumed = self.progress.seconds, self.order.consumed
+        for numbers, batch in _ahead((numbers, self.items.batch(numbers)) for numbers in self.order):
+            consumed = min(consumed + self.order.stride, len(self.items))
+            self._step(batch, numbers, epoch, consumed)
+            self.progress.seconds = spent + time.monotonic() - started
+            if time.monotonic() - self.saved > self.options.save_seconds and consumed < len(self.items):
+                self.progress.order = {**self.order.state_dict(), "epoch": epoch, "consumed": consumed}
+                self._save()
+        self._end_epoch(epoch)
+
+    def _step(self, batch: Batch, numbers: list[int], epoch: int, consumed: int) -> None:
+        step = -(-consumed // self.order.stride)
+        passed = epoch + (step - 1) / self.steps
+        for group in self.optimiser.param_groups:
+            group["lr"] = self.options.rate_at(passed)
+        torch.manual_seed(_seed(self.options.seed, epoch, step, self.ranks.rank))
+        require_finite_batch(batch, numbers, self.items)
+        moved = {name: values.to(self.device, non_blocking=True) for name, values in batch.items()}
+        losses = self._losses(self.learner, moved, passed)
+        kind, rate = self.objective.network.kind, self.options.learning_rate
+        require_finite_losses(losses, kind, epoch, self.items, numbers, rate)
+        self.optimiser.zero_grad(set_to_none=True)
+        losses["loss"].backward()
+        self.optimiser.step()
+        self._count(self.progress.sums, losses, len(numbers))
+
+    def _losses(self, learner: torch.nn.Module, batch: Batch, epoch: float) -> Losses:
+        is_used = uses_bfloat16(self.device, self.objective.network.convolves)
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=is_used):
+            losses: Losses = learner(batch, epoch)
+        return losses
+
+    @staticmethod
+    def _count(sums: dict[str, float], losses: Losses, count: int) -> None:
+        for name, value in losses.items():
+            sums[name] = sums.get(name, 0.0) + value.item() * count
+        sums["items"] = sums.get("items", 0.0) + count
+
+    def _end_epoch(self, epoch: int) -> None:
+        progress = self.progress
+        self.order.set_epoch(epoch + 1)
+        names = sorted(set(progress.sums) - {"items"})
+        learned = self._shared(progress.sums, names)
+        checked = self._shared(self._validated(epoch), names)
+        require_finite_validation(checked, self.objective.network.kind, epoch)
+        progress.rows.append(
+            {
+                "epoch": epoch,
+                "learning_rate": self.options.rate_at(epoch),
+                **{f"train_{name}": value for name, value in learned.items()},
+                **{f"val_{name}": value for name, value in checked.items()},
+                "seconds": round(progress.seconds, 3),
+            }
+        )
+        progress.sums, progress.seconds = {}, 0.0
+        is_better = checked["loss"] < progress.best
+        if is_better:
+            progress.best, progress.best_epoch = checked["loss"], epoch
+        waited = epoch - max(progress.best_epoch, self.options.settle)
+        progress.is_over = epoch + 1 >= self.options.epochs or 0 < self.options.patience <= waited
+        progress.order = self.order.state_dict()
+        if self.ranks.is_first and is_better:
+            save_checkpoint(self.folder / BEST, Checkpoint.of(self.objective.network, self.stamps))
+        self._save()
+        if self.tell is not None:
+            words = f"train {learned['loss']:.4g}, val {checked['loss']:.4g}"
+            self.tell(self.options.epochs if progress.is_over else epoch + 1, self.options.epochs, words)
+
+    def _validated(self, epoch: int) -> dict[str, float]:
+        self.objective.eval()
+        sums: dict[str, float] = {"items": 0.0}
+        size = self.options.batch_size
+        starts = list(range(0, len(self.validation), size))[self.ranks.rank :: self.ranks.world]
+        spans = [range(start, min(start + size, len(self.validation))) for start in starts]
+        with torch.no_grad():
+            for span, batch in _ahead((span, self.validation.batch(span)) for span in spans):
+                moved = {name: values.to(self.device) for name, values in batch.items()}
+                self._count(sums, self._losses(self.objective, moved, float(epoch)), len(span))
+        return sums
+
+    def _shared(self, sums: Mapping[str, float], names: list[str]) -> dict[str, float]:
+        """Means over the items of all processes."""
+        values = torch.tensor([*(sums.get(name, 0.0) for name in names), sums["items"]], dtype=torch.float64)
+        if self.ranks.world > 1:
+            moved = values.to(self.device)
+            distributed.all_reduce(moved)
+            values = moved.cpu()
+        return {name: (value / values[-1]).item() for name, value in zip(names, values[:-1], strict=True)}
+
+    def _save(self) -> None:
+        self.saved = time.monotonic()
+        if not self.ranks.is_first:
+            return
+        optimiser = {} if self.progress.is_over else self.optimiser.state_dict()
+        kept = Checkpoint.of(self.objective.network, self.stamps, self.progress.document(), optimiser)
+        save_checkpoint(self.folder / LAST, kept)
+        write_curves(self.folder, self.progress.rows)
+
+
+def _seed(*parts: int) -> int:
+    digest = hashlib.sha256(",".join(map(str, parts)).encode()).digest()
+    return int.from_bytes(digest[:8], "big") >> 1
+
+
+def _ahead(values: Iterable[T]) -> Iterator[T]:
+    """The same, each read while the one before is worked on."""
+    iterator = iter(values)
+    end = object()
+    with ThreadPoolExecutor(1) as pool:
+        waiting = pool.submit(next, iterator, end)
+        while (value := waiting.result()) is not end:
+            waiting = pool.submit(next, iterator, end)
+            yield value  # type: ignore[misc]

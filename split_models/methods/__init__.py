@@ -1,0 +1,1 @@
+"""The rows of the tables: SPLIT and its baselines."""

@@ -1,0 +1,170 @@
+"""Both projections learned together, so that going forth and back changes nothing; beyond the paper.
+
+The plain projections learn from latent vectors of recorded pictures and simulated meshes only. In a cycle each of them
+is given what the other one made, after it was decoded and encoded again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, cast
+
+import torch
+from torch import Tensor, nn
+
+from split_models.learning.items import Batch, TensorItems
+from split_models.learning.objectives import Losses, Objective
+from split_models.networks.latent import (
+    LatentImageToMesh,
+    LatentMeshToImage,
+    decode_displacements,
+    decode_pictures,
+    encode_displacements,
+    encode_pictures,
+    project,
+)
+from split_models.networks.network import Network
+from split_models.networks.projection import Projection
+from split_models.recipe.recipe_run import Workshop
+
+MESHES, PICTURES = "mesh_again", "deformation_again"
+CHUNK = 256
+
+
+class CyclePair(Network):
+    """The projection from meshes to the deformation's picture, and the one back.
+
+    Parameters
+    ----------
+    forth, back : dict
+        Settings of each `Projection`.
+    """
+
+    kind = "cycle_pair"
+
+    def __init__(self, forth: Mapping[str, Any], back: Mapping[str, Any]) -> None:
+        super().__init__()
+        self.settings = {"forth": dict(forth), "back": dict(back)}
+        self.forth, self.back = Projection(**forth), Projection(**back)
+
+
+class CycleObjective(Objective):
+    """Squared errors of both projections, of going forth and back, and of what is made of their own outputs.
+
+    Errors are shares of the variance of what they are errors of: the vectors of pictures vary far less than those of
+    meshes, and going back would weigh on the way forth more than the pictures themselves.
+
+    Parameters
+    ----------
+    network : CyclePair
+    weight : float
+        Of going forth and back in latent space.
+    own_weight : float
+        Of latent vectors that were decoded and encoded again; 0 asks for none in a batch.
+    variances : (mesh, deformation)
+        Of the latent vectors of the train part.
+    """
+
+    def __init__(
+        self, network: CyclePair, weight: float, own_weight: float, variances: tuple[float, float] = (1.0, 1.0)
+    ) -> None:
+        super().__init__()
+        self.network = network
+        self.pair, self.weight, self.own_weight = network, weight, own_weight
+        self.of_mesh, self.of_picture = variances
+
+    def forward(self, batch: Batch, epoch: float) -> Losses:
+        """``loss``, ``error`` of the plain projections, ``cycle``, and ``own`` where it is asked for."""
+        mesh, picture = batch["mesh"], batch["deformation"]
+        forth, back = self.pair.forth(mesh), self.pair.back(picture)
+        error = self._both(forth, picture, back, mesh)
+        cycle = self._both(self.pair.forth(back), picture, self.pair.back(forth), mesh)
+        losses = {"loss": error + self.weight * cycle, "error": error.detach(), "cycle": cycle.detach()}
+        if self.own_weight:
+            walks = batch[MESHES].shape[1]
+            pictures, meshes = (one.repeat_interleave(walks, dim=0) for one in (picture, mesh))
+            forth, back = (batch[name].flatten(0, 1) for name in (MESHES, PICTURES))
+            own = self._both(self.pair.forth(forth), pictures, self.pair.back(back), meshes)
+            losses["loss"] = losses["loss"] + self.own_weight * own
+            losses["own"] = own.detach()
+        return losses
+
+    def _both(self, pictures: Tensor, true_pictures: Tensor, meshes: Tensor, true_meshes: Tensor) -> Tensor:
+        """Of both kinds of vectors together, as shares of their variance."""
+        of_pictures = nn.functional.mse_loss(pictures.float(), true_pictures) / self.of_picture
+        return of_pictures + nn.functional.mse_loss(meshes.float(), true_meshes) / self.of_mesh
+
+
+def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
+    """The pair of a recipe, from its plain projections; with what they make of their own outputs, or without."""
+    section = workshop.recipe.models["cycle"]
+    forth, back = workshop.projection("mesh_to_image", True), workshop.projection("image_to_mesh", True)
+    keys = workshop.kept.keys
+    parents = {vae.kind: keys[vae.kind] for vae in (workshop.image_vae, workshop.mesh_vae)}
+    parents |= {name: keys[name] for name in ("projection_mesh_to_image_split", "projection_image_to_mesh_split")}
+
+    def build() -> tuple[Objective, TensorItems, TensorItems]:
+        pair = CyclePair(forth.settings, back.settings)
+        pair.forth.load_state_dict(forth.state_dict())
+        pair.back.load_state_dict(back.state_dict())
+        train, val = (cycle_items(workshop, part, forth, back, learns_own) for part in ("train", "val"))
+        variances = tuple(max(float(train.tensors[name].var()), 1e-12) for name in ("mesh", "deformation"))
+        own_weight = section["own_weight"] if learns_own else 0.0
+        objective = CycleObjective(pair, section["weight"], own_weight, (variances[0], variances[1]))
+        return objective, train, val
+
+    name = "cycle_pair_own" if learns_own else "cycle_pair"
+    described = {**section, "learns_own": learns_own}
+    options, fingerprint = workshop.recipe.training("cycle"), workshop.frames("train").fingerprint
+    return cast("CyclePair", workshop.learned(name, parents, described, fingerprint, options, build))
+
+
+def cycle_items(workshop: Workshop, part: str, forth: Projection, back: Projection, learns_own: bool) -> TensorItems:
+    """Latent vectors of a part: ``mesh``, ``deformation``, and as they come back from some cycles."""
+    tensors = {name: workshop.latents(part, name) for name in ("mesh", "deformation")}
+    if learns_own:
+        base = workshop.latents(part, "image") - tensors["deformation"]
+        tensors |= around(workshop, forth, back, tensors["deformation"], base)
+    frames = workshop.frames(part)
+    return TensorItems(tensors, frames.fingerprint, frames)
+
+
+def around(
+    workshop: Workshop, forth: Projection, back: Projection, deformation: Tensor, base: Tensor
+) -> dict[str, Tensor]:
+    """Latent vectors (n, cycles, d) of the meshes that are made of pictures, and of the pictures made of these, encoded
+    again in each of some cycles.
+
+    Parameters
+    ----------
+    workshop : Workshop
+    forth, back : Projection
+    deformation, base : (n, d)
+        Latent vectors of the pictures' deformations, and of their backgrounds.
+    """
+    walks: dict[str, list[Tensor]] = {MESHES: [], PICTURES: []}
+    for cycle in range(workshop.recipe.models["cycle"]["walks"]):
+        meshes, pictures = [], []
+        for start in range(0, len(base), CHUNK):
+            workshop.tell(start, len(base), f"cycle_pair: cycle {cycle + 1}")
+            some = slice(start, start + CHUNK)
+            moved = decode_displacements(workshop.mesh_vae, project(back, deformation[some]))
+            meshes.append(encode_displacements(workshop.mesh_vae, moved))
+            shown = decode_pictures(workshop.image_vae, project(forth, meshes[-1]) + base[some])
+            pictures.append(encode_pictures(workshop.image_vae, shown) - base[some])
+        deformation = torch.cat(pictures)
+        walks[MESHES].append(torch.cat(meshes))
+        walks[PICTURES].append(deformation)
+    return {name: torch.stack(found, dim=1) for name, found in walks.items()}
+
+
+def split_cycle(workshop: Workshop) -> LatentMeshToImage:
+    """SPLIT's pictures of meshes by projections that were learned together."""
+    pair = cycle_pair(workshop, learns_own=True)
+    return LatentMeshToImage("split_cycle", workshop.mesh_vae, workshop.image_vae, pair.forth)
+
+
+def split_cycle_mesh(workshop: Workshop) -> LatentImageToMesh:
+    """SPLIT's meshes of pictures by projections that were learned together."""
+    pair = cycle_pair(workshop, learns_own=True)
+    return LatentImageToMesh("split_cycle", workshop.image_vae, workshop.mesh_vae, pair.back)

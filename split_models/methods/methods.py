@@ -1,0 +1,189 @@
+"""The rows of the tables: methods by name, each built from a recipe's workshop."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.networks.latent import (
+    AtRest,
+    DirectMeshToImage,
+    LatentImageToMesh,
+    LatentMeshToImage,
+    NoContact,
+    SplitOnBackground,
+)
+from split_models.recipe.recipe_run import Workshop
+from tactiledata.registry import Registry
+
+Pictures = NDArray[np.uint8]
+Displacements = NDArray[np.float32]
+
+
+class MeshToImage(Protocol):
+    """Pictures of deformed meshes.
+
+    A method that is calibrated for each unit has ``for_sensor(sensor)`` as well, which gives the one for a unit.
+    """
+
+    @property
+    def name(self) -> str:
+        """Of its row."""
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
+
+
+class ImageToMesh(Protocol):
+    """Deformed meshes of pictures."""
+
+    @property
+    def name(self) -> str:
+        """Of its row."""
+
+    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+        """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
+
+
+MESH_TO_IMAGE = Registry(
+    "mesh-to-image method",
+    {
+        "no_contact": "split_models.methods.methods:no_contact",
+        "end_to_end": "split_models.methods.methods:end_to_end",
+        "taxim_published": "split_models.methods.baselines:taxim_published",
+        "taxim_calibrated": "split_models.methods.baselines:taxim_calibrated",
+        "fots_published": "split_models.methods.baselines:fots_published",
+        "fots_calibrated": "split_models.methods.baselines:fots_calibrated",
+        "across": "split_models.methods.baselines:across",
+        "nosplit": "split_models.methods.methods:nosplit",
+        "split": "split_models.methods.methods:split",
+        "split_on_background": "split_models.methods.methods:split_on_background",
+        "split_cycle": "split_models.methods.cycle:split_cycle",
+        "split_onnx": "split_models.onnx.export:split_onnx",
+    },
+    group="split_models.mesh_to_image",
+)
+"""Name -> function of a workshop that gives a `MeshToImage`."""
+
+IMAGE_TO_MESH = Registry(
+    "image-to-mesh method",
+    {
+        "at_rest": "split_models.methods.methods:at_rest",
+        "zhu": "split_models.methods.zhu_row:zhu",
+        "nosplit": "split_models.methods.methods:nosplit_mesh",
+        "split": "split_models.methods.methods:split_mesh",
+        "split_cycle": "split_models.methods.cycle:split_cycle_mesh",
+        "split_onnx": "split_models.onnx.export:split_onnx_mesh",
+    },
+    group="split_models.image_to_mesh",
+)
+"""Name -> function of a workshop that gives an `ImageToMesh`."""
+
+TITLES = {
+    "no_contact": "target background, no contact",
+    "at_rest": "undeformed mesh",
+    "end_to_end": "end-to-end autoencoder",
+    "nosplit": "NOSPLIT",
+    "split": "SPLIT",
+    "split_on_background": "SPLIT on the recorded background (beyond the paper)",
+    "split_onnx": "SPLIT by onnxruntime",
+    "split_sampled": "SPLIT, latent vectors drawn, as in the paper",
+    "split_cycle_only": "SPLIT, projections learned together by their cycle (beyond the paper)",
+    "split_cycle": "SPLIT, projections learned together by their cycle and on their own outputs (beyond the paper)",
+    "faded": "background and undeformed mesh: where fading ends",
+    "taxim_published": "Taxim, published calibration",
+    "taxim_calibrated": "Taxim, calibrated and registered per unit",
+    "fots_published": "FOTS, published calibration",
+    "fots_calibrated": "FOTS, calibrated and registered per unit",
+    "zhu": "Zhu et al. 2022",
+    "across": "ACROSS",
+    "raw_mesh": "raw vertices",
+    "raw_image": "raw images",
+    "mesh": "mesh latent",
+    "image": "image latent (NOSPLIT)",
+    "deformation": "image latent (SPLIT)",
+    "projected_nosplit": "projected mesh (NOSPLIT)",
+    "projected_split": "projected mesh (SPLIT)",
+}
+"""For people."""
+
+
+def mesh_to_image(workshop: Workshop, row: str) -> MeshToImage:
+    """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
+    variant, _, name = row.rpartition(":")
+    found: MeshToImage = MESH_TO_IMAGE[name](workshop.variant(variant))
+    return found
+
+
+def image_to_mesh(workshop: Workshop, row: str) -> ImageToMesh:
+    """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
+    variant, _, name = row.rpartition(":")
+    found: ImageToMesh = IMAGE_TO_MESH[name](workshop.variant(variant))
+    return found
+
+
+def title_of(row: str) -> str:
+    """A row's name for people."""
+    variant, _, name = row.rpartition(":")
+    title = TITLES.get(name, name)
+    return f"{title}, {variant}" if variant else title
+
+
+def no_contact(workshop: Workshop) -> MeshToImage:
+    """The target's background, whatever presses."""
+    return NoContact()
+
+
+def at_rest(workshop: Workshop) -> ImageToMesh:
+    """The undeformed mesh, whatever the picture shows."""
+    return AtRest(workshop.topology.n_vertices)
+
+
+def end_to_end(workshop: Workshop) -> MeshToImage:
+    """The end-to-end autoencoder."""
+    return DirectMeshToImage("end_to_end", workshop.end_to_end)
+
+
+def nosplit(workshop: Workshop) -> MeshToImage:
+    """Projection onto the picture's latent vector."""
+    return _mesh_to_image(workshop, is_split=False)
+
+
+def split(workshop: Workshop) -> MeshToImage:
+    """Projection onto the deformation's latent vector, the background's added."""
+    return _mesh_to_image(workshop, is_split=True)
+
+
+def split_on_background(workshop: Workshop) -> MeshToImage:
+    """SPLIT's change of the picture, on the recorded background."""
+    return SplitOnBackground("split_on_background", _mesh_to_image(workshop, is_split=True))
+
+
+def nosplit_mesh(workshop: Workshop) -> ImageToMesh:
+    """Projection of the picture's latent vector."""
+    return _image_to_mesh(workshop, is_split=False)
+
+
+def split_mesh(workshop: Workshop) -> ImageToMesh:
+    """Projection of the deformation's latent vector, the background's subtracted."""
+    return _image_to_mesh(workshop, is_split=True)
+
+
+def _mesh_to_image(workshop: Workshop, is_split: bool) -> LatentMeshToImage:
+    projection = workshop.projection("mesh_to_image", is_split)
+    name, latents = "split" if is_split else "nosplit", workshop.recipe.models["latents"]
+    return LatentMeshToImage(name, workshop.mesh_vae, workshop.image_vae, projection, is_split, latents)
+
+
+def _image_to_mesh(workshop: Workshop, is_split: bool) -> LatentImageToMesh:
+    projection = workshop.projection("image_to_mesh", is_split)
+    name, latents = "split" if is_split else "nosplit", workshop.recipe.models["latents"]
+    return LatentImageToMesh(name, workshop.image_vae, workshop.mesh_vae, projection, is_split, latents)
+
+
+def for_sensor(method: Any, sensor: str) -> Any:
+    """The method for a unit: itself, or what it gives for that unit."""
+    chosen = getattr(method, "for_sensor", None)
+    return method if chosen is None else chosen(sensor)

@@ -1,0 +1,46 @@
+"""Taxim as a baseline, twice: with its published DIGIT calibration, and calibrated on the unit at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from split_models.methods.optical_method import OpticalMethod, calibrated
+from tactiledata.optics.registration import Touch
+from tactiledata.optics.surface import GelSurface
+from tactiledata.optics.taxim import published_digit_table
+from tactiledata.optics.taxim_calibration import calibrate
+from tactiledata.optics.view import View
+from tactiledata.sensors.base import Sensor
+from tactiledata.sensors.digit import DIGIT
+
+
+def taxim_published(surface: GelSurface, sensor: Sensor = DIGIT, table: Path | None = None) -> OpticalMethod:
+    """With the published DIGIT table and the nominal camera: of the unit at hand it takes the background only.
+
+    Parameters
+    ----------
+    surface : GelSurface
+    sensor : Sensor
+    table : Path, optional
+        Another published table in Taxim's file format.
+    """
+    return OpticalMethod("taxim_published", surface, View.nominal(sensor), published_digit_table(table).change)
+
+
+def taxim_calibrated(surface: GelSurface, view: View, touches: Sequence[Touch]) -> OpticalMethod:
+    """With a table and shadows fitted to touches of the unit, seen through its registered camera.
+
+    Raises
+    ------
+    UsageError
+        No touch, or none that shows a contact.
+    """
+    return calibrated(
+        "taxim_calibrated",
+        surface,
+        view,
+        touches,
+        lambda presses: calibrate(presses, "touches of the unit").change,
+        is_planar=False,
+    )

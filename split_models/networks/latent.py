@@ -1,0 +1,229 @@
+"""Latent arithmetic: encode, subtract the background, project, add a background, decode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from split_models.networks.end_to_end import EndToEnd
+from split_models.networks.image_vae import ImageVae, as_input, as_pictures
+from split_models.networks.latent_normal import draw
+from split_models.networks.mesh_vae import MeshVae
+from split_models.networks.network import Network
+from split_models.networks.network_inputs import require_displacements, require_pictures
+from split_models.networks.projection import Projection
+from tactiledata.errors import CheckpointError
+
+Pictures = NDArray[np.uint8]
+Displacements = NDArray[np.float32]
+Latents = Literal["mean", "sample"]
+Steps = list[tuple[str, Callable[[Any], Any]]]
+"""Named functions, each of what the one before gave."""
+CHUNK = 64
+"""Frames that go through a network together."""
+
+
+def encode_pictures(vae: ImageVae, pictures: Pictures, latents: Latents = "mean") -> Tensor:
+    """Latent vectors (n, d), on the CPU, of pictures (n, h, w, 3), uint8.
+
+    Raises
+    ------
+    UsageError
+        Pictures of another size than the VAE's.
+    """
+    require_pictures(vae.size, pictures)
+    return _in_chunks(vae, pictures, lambda some: _chosen(vae.distribution(as_input(some)), latents))
+
+
+def encode_displacements(vae: MeshVae, displacements: Displacements, latents: Latents = "mean") -> Tensor:
+    """Latent vectors (n, d), on the CPU, of displacements (n, v, 3), m.
+
+    Raises
+    ------
+    UsageError
+        Another number of vertices than the VAE's, or NaN.
+    """
+    require_displacements(vae.hierarchy.sizes[0], displacements)
+    return _in_chunks(vae, displacements, lambda some: _chosen(vae.distribution(some), latents))
+
+
+def decode_pictures(vae: ImageVae, latent: Tensor) -> Pictures:
+    """Pictures (n, h, w, 3), uint8, of latent vectors (n, d)."""
+    return _in_chunks(vae, latent, lambda some: as_pictures(vae.decode(some))).numpy()
+
+
+def decode_displacements(vae: MeshVae, latent: Tensor) -> Displacements:
+    """Displacements (n, v, 3), m, of latent vectors (n, d)."""
+    return _in_chunks(vae, latent, vae.decode).numpy()
+
+
+def project(projection: Projection, latent: Tensor) -> Tensor:
+    """Latent vectors (n, outputs), on the CPU, of latent vectors (n, inputs)."""
+    return _in_chunks(projection, latent, projection)
+
+
+def subtract(latent: Tensor, background: Tensor) -> Tensor:
+    """The deformation's vectors: Z_Deform = Z_Image - Z_Base."""
+    return latent - background
+
+
+def add(deformation: Tensor, background: Tensor) -> Tensor:
+    """The picture's vectors: Z_Image = Z_Deform + Z_Base."""
+    return deformation + background
+
+
+@dataclass(frozen=True)
+class LatentMeshToImage:
+    """Pictures of meshes by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
+
+    Raises
+    ------
+    CheckpointError
+        The latent vectors of the networks have other sizes.
+    """
+
+    name: str
+    mesh_vae: MeshVae
+    image_vae: ImageVae
+    projection: Projection
+    is_split: bool = True
+    latents: Latents = "mean"
+
+    def __post_init__(self) -> None:
+        _require_fit(self.projection, self.mesh_vae.latent, self.image_vae.latent)
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
+        projected = project(self.projection, encode_displacements(self.mesh_vae, displacements, self.latents))
+        if self.is_split:
+            projected = add(projected, encode_pictures(self.image_vae, background[None]))
+        return decode_pictures(self.image_vae, projected)
+
+    def steps(self, background: Pictures) -> Steps:
+        """What `predict` does, step by step; the background is encoded once for all frames."""
+        base = encode_pictures(self.image_vae, background[None]) if self.is_split else torch.zeros(1)
+        return [
+            ("mesh encoder", lambda moved: encode_displacements(self.mesh_vae, moved, self.latents)),
+            ("projection", lambda latent: add(project(self.projection, latent), base)),
+            ("decoder", lambda latent: decode_pictures(self.image_vae, latent)),
+        ]
+
+
+@dataclass(frozen=True)
+class SplitOnBackground:
+    """SPLIT's change of the picture on the recorded background: what decoding blurs is not the background's.
+
+    Beyond the paper: background + decode(Z_Deform + Z_Base) - decode(Z_Base).
+    """
+
+    name: str
+    split: LatentMeshToImage
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
+        vae = self.split.image_vae
+        untouched = decode_pictures(vae, encode_pictures(vae, background[None])).astype(np.int16)
+        change = self.split.predict(displacements, background) - untouched
+        return np.clip(background + change, 0, 255).astype(np.uint8)
+
+
+@dataclass(frozen=True)
+class LatentImageToMesh:
+    """Meshes of pictures by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
+
+    Raises
+    ------
+    CheckpointError
+        The latent vectors of the networks have other sizes.
+    """
+
+    name: str
+    image_vae: ImageVae
+    mesh_vae: MeshVae
+    projection: Projection
+    is_split: bool = True
+    latents: Latents = "mean"
+
+    def __post_init__(self) -> None:
+        _require_fit(self.projection, self.image_vae.latent, self.mesh_vae.latent)
+
+    def latent(self, pictures: Pictures, background: Pictures) -> Tensor:
+        """The mesh's latent vectors (n, d)."""
+        found = encode_pictures(self.image_vae, pictures, self.latents)
+        if self.is_split:
+            found = subtract(found, encode_pictures(self.image_vae, background[None]))
+        return project(self.projection, found)
+
+    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+        """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
+        return decode_displacements(self.mesh_vae, self.latent(pictures, background))
+
+
+@dataclass(frozen=True)
+class DirectMeshToImage:
+    """Pictures of meshes by the end-to-end network, which is not told the background."""
+
+    name: str
+    network: EndToEnd
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m."""
+        require_displacements(len(self.network.mean), displacements)
+        return _in_chunks(self.network, displacements, lambda some: as_pictures(self.network(some))).numpy()
+
+
+@dataclass(frozen=True)
+class NoContact:
+    """The background itself, whatever presses: what any method must beat."""
+
+    name: str = "no_contact"
+
+    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+        """The background (h, w, 3), n times."""
+        return np.broadcast_to(background, (len(displacements), *background.shape)).copy()
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """The undeformed mesh, whatever the picture shows: what any method must beat."""
+
+    vertices: int
+    name: str = "at_rest"
+
+    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+        """No displacement, (n, v, 3)."""
+        return np.zeros((len(pictures), self.vertices, 3), np.float32)
+
+
+def _require_fit(projection: Projection, inputs: int, outputs: int) -> None:
+    found = projection.settings["inputs"], projection.settings["outputs"]
+    if found != (inputs, outputs):
+        raise CheckpointError(
+            f"a projection from {found[0]} to {found[1]} latent dimensions",
+            f"from {inputs} to {outputs}, as the VAEs beside it have",
+            "Train the projection with these VAEs.",
+        )
+
+
+def _chosen(distribution: tuple[Tensor, Tensor], latents: Latents) -> Tensor:
+    mean, log_variance = distribution
+    return draw(mean, log_variance) if latents == "sample" else mean
+
+
+@torch.no_grad()
+def _in_chunks(network: Network, values: Any, work: Callable[[Tensor], Tensor]) -> Tensor:
+    """What a network makes of values (n, ...), some at a time, gathered on the CPU."""
+    network.eval()
+
+    def done() -> Iterator[Tensor]:
+        for start in range(0, len(values), CHUNK):
+            some = torch.as_tensor(values[start : start + CHUNK]).to(network.device)
+            yield work(some).cpu()
+
+    return torch.cat(list(done()))

@@ -1,0 +1,121 @@
+"""The store of a recipe: opened, or recorded, ingested, replayed and split; whatever is there already is left alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from split_models.recipe.recipe import Recipe
+from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.schema import read_document
+from tactiledata.errors import TactileDataError
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.replay.attach import replay
+from tactiledata.replay.options import ReplayOptions
+from tactiledata.rig.record import record
+from tactiledata.rig.scenario.scenario import Scenario, load_scenario
+from tactiledata.rig.scenario.worlds import find_scenario
+from tactiledata.splits.make import make_split
+from tactiledata.store.read.reader import Store
+
+Tell = Callable[..., None]
+STORE = "ds.zarr"
+RECORDED = "recorded.json"
+"""Lies beside the recordings once all of them are there."""
+
+
+def store_place(recipe: Recipe, out: Path) -> Path:
+    """Where the store of a recipe lies or will lie; worlds are kept in ``out/data``, one folder each."""
+    data = recipe.data
+    if data["store"]:
+        return Path(data["store"])
+    key = digest_of(_scenario_document(data["world"]))
+    return out / "data" / f"{Path(data['world']).stem}-{key[:12]}" / STORE
+
+
+def prepare_store(recipe: Recipe, out: Path, workers: int, tell: Tell) -> Path:
+    """The store that a recipe works on, with meshes and its split.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    out : Path
+    workers : int
+        Local processes.
+    tell : callable
+        Called with how much is done, how much there is, and words.
+
+    Raises
+    ------
+    TactileDataError
+        A recording that cannot be read, or no frame with a mesh.
+    """
+    data, place = recipe.data, store_place(recipe, out)
+    if data["world"]:
+        _make_world(data, place, workers, tell)
+    split = data["split"]
+    store = Store.open(place)
+    if split["make"] and not (data["store"] and split["name"] in store.split_names()):
+        options = {name: split[name] for name in ("by", "hold_out", "fractions", "force", "seed")}
+        make_split(store, split["name"], **options)
+    return place
+
+
+def _scenario_document(world: str) -> Any:
+    source = find_scenario(world)
+    return read_document(source, "scenario") if isinstance(source, Path) else source
+
+
+def _make_world(data: Any, store: Path, workers: int, tell: Tell) -> None:
+    scenario = load_scenario(find_scenario(data["world"]))
+    recordings = store.parent / "recordings"
+    if not (store.parent / RECORDED).exists():
+        record(scenario, recordings, "mcap", partial(_told, tell, "recording"), workers)
+        write_json_atomic(store.parent / RECORDED, {"scenario": digest_of(_scenario_document(data["world"]))})
+    report = ingest([recordings], store, workers=workers, progress=partial(_told, tell, "ingesting"))
+    if report.fell_short:
+        raise TactileDataError(
+            f"recordings of the world {data['world']} did not come into the store whole",
+            "whole recordings",
+            f"Look with `tactiledata info {store}`.",
+        )
+    options = replay_options(data["replay"], scenario)
+    replay(store, options, workers, progress=partial(_told, tell, "replaying"))
+
+
+def _told(tell: Tell, step: str, done: int, total: int, what: str = "") -> None:
+    tell(done, total, f"{step}: {what}")
+
+
+def replay_options(section: Any, scenario: Scenario) -> ReplayOptions:
+    """How a world is replayed: with its own material where the recipe states none."""
+    own = scenario.material
+    material = {
+        name: getattr(own, name) if section[name] is None else section[name]
+        for name in ("youngs_modulus", "poisson_ratio", "friction")
+    }
+    return ReplayOptions(
+        GelMaterial(**material),
+        resolution=section["resolution"],
+        fidelity=section["fidelity"],
+        keep=section["keep"],
+        name=replayed_name(section),
+    )
+
+
+def replayed_name(section: Any) -> str:
+    """What a replay is called in the store: by resolution, fidelity and kept nodes."""
+    linear = "-linear" if section["fidelity"] == "linear" else ""
+    surface = "-surface" if section["keep"] == "surface" else ""
+    return f"{section['resolution']}{linear}{surface}"
+
+
+def mesh_name(data: Any) -> str:
+    """The mesh of the store that a recipe works with; empty: the only one."""
+    if data["mesh"] or data["store"]:
+        return str(data["mesh"])
+    return replayed_name(data["replay"])

@@ -1,0 +1,95 @@
+"""The data of a recipe: its store, made where it is a world, and what of it models learn from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from split_models.learning.data import TouchFrames, vertex_scale
+from split_models.learning.device import Ranks
+from split_models.networks.mesh_graph import Hierarchy, Topology, build_hierarchy
+from split_models.recipe.prepare import mesh_name, prepare_store, store_place
+from split_models.recipe.recipe import Recipe
+
+Tell = Callable[..., None]
+
+
+class RecipeData:
+    """What a recipe learns from, read when it is asked for.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    out : Path
+        Worlds go below it.
+    ranks : Ranks
+        The first process makes what is not there, the others wait.
+    tell : callable
+        Called with how much is done, how much there is, and words.
+    workers : int
+        Local processes that record and replay.
+    """
+
+    def __init__(self, recipe: Recipe, out: Path, ranks: Ranks, tell: Tell, workers: int) -> None:
+        self.recipe, self.out, self.ranks, self.tell, self.workers = recipe, out, ranks, tell, workers
+        self._frames: dict[str, TouchFrames] = {}
+
+    @cached_property
+    def store(self) -> Path:
+        """The store, ready to learn from."""
+        if self.ranks.is_first:
+            prepare_store(self.recipe, self.out, self.workers, self.tell)
+        self.ranks.wait()
+        return store_place(self.recipe, self.out)
+
+    def frames(self, part: str) -> TouchFrames:
+        """Frames of a part of the split that have picture, mesh, wrench and background."""
+        if part not in self._frames:
+            data = self.recipe.data
+            self._frames[part] = TouchFrames(
+                self.store,
+                f"{data['split']['name']}/{part}",
+                camera=data["camera"],
+                size=data["image_size"],
+                mesh=mesh_name(data),
+                wrench=data["wrench"] or None,
+            )
+        return self._frames[part]
+
+    @cached_property
+    def topology(self) -> Topology:
+        """The mesh of the store."""
+        return self.frames("train").topology()
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """Its levels."""
+        return build_hierarchy(self.topology, len(self.recipe.models["mesh_vae"]["filters"]))
+
+    @cached_property
+    def vertex_scale(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mean and spread (v, 3), m, of the train part."""
+        return vertex_scale(self.frames("train"))
+
+    @cached_property
+    def force_scale(self) -> tuple[list[float], list[float]]:
+        """Mean and spread (3,), N, of the train part."""
+        forces = self.frames("train").forces().astype(np.float64)
+        return forces.mean(axis=0).tolist(), np.maximum(forces.std(axis=0), 1e-3).tolist()
+
+    @cached_property
+    def extra_frames(self) -> list[TouchFrames]:
+        """Pictures of other corpora, which only the image VAE learns from."""
+        return [
+            TouchFrames(
+                extra["store"],
+                extra.get("split", "default/train"),
+                camera=extra.get("camera", self.recipe.data["camera"]),
+                size=self.recipe.data["image_size"],
+                background=False,
+            )
+            for extra in self.recipe.data["extra_stores"]
+        ]

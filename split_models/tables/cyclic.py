@@ -1,0 +1,191 @@
+"""Picture to mesh to picture, again and again: how far it drifts from its beginning, and from cycle to cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.learning.contact_region import contact_region
+from split_models.learning.data import TouchFrames
+from split_models.methods.baselines import surface_of
+from split_models.methods.cycle import cycle_pair
+from split_models.methods.methods import title_of
+from split_models.networks.latent import LatentImageToMesh, LatentMeshToImage, Latents
+from split_models.recipe.recipe_run import Workshop
+from split_models.tables.cyclic_plot import write_cycle_plot
+from split_models.tables.evaluate import MASKED, summarised
+from split_models.tables.mesh_picture import MeshPictures
+from split_models.tables.picture_grid import write_grid
+from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.errors import UnknownName
+from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY, ssim
+from tactiledata.metrics.mesh_distance import MESH_DISTANCE, rmse
+
+Values = dict[str, NDArray[np.float64]]
+Ways = tuple[LatentMeshToImage, LatentImageToMesh]
+VARIANTS = ("split", "split_sampled", "split_cycle_only", "split_cycle")
+"""Rows: by the means of the latent distributions, by draws as in the paper, and with projections learned together."""
+SHOWN = (1, 2, 5, 10, 20, 40)
+"""Cycles that the table shows, the last one always; ``cycles.json`` has all."""
+STRIP = 5
+"""Cycles that the strip shows."""
+_SSIM, _RMSE = IMAGE_SIMILARITY.scores["ssim"], MESH_DISTANCE.scores["rmse"]
+SCORES = {"ssim": _SSIM, "rmse": _RMSE, "drift_ssim": _SSIM, "drift_rmse": _RMSE}
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What one cycle gave: meshes of the pictures before it, and pictures of these meshes."""
+
+    displacements: NDArray[np.float32]
+    pictures: NDArray[np.uint8]
+
+
+def cycles(
+    forth: LatentMeshToImage,
+    back: LatentImageToMesh,
+    pictures: NDArray[np.uint8],
+    background: NDArray[np.uint8],
+    count: int,
+) -> Iterator[Cycle]:
+    """So many cycles from pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
+    for _ in range(count):
+        displacements = back.predict(pictures, background)
+        pictures = forth.predict(displacements, background)
+        yield Cycle(displacements, pictures)
+
+
+def cycle_values(
+    forth: LatentMeshToImage, back: LatentImageToMesh, frames: TouchFrames, numbers: NDArray[np.int64], count: int
+) -> Values:
+    """Scores (frames, cycles).
+
+    ``ssim``, on the full frame and inside the contact, and ``rmse`` (mm) against the recorded picture and the simulated
+    mesh; ``drift_ssim`` and ``drift_rmse`` against the cycle before, the first one against what was recorded.
+    """
+    names = ("ssim", f"ssim{MASKED}", "rmse", "drift_ssim", "drift_rmse")
+    values = {name: np.full((len(numbers), count), np.nan) for name in names}
+    for rows, true, background in _of_each_unit(frames, numbers):
+        region, before = contact_region(true.pictures, background), true
+        for number, found in enumerate(cycles(forth, back, true.pictures, background, count)):
+            values["ssim"][rows, number] = ssim(found.pictures, true.pictures)
+            values[f"ssim{MASKED}"][rows, number] = ssim(found.pictures, true.pictures, region)
+            values["rmse"][rows, number] = rmse(found.displacements, true.displacements)
+            values["drift_ssim"][rows, number] = ssim(found.pictures, before.pictures)
+            values["drift_rmse"][rows, number] = rmse(found.displacements, before.displacements)
+            before = found
+    return values
+
+
+def faded_values(frames: TouchFrames, numbers: NDArray[np.int64]) -> Values:
+    """Scores (frames,) of where all fading ends: the picture without contact and the undeformed mesh."""
+    values = {name: np.full(len(numbers), np.nan) for name in ("ssim", f"ssim{MASKED}", "rmse")}
+    for rows, true, background in _of_each_unit(frames, numbers):
+        plain = np.broadcast_to(background, true.pictures.shape)
+        values["ssim"][rows] = ssim(plain, true.pictures)
+        values[f"ssim{MASKED}"][rows] = ssim(plain, true.pictures, contact_region(true.pictures, background))
+        values["rmse"][rows] = rmse(np.zeros_like(true.displacements), true.displacements)
+    return values
+
+
+def prepare_cyclic(workshop: Workshop) -> dict[str, Ways]:
+    """Both ways of each variant, trained."""
+    found = {}
+    for name in workshop.recipe.rows["methods"] or list(VARIANTS):
+        if name not in VARIANTS:
+            raise UnknownName("variant of the cycle", name, VARIANTS)
+        mesh, image = workshop.mesh_vae, workshop.image_vae
+        if name.startswith("split_cycle"):
+            pair = cycle_pair(workshop, learns_own=name == "split_cycle")
+            forth, back = pair.forth, pair.back
+        else:
+            forth, back = workshop.projection("mesh_to_image", True), workshop.projection("image_to_mesh", True)
+        latents: Latents = "sample" if name == "split_sampled" else "mean"
+        found[name] = (
+            LatentMeshToImage(name, mesh, image, forth, True, latents),
+            LatentImageToMesh(name, image, mesh, back, True, latents),
+        )
+    return found
+
+
+def cyclic_rows(workshop: Workshop) -> list[dict[str, Any]]:
+    """Rows for each part: where fading ends, then some cycles of each variant, over evenly spaced frames.
+
+    Strips, curves and all cycles (``cycles.json``) are written beside.
+    """
+    rows, curves = [], {}
+    for part in workshop.recipe.rows["parts"]:
+        frames, variants = workshop.frames(part), prepare_cyclic(workshop)
+        count = min(workshop.recipe.rows["frames"], len(frames))
+        chosen = np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64))
+        found, drawn, shown = {}, surface_pictures(workshop, frames, chosen), shown_on_strip(frames, chosen)
+        for done, (name, (forth, back)) in enumerate(variants.items()):
+            workshop.tell(done, len(variants), f"{part}: {name}")
+            found[name] = cycle_values(forth, back, frames, chosen, workshop.recipe.rows["cycles"])
+            strip = workshop.tables / f"strip-{part}-{name}.png"
+            write_strip(strip, variants[name], frames, shown, drawn)
+        rows += _part_rows(part, found, faded_values(frames, chosen), frames.trajectories[chosen], workshop)
+        curves[part] = {name: _means(values) for name, values in found.items()}
+        write_cycle_plot(workshop.tables / f"cycles-{part}.png", {title_of(n): one for n, one in curves[part].items()})
+    write_json_atomic(workshop.tables / "cycles.json", curves)
+    return rows
+
+
+def _part_rows(
+    part: str, found: Mapping[str, Values], faded: Values, trajectories: Any, workshop: Workshop
+) -> list[dict[str, Any]]:
+    rounds, count = workshop.recipe.rows["rounds"], workshop.recipe.rows["cycles"]
+    rows: list[dict[str, Any]] = [
+        {"part": part, "method": "faded", "scores": summarised(faded, trajectories, rounds, SCORES)}
+    ]
+    for name, values in found.items():
+        for cycle in sorted({*(one for one in SHOWN if one <= count), count}):
+            now = {score: one[:, cycle - 1] for score, one in values.items()}
+            scores = summarised(now, trajectories, rounds, SCORES)
+            rows.append({"part": part, "method": name, "cycle": cycle, "scores": scores})
+    return rows
+
+
+def _means(values: Values) -> dict[str, list[float]]:
+    return {name: np.nanmean(one, axis=0).round(6).tolist() for name, one in values.items()}
+
+
+def surface_pictures(workshop: Workshop, frames: TouchFrames, numbers: NDArray[np.int64]) -> MeshPictures:
+    """What draws meshes, its colours as deep as the deepest of some frames."""
+    deepest = float(-frames.displacements(numbers)[..., 2].min())
+    assert frames.size is not None  # recipes state it
+    return MeshPictures(surface_of(workshop), frames.size, deepest)
+
+
+def shown_on_strip(frames: TouchFrames, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The deepest of each half: two touches, that there is something to see of."""
+    depths = -frames.displacements(numbers)[..., 2].min(axis=1)
+    halves = np.array_split(np.arange(len(numbers)), 2)
+    return np.array([numbers[half[depths[half].argmax()]] for half in halves if len(half)])
+
+
+def write_strip(path: Path, ways: Ways, frames: TouchFrames, numbers: NDArray[np.int64], drawn: MeshPictures) -> None:
+    """For each frame two rows: the simulated mesh and those of the first cycles; the recorded picture and theirs."""
+    rows, labels = [], []
+    for number in numbers:
+        shown, moved = frames.pictures([int(number)]), frames.displacements([int(number)])
+        walk = list(cycles(*ways, shown, frames.background(frames.sensors[number]), STRIP))
+        rows.append([drawn.draw(one) for one in (moved[0], *(step.displacements[0] for step in walk))])
+        rows.append([shown[0], *(step.pictures[0] for step in walk)])
+        labels += [f"{frames.indenters[number]} on {frames.sensors[number]}\nmesh", "picture"]
+    write_grid(path, rows, ["given", *(f"cycle {number + 1}" for number in range(STRIP))], labels)
+
+
+def _of_each_unit(
+    frames: TouchFrames, numbers: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], Cycle, NDArray[np.uint8]]]:
+    """Places among the numbers, what was recorded of them, and the background, unit by unit."""
+    for sensor in sorted(set(frames.sensors[numbers])):
+        rows = np.flatnonzero(frames.sensors[numbers] == sensor)
+        mine = numbers[rows]
+        yield rows, Cycle(frames.displacements(mine), frames.pictures(mine)), frames.background(sensor)

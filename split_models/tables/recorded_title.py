@@ -1,0 +1,13 @@
+"""What stands over a store's own pictures beside those that methods make."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import simulated_recordings
+
+
+def recorded_title(store: str | Path) -> str:
+    """A column's title for a store's own pictures: ``"recorded"``, or that they are simulated recordings."""
+    return simulated_recordings(Store.open(store)).label or "recorded"

@@ -1,0 +1,99 @@
+"""Touches of a store for the gel, with the pictures that were recorded of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.learning.data import TouchFrames
+from split_models.recipe.prepare import replay_options
+from split_models.recipe.recipe_run import Workshop
+from split_models.tables.simulated_frames import Pad, surface_of_pad
+from tactiledata.errors import UsageError
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.replay.options import ReplayOptions
+from tactiledata.replay.plan import PlannedTouch, plan_replay
+from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.worlds import find_scenario
+from tactiledata.store.read.reader import Store
+
+Pictures = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class RecordedTouches:
+    """Touches of one part of a split.
+
+    Parameters
+    ----------
+    pad : Pad
+        What they press.
+    touches : list of GelTouch
+    sensors : list of str
+        The unit of each.
+    numbers : dict, (touch, frame) -> number of the frame in the part
+    frames : TouchFrames
+        The part.
+    """
+
+    pad: Pad
+    touches: list[GelTouch]
+    sensors: list[str]
+    numbers: dict[tuple[int, int], int]
+    frames: TouchFrames
+
+
+def recorded_touches(workshop: Workshop, part: str, count: int) -> RecordedTouches:
+    """Evenly spaced trajectories of a part, so many that they have ``count`` of its frames, where it has so many.
+
+    Raises
+    ------
+    UsageError
+        None of them can be replayed, or the store's mesh is not the low-resolution pad.
+    """
+    frames, store = workshop.frames(part), Store.open(workshop.store)
+    options = _options(workshop)
+    plan = plan_replay(store, options.pads, None)
+    own = set(frames.trajectories)
+    playable = [touch for touch in plan.touches if touch.obstacle is None and touch.uid in own]
+    if not playable:
+        raise UsageError(f"no trajectory of {part} can be replayed", "poses and described indenters", "")
+    place_of = {int(row): number for number, row in enumerate(frames.rows)}
+    step = max(1, len(playable) * count // max(len(frames), 1))
+    chosen = playable[:: max(1, len(playable) // step)]
+    touches: list[GelTouch] = []
+    sensors: list[str] = []
+    numbers: dict[tuple[int, int], int] = {}
+    for touch in chosen:
+        mine = {(len(touches), row - touch.frames[0]): place_of[row] for row in range(*touch.frames) if row in place_of}
+        if len(numbers) < count and mine:
+            touches.append(touch.gel_touch(store, 0.0))
+            sensors.append(touch.sensor)
+            numbers |= mine
+    return RecordedTouches(_pad(workshop, plan.pads, playable[0], options), touches, sensors, numbers, frames)
+
+
+def _pad(workshop: Workshop, pads: Any, touch: PlannedTouch, options: ReplayOptions) -> Pad:
+    planned = pads[touch.pad]
+    surface, topology = surface_of_pad(planned.mesh, options.keep), workshop.topology
+    if surface.places.shape != topology.places.shape or not np.allclose(surface.places, topology.places, atol=1e-7):
+        raise UsageError(
+            f"a mesh of {len(topology.places)} vertices in the store, another than the low-resolution pad",
+            f"its {len(surface.places)} vertices, in one run with the high-resolution pad",
+            "Name a mesh of `tactiledata replay --resolution low` under `data.mesh`.",
+        )
+    return Pad(planned.sensor, planned.geometry, options.material, options.fidelity, options.keep)
+
+
+def _options(workshop: Workshop) -> ReplayOptions:
+    data = workshop.recipe.data
+    if data["world"]:
+        return replay_options({**data["replay"], "resolution": "low"}, load_scenario(find_scenario(data["world"])))
+    frames = workshop.frames("train")
+    known = frames.arrays.store.mesh(frames.mesh_name).settings
+    material = GelMaterial(**known["material"])
+    return ReplayOptions(material, resolution="low", fidelity=known["fidelity"], keep=known["keep"])

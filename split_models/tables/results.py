@@ -1,0 +1,135 @@
+"""A finished table: one document for machines, one page of Markdown for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from split_models.methods.methods import title_of
+from split_models.recipe.recipe import Recipe
+from split_models.tables.evaluate import MASKED
+from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.provenance import provenance
+from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
+
+RESULT = "table"
+ARROWS = {"higher": "↑", "lower": "↓"}
+
+
+def result_document(
+    recipe: Recipe,
+    rows: Sequence[Mapping[str, Any]],
+    store_digest: str,
+    simulated: SimulatedCount = NOTHING_STATED,
+) -> dict[str, Any]:
+    """The table with what it was made of.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    rows : sequence of dict
+    store_digest : str
+    simulated : SimulatedCount
+        Of the store's recordings.
+    """
+    return {
+        "format": "tactiledata-table/1",
+        "recipe": recipe.name,
+        "title": recipe.title,
+        "scale": recipe.scale,
+        "seed": recipe.seed,
+        "table": recipe.table,
+        "simulated_recordings": simulated.document(),
+        "rows": [dict(row) for row in rows],
+        "published": dict(recipe.document["published"]),
+        "provenance": provenance("run", {"recipe": recipe.digest, "store": store_digest}),
+    }
+
+
+def write_result(folder: Path, document: Mapping[str, Any]) -> dict[str, Path]:
+    """``table.json`` and ``table.md`` in a folder."""
+    paths = {"json": folder / f"{RESULT}.json", "markdown": folder / f"{RESULT}.md"}
+    write_json_atomic(paths["json"], document)
+    write_atomic(paths["markdown"], markdown(document).encode())
+    return paths
+
+
+def markdown(document: Mapping[str, Any]) -> str:
+    """The table of each part of the split, and below it the paper's own figures."""
+    lines = [
+        f"# {document['title']}",
+        "",
+        f"`tactiledata run {document['recipe']} --scale {document['scale']}`, seed {document['seed']}.",
+    ]
+    if sentence := SimulatedCount(**document["simulated_recordings"]).sentence:
+        lines += ["", sentence]
+    for part in dict.fromkeys(row["part"] for row in document["rows"]):
+        rows = [row for row in document["rows"] if row["part"] == part]
+        lines += ["", f"## {part}: {_size(rows)}", "", *table_lines(rows)]
+        published = document["published"].get(part)
+        if published:
+            lines += ["", "The paper's own figures, of another data set:", "", *_published_lines(published)]
+    return "\n".join([*lines, ""])
+
+
+def table_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Rows as a table of Markdown."""
+    names = list(dict.fromkeys(name for row in rows for name in row["scores"]))
+    heads = [_head(name, next(row["scores"][name] for row in rows if name in row["scores"])) for name in names]
+    return [
+        f"| | {' | '.join(heads)} |",
+        f"|---|{'---|' * len(heads)}",
+        *(f"| {row_title(row)} | {' | '.join(cell(row['scores'].get(name)) for name in names)} |" for row in rows),
+    ]
+
+
+def row_title(row: Mapping[str, Any]) -> str:
+    """A row's name for people."""
+    title = title_of(row["method"])
+    return f"{title}, cycle {row['cycle']}" if "cycle" in row else title
+
+
+def cell(score: Mapping[str, Any] | None) -> str:
+    """A value with its interval, or its standard deviation over seeds."""
+    if score is None or score["value"] is None:
+        return "–"
+    text = f"{score['value']:.4g}"
+    if score.get("deviation") is not None:
+        return f"{text} ({score['deviation']:.2g})"
+    if score.get("low") is not None and score.get("high") is not None:
+        return f"{text} [{score['low']:.4g}, {score['high']:.4g}]"
+    return text
+
+
+def _head(name: str, score: Mapping[str, Any]) -> str:
+    where = " in contact" if name.endswith(MASKED) else ""
+    unit = f", {score['unit']}" if score["unit"] else ""
+    return f"{name.removesuffix(MASKED)}{where}{unit} {ARROWS[score['better']]}"
+
+
+def _size(rows: Sequence[Mapping[str, Any]]) -> str:
+    score = next(iter(rows[0]["scores"].values()))
+    if "seeds" in score:
+        counts = {row["method"]: next(iter(row["scores"].values()))["seeds"] for row in rows}
+        each = [
+            f"{count} ({', '.join(title_of(method) for method, own in counts.items() if own == count)})"
+            for count in sorted(set(counts.values()))
+        ]
+        return f"mean and standard deviation over seeds: {'; '.join(each) if each[1:] else next(iter(counts.values()))}"
+    trajectories = (
+        f" of {score['trajectories']} trajectories, 95 % over trajectories" if "trajectories" in score else ""
+    )
+    return f"{score['frames']} frames{trajectories}"
+
+
+def _published_lines(published: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    names = list(dict.fromkeys(name for row in published.values() for name in row))
+    return [
+        f"| | {' | '.join(names)} |",
+        f"|---|{'---|' * len(names)}",
+        *(
+            f"| {title_of(method)} | {' | '.join(str(row.get(name, '–')) for name in names)} |"
+            for method, row in published.items()
+        ),
+    ]

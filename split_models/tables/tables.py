@@ -1,0 +1,233 @@
+"""The tables of the paper: what each needs, and its rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from split_models.learning.data import TouchFrames
+from split_models.methods.baselines import surface_of
+from split_models.methods.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
+from split_models.networks.force_head import predicted_forces
+from split_models.recipe.recipe_run import Workshop
+from split_models.tables.cyclic import cyclic_rows, prepare_cyclic
+from split_models.tables.domain_alignment import alignment_rows, prepare_alignment
+from split_models.tables.evaluate import image_values, mesh_values, summarised
+from split_models.tables.inference_time import prepare_time, time_rows
+from split_models.tables.interval_rows import interval_rows
+from split_models.tables.mesh_figure import mesh_figure
+from split_models.tables.picture_grid import write_grid
+from split_models.tables.recorded_title import recorded_title
+from tactiledata.errors import UsageError
+from tactiledata.metrics.base import Metric
+from tactiledata.metrics.force_error import FORCE_ERROR
+from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
+from tactiledata.metrics.mesh_distance import MESH_DISTANCE
+
+Rows = list[dict[str, Any]]
+
+IMAGE_METHODS = ("no_contact", "end_to_end", "nosplit", "split")
+MESH_METHODS = ("at_rest", "nosplit", "split")
+FORCE_INPUTS = ("raw_mesh", "raw_image", "mesh", "image", "deformation", "projected_nosplit", "projected_split")
+
+
+def asked(workshop: Workshop, default: Sequence[str]) -> list[str]:
+    """The rows that a recipe names, or those of the paper."""
+    return list(workshop.recipe.rows["methods"] or default)
+
+
+def scores_of(workshop: Workshop, default: Sequence[str]) -> list[str]:
+    """The scores that a recipe names, or all."""
+    return list(workshop.recipe.rows["scores"] or default)
+
+
+def _scored(
+    workshop: Workshop,
+    part: str,
+    frames: TouchFrames,
+    methods: dict[str, Any],
+    values_of: Callable[..., Any],
+    metric: Metric,
+) -> Rows:
+    """A part's row of each method: the scores of a metric that the recipe asks for, over trajectories."""
+    names = scores_of(workshop, list(metric.scores))
+    rows: Rows = []
+    for done, (name, method) in enumerate(methods.items()):
+        workshop.tell(done, len(methods), f"{part}: {name}")
+        values = values_of(method, frames, names)
+        summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], metric.scores)
+        rows.append({"part": part, "method": name, "scores": summary})
+    return rows
+
+
+# -- pictures --------------------------------------------------------------------------------------------------------
+
+
+def prepare_images(workshop: Workshop) -> dict[str, Any]:
+    """The methods of the table of pictures, trained."""
+    return {name: mesh_to_image(workshop, name) for name in asked(workshop, IMAGE_METHODS)}
+
+
+def image_rows(workshop: Workshop) -> Rows:
+    """A row for each part and method: l1, MSE, SSIM, PSNR, full frame and inside the contact region."""
+    methods = prepare_images(workshop)
+    rows: Rows = []
+    for part, frames in parts(workshop):
+        rows += _scored(workshop, part, frames, methods, image_values, IMAGE_SIMILARITY)
+        figure = side_by_side(methods, frames, recorded_title(workshop.store))
+        write_grid(workshop.tables / f"pictures-{part}.png", *figure)
+    return rows
+
+
+def side_by_side(
+    methods: dict[str, Any], frames: TouchFrames, recorded: str = "recorded", count: int = 6
+) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
+    """Return a row for each of some evenly spaced frames (recorded, then each method's), and all titles.
+
+    Parameters
+    ----------
+    methods : dict, name -> method, trained
+    frames : TouchFrames
+    recorded : str
+        The title over the recorded pictures.
+    count : int
+        Rows at most.
+    """
+    shown, labels = [], []
+    for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
+        sensor, moved = frames.sensors[number], frames.displacements([int(number)])
+        made = [for_sensor(one, sensor).predict(moved, frames.background(sensor))[0] for one in methods.values()]
+        shown.append([frames.pictures([int(number)])[0], *made])
+        labels.append(f"{frames.indenters[number]} on {sensor}")
+    return shown, [recorded, *(title_of(name) for name in methods)], labels
+
+
+# -- meshes ----------------------------------------------------------------------------------------------------------
+
+
+def prepare_meshes(workshop: Workshop) -> dict[str, Any]:
+    """The methods of the table of meshes, trained."""
+    return {name: image_to_mesh(workshop, name) for name in asked(workshop, MESH_METHODS)}
+
+
+def mesh_rows(workshop: Workshop) -> Rows:
+    """A row for each part and method: RMSE, l1, Euclidean distance, mm."""
+    methods = prepare_meshes(workshop)
+    rows: Rows = []
+    for part, frames in parts(workshop):
+        rows += _scored(workshop, part, frames, methods, mesh_values, MESH_DISTANCE)
+        figure = mesh_figure(methods, frames, surface_of(workshop), recorded_title(workshop.store))
+        write_grid(workshop.tables / f"meshes-{part}.png", *figure)
+    return rows
+
+
+# -- forces ----------------------------------------------------------------------------------------------------------
+
+
+def prepare_forces(workshop: Workshop) -> dict[str, list[Any]]:
+    """Networks of each input, one a seed."""
+    if not workshop.recipe.data["wrench"]:
+        raise UsageError("a table of forces of data without a wrench", "`wrench: contact_wrench`", "Mend the recipe.")
+    found: dict[str, list[Any]] = {}
+    for name in asked(workshop, FORCE_INPUTS):
+        if name not in FORCE_INPUTS:
+            raise UsageError(f"the force table has no row {name!r}", f"of {', '.join(FORCE_INPUTS)}", "")
+        if name == "raw_mesh":
+            found[name] = [workshop.raw_forces("mesh", seed) for seed in _seeds(workshop, "raw_seeds")]
+        elif name == "raw_image":
+            found[name] = [workshop.raw_forces("image", seed) for seed in _seeds(workshop, "raw_seeds")]
+        else:
+            found[name] = [workshop.force_head(name, seed) for seed in _seeds(workshop, "head_seeds")]
+    return found
+
+
+def force_rows(workshop: Workshop) -> Rows:
+    """A row for each part and input: MAE of fx, fy, fz and of the norm, N; mean and standard deviation over seeds.
+
+    Below them, how often intervals of each input's heads together, calibrated on the validation part, hold the truth.
+    """
+    heads = prepare_forces(workshop)
+    known, rows = workshop.frames("val"), []
+    calibration = (_forces_of_all(workshop, "val", heads), known.forces(), known.trajectories)
+    held: Rows = []
+    for part, frames in parts(workshop):
+        true, found = frames.forces(), _forces_of_all(workshop, part, heads)
+        held += interval_rows(part, heads, found, true, frames.trajectories, calibration)
+        for name, forces in found.items():
+            means: dict[str, list[float]] = {score: [] for score in FORCE_ERROR.scores}
+            for one in forces:
+                for score in means:
+                    means[score].append(float(FORCE_ERROR.scores[score](one, true).mean()))
+            summary = {
+                score: {
+                    "value": float(np.mean(values)),
+                    "deviation": float(np.std(values, ddof=1)) if values[1:] else None,
+                    "seeds": len(values),
+                    "unit": "N",
+                    "better": "lower",
+                }
+                for score, values in means.items()
+            }
+            rows.append({"part": part, "method": name, "scores": summary})
+    return rows + held
+
+
+def _forces_of_all(workshop: Workshop, part: str, heads: dict[str, list[Any]]) -> dict[str, np.ndarray]:
+    """Forces (h, n, 3), N, of each input's networks."""
+    return {
+        name: np.stack([_forces_of(workshop, part, name, network) for network in networks])
+        for name, networks in heads.items()
+    }
+
+
+def _seeds(workshop: Workshop, which: str) -> range:
+    first = workshop.recipe.seed
+    return range(first, first + workshop.recipe.rows[which])
+
+
+def _forces_of(workshop: Workshop, part: str, name: str, network: Any) -> np.ndarray:
+    frames = workshop.frames(part)
+    if not name.startswith("raw_"):
+        return predicted_forces(network, workshop.latents(part, name))
+    import torch
+
+    from split_models.networks.image_vae import as_input
+
+    pieces = []
+    for start in range(0, len(frames), 64):
+        some = range(start, min(start + 64, len(frames)))
+        given = (
+            torch.from_numpy(frames.displacements(some))
+            if name == "raw_mesh"
+            else as_input(torch.from_numpy(frames.pictures(some)))
+        )
+        pieces.append(predicted_forces(network, given))
+    return np.concatenate(pieces)
+
+
+def parts(workshop: Workshop) -> list[tuple[str, Any]]:
+    """Parts of the split that a recipe asks for, with their frames; one without frames is an error that says so."""
+    return [(part, workshop.frames(part)) for part in workshop.recipe.rows["parts"]]
+
+
+PREPARE: dict[str, Callable[[Workshop], Any]] = {
+    "digit_images": prepare_images,
+    "mesh": prepare_meshes,
+    "force": prepare_forces,
+    "inference_time": prepare_time,
+    "cyclic": prepare_cyclic,
+    "domain_alignment": prepare_alignment,
+}
+"""What trains all that a table needs."""
+
+ROWS: dict[str, Callable[[Workshop], Rows]] = {
+    "digit_images": image_rows,
+    "mesh": mesh_rows,
+    "force": force_rows,
+    "inference_time": time_rows,
+    "cyclic": cyclic_rows,
+    "domain_alignment": alignment_rows,
+}
+"""What gives a table's rows."""

@@ -1,0 +1,1 @@
+"""Pictures of one sensor in the style of another."""

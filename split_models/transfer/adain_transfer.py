@@ -1,0 +1,76 @@
+"""Transfer between sensors by features: their statistics exchanged for the target background's (AdaIN), then decoded.
+
+The features are those that the encoder ends with, a plane of 4 x 3 places: the only ones that the decoder knows a way
+back from. That way leads through the latent vector, a bottleneck that the source of AdaIN, whose decoder takes features
+as they are, has not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from split_models.networks.image_vae import ImageVae, as_input
+from split_models.networks.latent import CHUNK, decode_pictures
+from split_models.networks.learned_backgrounds import Learned
+from split_models.transfer.adaptive_instance_norm import adaptive_instance_norm
+from split_models.transfer.latent_transfer import scaled
+
+Pictures = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class AdainTransfer:
+    """AdaIN in an image VAE's feature space, picture by picture; the source background plays no part in it.
+
+    Parameters
+    ----------
+    name : str
+    vae : ImageVae
+        Pictures are scaled to its size, and back to the target background's.
+    model, recipe : str
+        SHA-256 of the checkpoint's file, and of the recipe that it was trained by.
+    scales : bool
+        Source and target may have pictures of different sizes.
+
+    Source
+    ------
+    Huang and Belongie, Arbitrary Style Transfer in Real-time with Adaptive Instance Normalization, ICCV 2017
+    """
+
+    name: str
+    vae: ImageVae
+    model: str = ""
+    recipe: str = ""
+    scales: bool = True
+
+    @property
+    def learned_from(self) -> Learned:
+        """Sensors that the VAE was trained on, with their pictures without contact; empty where that is not known."""
+        return self.vae.learned_from
+
+    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+        """The touches (n, H, W, 3) uint8 with the target background's statistics, in that background's size."""
+        size = target_background.shape[:2]
+        if not len(images):
+            return np.zeros((0, *size, 3), np.uint8)
+        latent = torch.cat(list(self._latent(images, target_background)))
+        return scaled(decode_pictures(self.vae, latent), size)
+
+    @torch.no_grad()
+    def _latent(self, images: Pictures, target_background: Pictures) -> Iterator[Tensor]:
+        self.vae.eval()
+        style = self._features(target_background[None])
+        for start in range(0, len(images), CHUNK):
+            features = self._features(images[start : start + CHUNK])
+            yield self.vae.to_mean(adaptive_instance_norm(features, style).flatten(1)).cpu()
+
+    def _features(self, pictures: Pictures) -> Tensor:
+        given = as_input(torch.from_numpy(scaled(pictures, self.vae.size)).to(self.vae.device))
+        features: Tensor = self.vae.encoder(given)
+        return features

@@ -1,0 +1,43 @@
+"""Mean and spread of each axis of a perceptual colour space moved from those of one background to the other's."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.transfer.pixels.base import LEVELS, PixelTransfer
+
+Floats = NDArray[np.float32]
+LEAST_SPREAD = 1e-3
+"""Spread, in units of CIELAB, below which a background has none to scale by."""
+
+
+def transfer_colour(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+    """Pictures whose CIELAB axes are shifted and scaled as the two backgrounds say."""
+    mean, spread = statistics(source_background)
+    goal_mean, goal_spread = statistics(target_background)
+    scale = np.where(spread > LEAST_SPREAD, goal_spread / np.maximum(spread, LEAST_SPREAD), 1.0).astype(np.float32)
+    return np.stack([_rgb((_lab(image) - mean) * scale + goal_mean) for image in images])
+
+
+def statistics(picture: Floats) -> tuple[Floats, Floats]:
+    """Mean and standard deviation (3,) of a picture (H, W, 3) in CIELAB."""
+    lab = _lab(picture).reshape(-1, 3)
+    return lab.mean(axis=0), lab.std(axis=0)
+
+
+def _lab(picture: Floats) -> Floats:
+    return np.asarray(cv2.cvtColor(picture / np.float32(LEVELS - 1), cv2.COLOR_RGB2LAB))
+
+
+def _rgb(lab: Floats) -> Floats:
+    return np.asarray(cv2.cvtColor(lab.astype(np.float32), cv2.COLOR_LAB2RGB)) * np.float32(LEVELS - 1)
+
+
+REINHARD = PixelTransfer(
+    "reinhard",
+    "Reinhard colour transfer",
+    "Reinhard et al., Color Transfer between Images, 2001, in CIELAB; statistics of the backgrounds",
+    transfer_colour,
+)

@@ -1,0 +1,238 @@
+"""A whole store as another sensor might have recorded it: a store of its own, whose trajectories name their parents."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from split_models.transfer.methods import TransferMethod
+from split_models.transfer.transfer_take import Transfer, crc_of, stage_transfer
+from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.records import Finding
+from tactiledata.contract.wording import counted
+from tactiledata.errors import StoreError, UnknownName, UsageError
+from tactiledata.sensors.average_background import refuse_swapped_channels
+from tactiledata.store.layout.lock import writing_lock
+from tactiledata.store.layout.manifest import settings_of
+from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST
+from tactiledata.store.read.pieces import Origin, Piece, pieces_of
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.seen_target import target_findings
+from tactiledata.store.read.targets import Target
+from tactiledata.store.write.commit import commit_groups, create, recover
+from tactiledata.store.write.writer import StagedTake, find_staged
+
+Progress = Callable[..., None]
+
+
+@dataclass(frozen=True)
+class TransferReport:
+    """What came of a transfer.
+
+    Parameters
+    ----------
+    out : str
+        The store that was written.
+    target : Target
+    method : str
+    sensors : tuple of str
+        Whose frames were transferred.
+    recordings, frames : int
+        That the store holds now.
+    added : int
+        Recordings that this call added; the others were there.
+    left_out : int
+        Frames of the source store that were not transferred: other cameras, no whole image, in no trajectory.
+    notes : tuple of str
+    findings : tuple of Finding
+        Where the target is no unseen sensor.
+    """
+
+    out: str
+    target: Target
+    method: str
+    sensors: tuple[str, ...]
+    recordings: int
+    frames: int
+    added: int
+    left_out: int
+    notes: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+
+    def document(self) -> dict[str, Any]:
+        """The report as JSON."""
+        facts = {name: value for name, value in vars(self).items() if name not in ("target", "findings")}
+        target = {name: value for name, value in vars(self.target).items() if name != "background"}
+        return {**facts, "target": target, "findings": [vars(finding) for finding in self.findings]}
+
+
+def transfer_store(
+    store: Store,
+    target: Target,
+    method: TransferMethod,
+    out: Path,
+    sensors: Sequence[str] | None = None,
+    progress: Progress | None = None,
+) -> TransferReport:
+    """A store with every touch of a store as the target sensor might have seen it.
+
+    Signals, forces and times are the parents'; pictures are new, lossless; meshes stay with the parents. Each
+    trajectory names its parent, so that `split` and `audit` keep the family together once both stores are merged.
+    Killed and called again, it goes on with the first recording that is not finished and ends with the same bytes.
+    Memory: the source's tables, one recording's numbers, and 64 pictures.
+
+    Parameters
+    ----------
+    store : Store
+    target : Target
+    method : TransferMethod
+    out : Path
+        A store that is made, or that an earlier call with the same settings made.
+    sensors : list of str, optional
+        Whose frames; all that have a picture without contact by default.
+    progress : callable, optional
+        Called with how many recordings are done, how many there are, and the name of the last one.
+
+    Raises
+    ------
+    UnknownName, UsageError
+        A sensor that the store does not know; backgrounds whose sizes differ; another store in ``out``.
+    StoreError
+        A sensor without a picture without contact; nothing to transfer.
+    """
+    _refuse_itself(store, out)
+    backgrounds = _backgrounds(store, target, method, sensors)
+    transfer = Transfer(target, method, backgrounds, _settings(target, method))
+    pieces = list(pieces_of(Origin.of(store)))
+    counts = [len(transfer.selected(piece)) for piece in pieces]
+    chosen = [piece for piece, count in zip(pieces, counts, strict=True) if count]
+    if not chosen:
+        raise StoreError(
+            f"no frame of {store.location} can be transferred",
+            f"whole images of {', '.join(sorted(backgrounds))} in trajectories",
+            "`tactiledata info` shows what the store holds.",
+        )
+    if (out / MANIFEST).exists():
+        _refuse_other_transfer(out, transfer, chosen)
+    else:
+        create(out, settings_of(store.manifest))
+    with writing_lock(out, INTAKE_LOCK):
+        recover(out)
+        added = _write(out, chosen, transfer, progress)
+    made = Store.open(out)
+    notes = [f"meshes stay with the parents: {', '.join(store.mesh_names)}"] if store.mesh_names else []
+    return TransferReport(
+        str(out),
+        target,
+        method.name,
+        tuple(sorted(backgrounds)),
+        made.sources(["sha256"]).num_rows,
+        made.n_frames,
+        added,
+        store.n_frames - sum(counts),
+        tuple(notes),
+        tuple(target_findings(target, store, backgrounds, getattr(method, "learned_from", None))),
+    )
+
+
+def _write(out: Path, pieces: Sequence[Piece], transfer: Transfer, progress: Progress | None) -> int:
+    """How many recordings were added."""
+    held = set(Store.open(out).manifest["sources"])
+    waiting = find_staged(out)
+    fresh = [piece for piece in pieces if transfer.digest(piece) not in held]
+    largest = settings_of(Store.open(out).manifest).heap_chunk_bytes
+
+    def takes() -> Iterator[StagedTake]:
+        for done, piece in enumerate(fresh, start=len(pieces) - len(fresh) + 1):
+            ready = waiting.get(transfer.digest(piece))
+            yield ready or stage_transfer(out, piece, transfer, largest)
+            if progress is not None:
+                progress(done, len(pieces), piece.facts["key"])
+
+    commit_groups(out, takes())
+    return len(fresh)
+
+
+def _settings(target: Target, method: TransferMethod) -> dict[str, Any]:
+    """What shapes the output, beside the sources and their backgrounds."""
+    return {
+        "method": method.name,
+        "model": getattr(method, "model", ""),
+        "recipe": getattr(method, "recipe", ""),
+        "target": target.name,
+        "target_picture": target.resolved,
+        "target_crc32c": crc_of(target.background),
+    }
+
+
+def _backgrounds(
+    store: Store, target: Target, method: TransferMethod, sensors: Sequence[str] | None
+) -> dict[str, NDArray[np.uint8]]:
+    """The pictures without contact of the sensors whose frames are transferred."""
+    if target.model == "digit":
+        refuse_swapped_channels(target.background, f"the background of {target.name}")
+    facts = store.sensors()
+    tactile = [name for name in sorted(facts) if facts[name].get("model") != "camera"]
+    if sensors is not None and (unknown := [name for name in sensors if name not in facts]):
+        raise UnknownName("sensor of the store", unknown[0], facts)
+    named = list(sensors) if sensors is not None else _with_frames(store, tactile)
+    held = store.manifest["references"]
+    if lacking := [name for name in named if name not in held]:
+        raise StoreError(
+            f"{counted(len(lacking), 'sensor')} of {store.location} without a picture without contact: "
+            + ", ".join(lacking),
+            "a background for every sensor that is transferred",
+            f"`tactiledata sensors add {lacking[0]} --background FILE...`, or name others with --from.",
+        )
+    found = {name: store.reference(name).image for name in named}
+    if not getattr(method, "scales", False):
+        _refuse_other_sizes(found, target)
+    return found
+
+
+def _with_frames(store: Store, names: Sequence[str]) -> list[str]:
+    there = set(store.trajectories(["sensor"])["sensor"].to_pylist())
+    return [name for name in names if name in there]
+
+
+def _refuse_other_sizes(backgrounds: dict[str, NDArray[np.uint8]], target: Target) -> None:
+    wanted = target.background.shape
+    others = {name: image.shape for name, image in backgrounds.items() if image.shape != wanted}
+    if others:
+        name, shape = next(iter(others.items()))
+        raise UsageError(
+            f"the background of {target.name} is {wanted[0]} rows x {wanted[1]} columns, that of {name} "
+            f"{shape[0]} x {shape[1]}",
+            "backgrounds of one size",
+            "Name a target of that size, or leave the sensor out with --from.",
+        )
+
+
+def _refuse_itself(store: Store, out: Path) -> None:
+    if Path(store.location).resolve() == out.resolve():
+        raise UsageError(f"{out} would be transferred into itself", "another store to write", "Name it with --out.")
+
+
+def _refuse_other_transfer(out: Path, transfer: Transfer, pieces: Sequence[Piece]) -> None:
+    """A store of an earlier call goes on only with that call's settings, and the same frames of what it holds."""
+    wanted, expected = digest_of(transfer.settings), {p.facts["sha256"]: transfer.digest(p) for p in pieces}
+    for row in Store.open(out).sources(["key", "sha256", "provenance"]).to_pylist():
+        made = json.loads(row["provenance"])
+        if made.get("step") != "transfer":
+            found = f"the recording {row['key']}"
+        elif made["settings_sha256"] != wanted:
+            before = made["settings"]
+            found = f"frames transferred to {before['target']} by {before['method']}, with other settings than now"
+        elif expected.get(made["inputs"]["parent"], row["sha256"]) != row["sha256"]:
+            found = f"{row['key']}, with other source sensors or backgrounds than now"
+        else:
+            continue
+        raise UsageError(
+            f"{out} holds {found}", "a new store, or one of the same transfer", "Name another one with --out."
+        )

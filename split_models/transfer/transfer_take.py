@@ -1,0 +1,229 @@
+"""One recording of a store as another sensor might have recorded it: new pictures, and whose children they are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import google_crc32c
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from split_models.transfer.methods import TransferMethod
+from tactiledata.contract.image_batches import image_batches
+from tactiledata.contract.provenance import digest_of, provenance
+from tactiledata.contract.records import FrameValues, Image, Source
+from tactiledata.contract.take import FRAME_SCHEMA, UNUSABLE, Reference, Take, findings_table
+from tactiledata.errors import UsageError
+from tactiledata.ingest.trajectories.cut import trajectory_uid
+from tactiledata.store.read.pieces import Piece, take_of
+from tactiledata.store.read.targets import Target
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import StagedTake, stage, staging_folder
+
+BATCH = 64
+"""Pictures in memory at once."""
+PARENT = "parent_row"
+"""Frame values that say which row of the source store each frame was made of."""
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """What is done to every recording.
+
+    Parameters
+    ----------
+    target : Target
+    method : TransferMethod
+    backgrounds : dict, sensor -> (H, W, 3) uint8
+        Sensors whose frames are transferred.
+    settings : dict
+        What shapes the output; JSON values.
+    """
+
+    target: Target
+    method: TransferMethod
+    backgrounds: Mapping[str, NDArray[np.uint8]]
+    settings: Mapping[str, Any]
+
+    def digest(self, piece: Piece) -> str:
+        """Digest by which the output store knows what this makes of a recording."""
+        sensors = {
+            name: crc_of(self.backgrounds[name])
+            for name in sorted(set(piece.contents["sensors"]) & set(self.backgrounds))
+        }
+        return digest_of({"parent": piece.facts["sha256"], "sensors": sensors, **self.settings})
+
+    def selected(self, piece: Piece) -> NDArray[np.int64]:
+        """Rows, in the source store, of the piece's frames that are transferred.
+
+        Those of the chosen sensors that lie in a trajectory and have a whole picture: a frame outside every trajectory
+        could name no parent.
+        """
+        table = piece.origin.frames.slice(piece.first_frame, piece.facts["frames"])
+        whole = (np.asarray(table["flags"]) & UNUSABLE) == 0
+        chosen = np.asarray(pc.is_in(table["sensor"].cast(pa.string()), pa.array(list(self.backgrounds), pa.string())))
+        inside = np.asarray(table["trajectory"]) >= 0
+        return piece.first_frame + np.flatnonzero(whole & chosen & inside)
+
+
+def crc_of(image: NDArray[np.uint8]) -> int:
+    """CRC-32C of a picture's bytes."""
+    return google_crc32c.value(np.ascontiguousarray(image).tobytes())
+
+
+def stage_transfer(out: Path, piece: Piece, transfer: Transfer, largest_payload: int) -> StagedTake:
+    """A recording's transferred take, staged in the output store."""
+    sha256 = transfer.digest(piece)
+    rows = transfer.selected(piece)
+    with Spool(staging_folder(out, sha256), largest_payload) as spool:
+        for image in _transferred(piece, transfer, rows):
+            spool.add(image)
+        return stage(out, spool, _take(piece, transfer, rows, sha256, spool.columns()))
+
+
+def _transferred(piece: Piece, transfer: Transfer, rows: NDArray[np.int64]) -> Iterator[Image]:
+    """The new pictures as PNG, in order; BATCH of them in memory, fewer where they are large (`image_batches`)."""
+    frames = piece.origin.frames.select(["camera", "sensor", "log_ns", "publish_ns", "header_ns"])
+    height, width = (piece.origin.frames[side].to_numpy().astype(np.int64)[rows] for side in ("height", "width"))
+    for start, stop in image_batches(height * width, BATCH):
+        some = rows[start:stop]
+        facts = frames.take(pa.array(some)).to_pylist()
+        pictures = _batch(transfer, [np.asarray(one) for one in piece.store.images(some)], facts, some)
+        for picture, row in zip(pictures, facts, strict=True):
+            content = cv2.imencode(".png", picture[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
+            stamps = {name: row[name] for name in ("log_ns", "publish_ns", "header_ns")}
+            height, width = picture.shape[:2]
+            yield Image(row["camera"], content, "png", height, width, **stamps, sensor=transfer.target.name)
+
+
+def _batch(
+    transfer: Transfer, images: list[NDArray[np.uint8]], facts: list[dict[str, Any]], rows: NDArray[np.int64]
+) -> list[NDArray[np.uint8]]:
+    """New pictures of a batch, whose sensors may be several."""
+    changed: list[NDArray[np.uint8]] = list(images)
+    sensors = [row["sensor"] for row in facts]
+    for sensor in dict.fromkeys(sensors):
+        places = [place for place, name in enumerate(sensors) if name == sensor]
+        background = transfer.backgrounds[sensor]
+        for place in places:
+            if images[place].shape != background.shape:
+                raise UsageError(
+                    f"frame {rows[place]} of sensor {sensor} is {images[place].shape[0]} rows x "
+                    f"{images[place].shape[1]} columns, its background {background.shape[0]} x {background.shape[1]}",
+                    "frames and background of one size",
+                    f"Give the sensor a background of its frames' size: `tactiledata sensors add {sensor} --background "
+                    "FILE... --replace`. Where single frames differ, ingest their recording again with --replace: "
+                    "they are then marked and left out.",
+                )
+        moved = transfer.method.transfer(
+            np.stack([images[place] for place in places]), background, transfer.target.background
+        )
+        for place, picture in zip(places, moved, strict=True):
+            changed[place] = picture
+    return changed
+
+
+def _take(piece: Piece, transfer: Transfer, rows: NDArray[np.int64], sha256: str, spooled: pa.Table) -> Take:
+    """The recording's take with other frames: signals as they are, trajectories as children of its own."""
+    target = transfer.target
+    local = rows - piece.first_frame
+    whole = take_of(piece, pa.table({}), findings_table([]), {})
+    trajectories, kept = _trajectories(whole.trajectories, transfer, sha256, local, _owners(piece, rows))
+    frames = _frames(piece, transfer, rows, kept, spooled)
+    key = f"{piece.facts['key']} as {target.name}"
+    made = provenance("transfer", {"parent": piece.facts["sha256"]}, transfer.settings)
+    parent_row = FrameValues(
+        rows[:, None].astype(np.float64), ("row",), ("1",), f"row in the store of digest {piece.store.digest}"
+    )
+    return Take(
+        source=Source(key, key, piece.facts["format"], ()),
+        sha256=sha256,
+        status=whole.status,
+        description=_description(whole.description, target),
+        provenance=made,
+        frames=frames,
+        trajectories=trajectories,
+        findings=findings_table([]),
+        signals=whole.signals,
+        aligned={
+            name: type(one)(one.values[local], one.gap_ns[local], one.columns, one.units, one.frame, one.method)
+            for name, one in whole.aligned.items()
+        },
+        frame_values={
+            **{
+                name: FrameValues(one.values[local], one.columns, one.units, one.note)
+                for name, one in whole.frame_values.items()
+            },
+            PARENT: parent_row,
+        },
+        references={target.name: Reference(target.background, target.resolved, target.licence, target.model)},
+        sensors={target.name: {"model": target.model}},
+    )
+
+
+def _owners(piece: Piece, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Trajectory of the piece, by its local row, of each frame."""
+    return np.asarray(piece.origin.frames["trajectory"].take(pa.array(rows))) - piece.first_trajectory
+
+
+def _trajectories(
+    table: pa.Table, transfer: Transfer, sha256: str, local: NDArray[np.int64], owner: NDArray[np.int64]
+) -> tuple[pa.Table, NDArray[np.int64]]:
+    """The trajectories that keep frames, as children; and each one's new row, -1 for those that keep none."""
+    counts = np.bincount(owner, minlength=len(table))
+    held = np.flatnonzero(counts)
+    kept = np.full(len(table), -1, np.int64)
+    kept[held] = np.arange(len(held))
+    stops = np.cumsum(counts[held])
+    table = table.take(pa.array(held))
+    changed = {
+        "uid": [trajectory_uid(sha256, name) for name in table["trajectory"].to_pylist()],
+        "parent": table["uid"].to_pylist(),
+        "sensor": [transfer.target.name] * len(held),
+        "frame_start": stops - counts[held],
+        "frame_stop": stops,
+        "extra": [
+            json.dumps({**json.loads(text), "transfer": transfer.method.name, "parent_sensor": sensor}, sort_keys=True)
+            for text, sensor in zip(table["extra"].to_pylist(), table["sensor"].to_pylist(), strict=True)
+        ],
+    }
+    return _replaced(table, changed), kept
+
+
+def _frames(
+    piece: Piece, transfer: Transfer, rows: NDArray[np.int64], kept: NDArray[np.int64], spooled: pa.Table
+) -> pa.Table:
+    """The frames table: times, forces and flags of the parents, pictures of the spool."""
+    table = piece.origin.frames.take(pa.array(rows))
+    n = len(rows)
+    sensor = pa.DictionaryArray.from_arrays(pa.array(np.zeros(n, np.int32)), pa.array([transfer.target.name]))
+    changed = {
+        "trajectory": kept[_owners(piece, rows)],
+        "source": np.zeros(n, np.int32),
+        "sensor": sensor,
+        # the parents lie in another store: `parent_row` and the trajectory's parent name them
+        "parent_frame": np.full(n, -1, np.int64),
+        **{name: spooled[name] for name in ("offset", "length", "crc32c", "encoding", "height", "width")},
+    }
+    return _replaced(table.select(FRAME_SCHEMA.names), changed)
+
+
+def _replaced(table: pa.Table, columns: Mapping[str, Any]) -> pa.Table:
+    for name, values in columns.items():
+        field = table.schema.field(name)
+        column = values if isinstance(values, pa.Array | pa.ChunkedArray) else pa.array(values)
+        table = table.set_column(table.schema.get_field_index(name), field, column.cast(field.type))
+    return table
+
+
+def _description(description: Mapping[str, Any], target: Target) -> dict[str, Any]:
+    """The recording's description, which knows the target sensor beside its own."""
+    sensors = {**description.get("sensors", {}), target.name: {"model": target.model}}
+    return {**description, "sensors": sensors}

@@ -1,0 +1,1 @@
+"""The words, pages and documents of a diagnosis."""

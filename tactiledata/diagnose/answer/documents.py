@@ -1,0 +1,302 @@
+"""The diagnosis of a table as a document: ``diagnosis.json`` (schemas/diagnosis.json)."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.provenance import provenance
+from tactiledata.contract.schema import check_document
+from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
+from tactiledata.diagnose.answer.locator_rows import change_document, located_document
+from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
+from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
+from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.answer.unseen_page import shown_sentences
+from tactiledata.diagnose.formula.explain import Explanation
+from tactiledata.diagnose.locate.drifts import Drift
+from tactiledata.diagnose.locate.locate import Located
+from tactiledata.diagnose.naming.name_effects import Naming
+from tactiledata.diagnose.residuals.gap import Gap
+from tactiledata.diagnose.table_input.residuals_of import Table
+from tactiledata.diagnose.unseen.compare import Shown
+from tactiledata.diagnose.unseen.errors import HeldOutErrors
+from tactiledata.diagnose.unseen.touch_residuals import COMPONENTS, TO_UNIT, UNITS
+from tactiledata.effects import EFFECTS
+
+FORMAT = "tactiledata-diagnosis/1"
+
+
+def table_document(table: Table, explanation: Explanation, digest: str, seed: int) -> dict[str, Any]:
+    """The same for the same table and seed."""
+    residuals = table.residuals
+    deviations = np.ones(len(residuals.components)) if residuals.deviations is None else residuals.deviations
+    document = {
+        "format": FORMAT,
+        "source": {
+            "kind": "table",
+            "groups": residuals.unit_count,
+            "rows": len(residuals.values),
+            "components": [
+                {"name": name, "unit": unit, "noise": float(each) if table.is_noise_known else None}
+                for name, unit, each in zip(residuals.components, residuals.units, deviations, strict=True)
+            ],
+        },
+        "answer": explanation.answer,
+        "sentences": explanation.sentences(),
+        "located": located_document(explanation.located),
+        "left_over": None if explanation.left_over is None else located_document(explanation.left_over),
+        "open_form": form_document(explanation),
+        "gap": _gap_of_formula(explanation),
+        "errors": errors(table, explanation),
+        "ceiling": {"explained": explanation.ceiling.explained},
+        "empirical": None
+        if explanation.surface is None
+        else {
+            "covariates": list(explanation.surface.covariates),
+            "explained": explanation.surface.explained,
+            "words": explanation.surface.words,
+        },
+        "notes": list(table.notes),
+        "provenance": provenance("diagnose", {"table": digest}, {"seed": seed}),
+    }
+    check_document(document, "diagnosis", "the diagnosis")
+    return document
+
+
+def errors(table: Table, explanation: Explanation) -> list[dict[str, Any]]:
+    """Root mean squares of each component in its unit, on groups that had no part in the formula."""
+    held, residuals = explanation.held, table.residuals
+    if held is None or residuals.deviations is None:
+        return []
+    listed = []
+    for place, name in enumerate(residuals.components):
+        before, after = (
+            float(residuals.deviations[place] * np.sqrt(np.mean(one[:, place] ** 2)))
+            for one in (held.before, held.after)
+        )
+        listed.append({"component": name, "unit": residuals.units[place], "before": before, "after": after})
+    return listed
+
+
+def form_document(explanation: Explanation) -> dict[str, Any] | None:
+    """The part ``open_form``; ``None`` where nothing was found to be explained."""
+    form = explanation.form
+    if form is None:
+        return None
+    return {
+        "words": form.words,
+        "definitions": list(form.definitions),
+        "candidates": form.candidates,
+        "false_terms_bound": form.false_terms,
+        "terms": [{**vars(term), "alike": list(term.alike)} for term in form.terms],
+        "behaves_like": [vars(one) for one in form.behaves_like],
+        "beside": [{"parameter": one.parameter.name, "change": change_document(one)} for one in form.beside],
+    }
+
+
+def _gap_of_formula(explanation: Explanation) -> dict[str, Any] | None:
+    gap = explanation.gap
+    if gap is None:
+        return None
+    return {
+        "before": gap.before,
+        "after": gap.after,
+        "floor": _number(gap.floor),
+        "closed": _number(gap.closed),
+        "interval": [_number(end) for end in gap.interval],
+        "floor_is": explanation.floor_is,
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def naming_document(naming: Naming, located: Located, shown: Shown) -> dict[str, Any]:
+    """The parts ``located``, ``left_over``, ``naming`` and ``shown``.
+
+    Parameters
+    ----------
+    located : Located
+        Of the plain simulation.
+    """
+    return {
+        "located": located_document(located),
+        "left_over": None if shown.left_over is None else located_document(shown.left_over),
+        "naming": Answer(naming).document,
+        "shown": shown_document(naming, shown),
+    }
+
+
+def shown_document(naming: Naming, shown: Shown) -> dict[str, Any]:
+    """How much better the simulation is on what it has not seen."""
+    cases = naming.cases.cases.cases
+    return {
+        "effects": list(shown.names),
+        "tried": list(shown.tried),
+        "sentences": shown_sentences(shown),
+        "held_out": [_errors(one, bool(shown.names)) for one in shown.errors],
+        "dependence": None if shown.flattened is None else _dependence(*shown.flattened),
+        "black_box": {"explained": shown.ceiling.explained, "force": shown.ceiling_force},
+        "worst": [cases[number].name for number in shown.worst()],
+        "stretched": [{"words": words, "deviations": size} for words, size in shown.stretched.items()],
+    }
+
+
+def _errors(one: HeldOutErrors, is_claimed: bool) -> dict[str, Any]:
+    before, after, floor = one.paper
+    return {
+        "unseen": one.unseen,
+        "groups": one.groups,
+        "force": _gap(one.force, "N", is_claimed and one.has_gap),
+        "torque": _gap(one.torque, "N mm", is_claimed and one.has_torque_gap),
+        "paper_loss": {"unit": "N", "before": before, "after": after, "floor": floor},
+    }
+
+
+def _gap(gap: Gap, unit: str, has_gap: bool) -> dict[str, Any]:
+    is_known = has_gap and math.isfinite(gap.closed)
+    return {
+        "unit": unit,
+        "before": gap.before,
+        "after": gap.after,
+        "floor": gap.floor,
+        "closed": gap.closed if is_known else None,
+        "interval": list(gap.interval) if is_known else None,
+    }
+
+
+def _dependence(before: Drift, after: Drift) -> dict[str, Any]:
+    return {
+        "parameter": before.parameter,
+        "covariate": before.covariate,
+        "before": {"p": before.p, "change": change_document(before.change)},
+        "after": {"p": after.p, "change": change_document(after.change)},
+    }
+
+
+MOST_TRIALS = 3
+
+
+def sentences_of(done: StoreDiagnosis) -> list[str]:
+    """For people, the plainest first."""
+    said = [*_of_zeros(done), *naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
+    return [*said, *filter(None, [done.simulated.sentence])]
+
+
+def _of_zeros(done: StoreDiagnosis) -> list[str]:
+    return [cause.words for cause in done.zeros]
+
+
+def _further(done: StoreDiagnosis) -> list[str]:
+    form = None if done.formula is None else done.formula.form
+    said = [f"A formula for it: {form.words}."] if form is not None and form.terms else []
+    return [*said, *done.limits, *next_trial_sentences(done.proposals, _is_more_left(done))[:MOST_TRIALS]]
+
+
+def _is_more_left(done: StoreDiagnosis) -> bool:
+    left_over = done.shown.left_over
+    return done.naming.decision.is_more_left or (left_over is not None and left_over.is_structured)
+
+
+def notes_of(done: StoreDiagnosis) -> list[str]:
+    """What was left out, and why."""
+    played = done.played
+    noted = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
+    if played.frames_lost:
+        noted.append(f"{played.frames_lost} frames without pose or wrench, or too deep for the gel, take no part")
+    by_reason: dict[str, list[str]] = {}
+    asked = done.options.effects
+    for name, reason in played.not_played.items():
+        if asked and name not in asked:
+            continue
+        by_reason.setdefault(reason, []).append(EFFECTS[name]().title)
+    for name in done.naming.not_tried:
+        needed = " and ".join(_TOLD.get(each, each) for each in EFFECTS[name].needs)
+        by_reason.setdefault(f"the recordings do not tell {needed}", []).append(EFFECTS[name]().title)
+    return noted + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
+
+
+_TOLD = {
+    "joints": "the joints' angles",
+    "gravity": "how the sensor is turned",
+    "powered": "when the sensor was switched on (power_on_ns in log.yaml)",
+    "selection": "a range of forces to which they were cut",
+    "earlier_depth": "what was done to the gel before",
+    "earlier_contacts": "what was done to the gel before",
+}
+
+
+def store_document(done: StoreDiagnosis) -> dict[str, Any]:
+    """``diagnosis.json`` (schemas/diagnosis.json); the same for the same store, options and seed."""
+    white = done.naming.cases
+    noise = done.played.cases.cases[0].noise.deviations * TO_UNIT
+    formula = done.formula
+    document = {
+        "format": FORMAT,
+        "source": {
+            "kind": "store",
+            "groups": len(white.starts),
+            "rows": len(white.measured),
+            "components": [
+                {"name": name, "unit": unit, "noise": float(size)}
+                for name, unit, size in zip(COMPONENTS, UNITS, noise, strict=True)
+            ],
+        },
+        "answer": done.verdict,
+        "sentences": sentences_of(done),
+        "open_form": None if formula is None else form_document(formula),
+        "ceiling": {"explained": done.shown.ceiling.explained},
+        "next_trials": next_trials_document(done.proposals, is_more_left=_is_more_left(done)),
+        "zeros": [cause.document for cause in done.zeros],
+        "simulated_recordings": done.simulated.document(),
+        "notes": notes_of(done),
+        "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),
+        **naming_document(done.naming, done.shown.located, done.shown),
+    }
+    check_document(document, "diagnosis", "the diagnosis")
+    return document
+
+
+def effects_file(done: StoreDiagnosis, document: dict[str, Any]) -> dict[str, Any] | None:
+    """``effects.json`` (schemas/effect.json), for a replay with what is claimed; ``None`` where nothing is."""
+    best = done.naming.decision.best
+    if document["naming"]["effects"] is None or best is None:
+        return None
+    offsets = zip(done.played.uids, best.fit.model.offsets.tolist(), strict=True)
+    effects = {**document["naming"]["effects"], "offsets": dict(offsets), "provenance": document["provenance"]}
+    check_document(effects, "effect", "the effects")
+    return effects
+
+
+def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, document: dict[str, Any]) -> list[Path]:
+    """``report.html``, ``diagnosis.json``, ``effects.json`` where any is claimed, and the scenarios of next trials."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [folder / "report.html", folder / "diagnosis.json"]
+    effects = effects_file(done, document)
+    if effects is not None:
+        written.append(folder / "effects.json")
+        write_json_atomic(written[-1], effects)
+    trials = []
+    for proposal in document["next_trials"]["proposals"]:
+        path = folder / "next" / f"{proposal['trial']}.yaml"
+        path.parent.mkdir(exist_ok=True)
+        write_atomic(path, yaml.safe_dump(proposal["scenario"], sort_keys=False).encode())
+        written.append(path)
+        trials.append((proposal["title"], f"next/{path.name}"))
+    footer = f"{document['source']['groups']} trajectories, {document['source']['rows']} frames"
+    title = f"Diagnosis of {name}"
+    shown = done.shown
+    page = naming_page(
+        title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done), _of_zeros(done),
+        done.simulated,
+    )  # fmt: skip
+    write_atomic(written[0], page.encode())
+    write_json_atomic(written[1], document)
+    return written

@@ -1,0 +1,94 @@
+"""Carriers for a covariate that was read off a shifted zero: a contact found late makes every depth too small."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from tactiledata.diagnose.formula.candidates import Carrier
+from tactiledata.diagnose.formula.open_form import SCALE_OF
+from tactiledata.diagnose.residuals.dimensions import find_unit
+from tactiledata.diagnose.residuals.residuals import Residuals
+
+Array = NDArray[np.float64]
+
+FEWEST_PLACES = 5
+"""Different values of a covariate in a group, from which a slope is read."""
+STEP = 0.05
+"""Share of a group's range over which a slope is taken: at a contact a tangent says nothing of what comes after it."""
+SAME = 1e-3
+"""Share of a group's range within which values of a covariate are one."""
+FOLLOWED = 0.99
+"""Share of a prediction's variance inside groups that the covariate alone must give."""
+
+
+def shift_carriers(residuals: Residuals) -> list[Carrier]:
+    """Return, for each quantity and each length that its prediction follows inside groups, what a shift of it does.
+
+    The field is the slope of the prediction over the length; a coefficient is a shift in the length's unit.
+    """
+    listed = []
+    for place, parameter in enumerate(residuals.parameters):
+        name = parameter.name.removeprefix(SCALE_OF)
+        if name == parameter.name or name not in residuals.components:
+            continue
+        column = residuals.components.index(name)
+        predicted = residuals.slopes[:, column, place]
+        for covariate, given in residuals.covariates.items():
+            unit = find_unit(given.unit)
+            if unit is None or unit.exponents != (1.0, *[0.0] * 6):
+                continue
+            slope = slope_inside(predicted, given.values, residuals)
+            if slope is not None:
+                field = np.zeros_like(residuals.values)
+                field[:, column] = slope
+                meant = _meant(name, covariate, given.unit)
+                listed.append(Carrier(f"{name} over {covariate}", field, given.unit, covariate, meant))
+    return listed
+
+
+def _meant(of: str, covariate: str, unit: str) -> str:
+    return (
+        f"slope of predicted {of} over {covariate} is (F({covariate} + h) - F({covariate}))/h, with h {STEP:g} times "
+        f"the range of {covariate} in the group, in {unit}, and F the predicted {of} of the group over {covariate}: "
+        "a monotone cubic through its rows (PCHIP), straight on beyond the last"
+    )
+
+
+def slope_inside(predicted: Array, values: Array, residuals: Residuals) -> Array | None:
+    """The slope (n,) of a prediction over a covariate in each group; ``None`` where it does not follow it."""
+    slope, missed, total = np.zeros_like(predicted), 0.0, 0.0
+    for start, count in zip(residuals.starts, residuals.counts, strict=True):
+        rows = slice(start, start + count)
+        places, means = _merged(values[rows], predicted[rows])
+        total += float(((predicted[rows] - predicted[rows].mean()) ** 2).sum())
+        if len(places) < FEWEST_PLACES:
+            missed += float(((predicted[rows] - predicted[rows].mean()) ** 2).sum())
+            continue
+        slope[rows] = _secant(values[rows], places, means)
+        # every other place is left out: what lies between its neighbours goes with the covariate
+        between = PchipInterpolator(places[::2], means[::2])(places[1:-1:2]) - means[1:-1:2]
+        missed += float(((predicted[rows] - np.interp(values[rows], places, means)) ** 2).sum())
+        missed += float((between**2).sum() / max(len(between), 1) * count)
+    return slope if total > 0 and missed <= (1.0 - FOLLOWED) * total else None
+
+
+def _secant(values: Array, places: Array, means: Array) -> Array:
+    """Rise of a prediction over a step of a twentieth of the range, straight on beyond its ends."""
+    step = STEP * float(np.ptp(places))
+    curve = PchipInterpolator(places, means)
+    end = float(places[-1])
+    ahead = curve(np.minimum(values + step, end)) + curve(end, 1) * np.maximum(values + step - end, 0.0)
+    rise: Array = (ahead - curve(values)) / step
+    return rise
+
+
+def _merged(values: Array, predicted: Array) -> tuple[Array, Array]:
+    """Different values of a covariate, ascending, and the mean prediction at each."""
+    order = np.argsort(values, kind="stable")
+    ascending = values[order]
+    turns = np.diff(ascending, prepend=ascending[0]) > SAME * np.ptp(ascending)
+    number = np.cumsum(turns)
+    counts = np.bincount(number)
+    return np.bincount(number, ascending) / counts, np.bincount(number, predicted[order]) / counts

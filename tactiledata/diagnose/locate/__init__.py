@@ -1,0 +1,1 @@
+"""Where recordings and simulation differ: one locator a file."""

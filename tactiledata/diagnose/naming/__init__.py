@@ -1,0 +1,1 @@
+"""Which known effect is missing: screening, refits, evidence, decision."""

@@ -1,0 +1,55 @@
+"""Whether a fit leaves structure: in trajectories at large, or in one or two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.naming.evidence import BEST
+from tactiledata.diagnose.naming.thresholds import EvidenceScale
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LeftOver:
+    """What is left of trajectories held out, over what noise alone would leave.
+
+    Physics that is missing shows wherever it acts. A touch that hung on a scrap, or whose slide the simulation ends a
+    step too early, is no news of physics: as no gain may hang on two trajectories, structure may not either.
+
+    Parameters
+    ----------
+    dispersion : float
+        Mean square of all trajectories.
+    at_large : float
+        The same without the two of which most is left.
+    odd : tuple of str
+        Names of these two.
+    """
+
+    dispersion: float
+    at_large: float
+    odd: tuple[str, ...] = ()
+
+    @staticmethod
+    def of(squares: Array, expected: Array, names: Sequence[str]) -> LeftOver:
+        """Of sums (t,) of whitened squares, and what noise alone would leave of each (t,)."""
+        worst_last = np.argsort(squares - expected, kind="stable")
+        others, worst = worst_last[:-BEST], worst_last[-BEST:]
+        return LeftOver(
+            float(squares.sum() / expected.sum()),
+            float(squares[others].sum() / expected[others].sum()),
+            tuple(names[number] for number in worst[::-1]),
+        )
+
+    def is_structure(self, scale: EvidenceScale) -> bool:
+        """Whether it is more than noise in trajectories at large."""
+        return self.at_large > scale.dispersion
+
+    def is_in_few(self, scale: EvidenceScale) -> bool:
+        """Whether it is more than noise, yet not without the odd two."""
+        return not self.is_structure(scale) and self.dispersion > scale.dispersion

@@ -1,0 +1,1 @@
+"""Which touches to record next."""

@@ -1,0 +1,120 @@
+"""A trial as touches that a simulation can play, with all that effects may depend on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.next_trial.bench import TrialBench
+from tactiledata.diagnose.next_trial.path import FREE_AIR, TrialPath, trial_path
+from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch
+from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.effects.touch.felt_acceleration import felt_accelerations
+from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
+from tactiledata.effects.touch.touch import Touch
+
+Array = NDArray[np.float64]
+
+DOWN = (0.0, 0.0, -9.81)
+"""m/s^2, gel frame, where no recording tells it."""
+SAME_PLACE = 1.5e-3
+"""m within which touches are of one place."""
+POSES = 125.0
+"""Hz at which the robot would tell where it is."""
+
+
+def trial_cases(trial: Trial, bench: TrialBench) -> CaseSet:
+    """The trajectories; what they measure is what the plain simulation answers, which only weighs the frames."""
+    spots = _Spots(bench)
+    since, touches = 0.0, []
+    for number, one in enumerate(trial.touches):
+        if trial.per_recording and number % trial.per_recording == 0:
+            since = 0.0
+        path = trial_path(one, trial.burst)
+        touches.append(_touch(trial, one, path, bench, since, spots))
+        since += path.duration + trial.pause
+    blank = [_case(trial, number, touch, np.zeros((len(touch), 6)), bench) for number, touch in enumerate(touches)]
+    plain = CaseSet(blank, bench.base).play(bench.material, [])
+    rows = np.split(plain, np.cumsum([len(touch) for touch in touches])[:-1])
+    cases = [_case(trial, number, touch, rows[number], bench) for number, touch in enumerate(touches)]
+    return CaseSet(cases, bench.base)
+
+
+def duration(trial: Trial) -> float:
+    """s, pauses included."""
+    return sum(trial_path(one).duration for one in trial.touches) + trial.pause * (len(trial.touches) - 1)
+
+
+def _case(trial: Trial, number: int, touch: Touch, measured: Array, bench: TrialBench) -> TouchCase:
+    free = touch.tips[:, 2] > 0
+    return TouchCase(touch, measured, bench.noise, free, bench.free_samples, f"{trial.name}-{number + 1}")
+
+
+class _Spots:
+    """What was done to places, and how often they were touched before."""
+
+    def __init__(self, bench: TrialBench) -> None:
+        usual = bench.touch
+        depth = 0.0 if usual.earlier_depth is None else float(np.nanmax(usual.earlier_depth))
+        self._bench, self._tables = bench, {usual.indenter_name: ImprintTable.of(usual.indenter)}
+        imprint = float(self._tables[usual.indenter_name].imprint(depth))
+        self._visits = [(np.asarray(place), imprint) for place in bench.visited]
+
+    def before(self, place: tuple[float, float], indenter: str) -> tuple[float, int]:
+        """The depth, m, at which an indenter would do as much, and the number of touches."""
+        pressed = np.array([where for where, _ in self._visits]).reshape(-1, 2)
+        strongest = strongest_imprint(np.array([place]), pressed, np.array([one for _, one in self._visits]))
+        count = (np.linalg.norm(pressed - place, axis=1) < SAME_PLACE).sum()
+        return float(self._table(indenter).depth(strongest)[0]), int(count)
+
+    def touched(self, place: tuple[float, float], indenter: str, depth: float) -> None:
+        self._visits.append((np.asarray(place), float(self._table(indenter).imprint(depth))))
+
+    def _table(self, indenter: str) -> ImprintTable:
+        if indenter not in self._tables:
+            self._tables[indenter] = ImprintTable.of(self._bench.indenter(indenter))
+        return self._tables[indenter]
+
+
+def _touch(trial: Trial, one: TrialTouch, path: TrialPath, bench: TrialBench, since: float, spots: _Spots) -> Touch:
+    seconds = path.captures if trial.capture == "step" else np.arange(0.5 / trial.rate, path.duration, 1.0 / trial.rate)
+    seconds = np.unique(np.round(seconds, 6))
+    places, turned = path.at(seconds)
+    usual = bench.touch
+    upright = usual.poses[0, :3, :3] if np.isfinite(usual.poses[0]).all() else np.eye(3)
+    poses = np.tile(np.eye(4), (len(seconds), 1, 1))
+    poses[:, :3, :3] = turned @ upright
+    poses[:, :2, 3], poses[:, 2, 3] = places[:, :2], -places[:, 2]
+    down = np.asarray(DOWN) if usual.gravity is None else usual.gravity[0]
+    joints = np.zeros((len(seconds), 6)) + (0.0 if usual.joints is None else usual.joints[0])
+    # about the gel's normal the last joint turns; other turns share themselves out among the wrist's joints
+    joints[:, 5] += np.arctan2(turned[:, 1, 0], turned[:, 0, 0])
+    depth, count = spots.before(one.position, one.indenter)
+    deepest = max(float(path.positions[:, 2].max()), 0.0)
+    if deepest > 0:
+        spots.touched(one.position, one.indenter, deepest)
+    return Touch(
+        seconds=since + seconds,
+        poses=poses,
+        indenter=bench.indenter(one.indenter),
+        material=bench.material,
+        geometry=usual.geometry,
+        sensor=usual.sensor,
+        indenter_name=one.indenter,
+        mount=one.indenter if one.indenter != usual.indenter_name else usual.mount,
+        gravity=np.einsum("nij,j->ni", turned, down),
+        joints=joints,
+        powered=trial.powered + since + seconds,
+        earlier_depth=np.full(len(seconds), depth),
+        earlier_contacts=np.full(len(seconds), float(count)),
+        selection=usual.selection,
+        tare=seconds <= FREE_AIR,
+        felt_accelerations=felt_accelerations(seconds, *_stream(path)),
+    )
+
+
+def _stream(path: TrialPath) -> tuple[Array, Array]:
+    """Seconds (m,) and tips (m, 3), gel frame, of the robot's stream of poses."""
+    seconds = np.arange(0.0, path.duration, 1.0 / POSES)
+    places, _ = path.at(seconds)
+    return seconds, places * [1.0, 1.0, -1.0]

@@ -1,0 +1,170 @@
+"""The trials that are thought of: each an order of a few minutes that moves one cause and holds the others.
+
+All have some 200 to 300 frames, so that none wins by their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from tactiledata.diagnose.next_trial.bench import TrialBench
+from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch, dwell, press, retreat, shear, turn
+
+SLOW, USUAL, QUICK = 5e-4, 1e-3, 3e-3
+"""m/s."""
+SLIDE = 2e-3
+"""m: beyond what sticks."""
+STEPS = 6
+"""Of a press."""
+
+
+def hold(bench: TrialBench) -> Trial:
+    """A quick press and a dwell of a minute: what goes on at zero motion."""
+    depth = bench.depth(bench.ball)
+    held = (dwell(2.0, 60), dwell(8.0, 80), dwell(50.0, 100))
+    touch = TrialTouch(bench.ball, (press(depth, QUICK, settle=0.0), *held, retreat(USUAL)))
+    return Trial("hold", f"Press quickly to {_mm(depth)} and hold for 60 s", (touch,), burst=8)
+
+
+def rate_ladder(bench: TrialBench) -> Trial:
+    """One path at four speeds."""
+    depth = bench.depth(bench.ball)
+    speeds = (1e-4, 3e-4, 1e-3, 3e-3)
+    touches = tuple(TrialTouch(bench.ball, (press(depth, v), retreat(v))) for v in speeds)
+    return Trial("rate_ladder", f"Press to {_mm(depth)} and leave at 0.1, 0.3, 1 and 3 mm/s", touches, "video")
+
+
+def load_unload_reload(bench: TrialBench) -> Trial:
+    """Up and down twice at a spot that has no history."""
+    depth = bench.depth(bench.ball)
+    ways = [press(share * depth, SLOW, depth / STEPS, 0.3) for share in (0.7, 0.05, 0.7, 0.05, 1.0, 0.05)]
+    (spot,) = bench.fresh(bench.ball, 1)
+    touch = TrialTouch(bench.ball, (*ways, retreat(SLOW)), spot)
+    title = f"Load to {_mm(0.7 * depth)}, unload and load again at a fresh spot, then to {_mm(depth)}"
+    return Trial("load_unload_reload", title, (touch,), burst=9)
+
+
+def first_touches(bench: TrialBench) -> Trial:
+    """What the first touches of a spot do to the next ones."""
+    touches = tuple(_press(bench, bench.ball, spot) for spot in bench.fresh(bench.ball, 2) for _ in range(3))
+    title = f"Press {_mm(bench.depth(bench.ball))} three times at each of two fresh spots"
+    return Trial("first_touches", title, touches, burst=5)
+
+
+def turns(bench: TrialBench) -> Trial:
+    """Gravity goes around in the sensor's frame, and nothing touches."""
+    ways = [(0.5, 0.0, 0.0), (-0.5, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, -0.5, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+    touch = TrialTouch(bench.ball, (*(turn(*way) for way in ways), turn(0.0, 0.0, 0.0)))
+    caveat = "The estimate takes only the last joint to follow a turn about the gel's normal."
+    return Trial(
+        "turns", "Turn the sensor in free air, half a radian to each side", (touch,), "video", 8.0, caveat=caveat
+    )
+
+
+def starts_and_stops(bench: TrialBench) -> Trial:
+    """Accelerations in free air."""
+    ways = [shear(sign * 0.01, 0.0, 0.05, settle=0.3) for sign in (1.0, -1.0) * 4]
+    touch = TrialTouch(bench.ball, (turn(0.0, 0.0, 0.0, 0.5), *ways))
+    return Trial("starts_and_stops", "Start and stop in free air, 10 mm at 50 mm/s", (touch,), "video", 20.0)
+
+
+def flat_punch(bench: TrialBench) -> Trial:
+    """An area that does not grow with depth; left slowly."""
+    depth = bench.depth(bench.punch)
+    touches = tuple(
+        TrialTouch(bench.punch, (press(share * depth, SLOW), dwell(2.0, 4), press(0.01e-3, 1e-4), retreat(1e-4)))
+        for share in (0.4, 0.7, 1.0)
+    )
+    title = f"Press a flat punch to {_mm(0.4 * depth)}, {_mm(0.7 * depth)} and {_mm(depth)} and leave slowly"
+    caveat = "On a block of steel in place of the gel only the arm would yield; the rig has none."
+    return Trial("flat_punch", title, touches, "video", caveat=caveat)
+
+
+def five_places(bench: TrialBench) -> Trial:
+    """One press all over the pad."""
+    x, y = (round(side, 5) for side in bench.reach(bench.ball))
+    places = [(0.0, 0.0), (x, 0.0), (-x, 0.0), (0.0, y), (0.0, -y)]
+    title = f"Press {_mm(bench.depth(bench.ball))} in the middle and near each border"
+    return Trial("five_places", title, tuple(_press(bench, bench.ball, place) for place in places), burst=7)
+
+
+def from_power_on(bench: TrialBench) -> Trial:
+    """One press every four minutes from power-on, then after a pause."""
+    title = (
+        f"Press {_mm(bench.depth(bench.ball))} every 4 min from power-on for half an hour; switch off, let it cool,"
+        " and press twice more"
+    )
+    touch = _press(bench, bench.ball)
+    return Trial("from_power_on", title, (touch,) * 9, burst=4, pause=240.0, powered=20.0, per_recording=7)
+
+
+def slides(bench: TrialBench) -> Trial:
+    """Three speeds under each of three loads."""
+    depth = bench.depth(bench.ball)
+    ways = (shear(SLIDE, 0.0, 3e-4), shear(-SLIDE, 0.0, 1e-3), shear(SLIDE, 0.0, 5e-3))
+    touches = tuple(
+        TrialTouch(bench.ball, (press(share * depth, USUAL), *ways, retreat(USUAL)), (-SLIDE / 2, 0.0))
+        for share in (0.5, 0.75, 1.0)
+    )
+    return Trial("slides", "Slide 2 mm at 0.3, 1 and 5 mm/s under each of three loads", touches, "video", 8.0)
+
+
+def hold_then_slide(bench: TrialBench) -> Trial:
+    """How friction grows at rest."""
+    depth = 0.75 * bench.depth(bench.ball)
+    touches = tuple(
+        TrialTouch(
+            bench.ball,
+            (press(depth, USUAL), dwell(held, 4), shear(SLIDE, 0.0, SLOW, SLIDE / 20), dwell(1.0, 1)),
+            (-SLIDE / 2, 0.0),
+        )
+        for held in (1.0, 10.0, 100.0)
+    )
+    return Trial("hold_then_slide", "Hold for 1, 10 and 100 s, then slide 2 mm", touches, burst=4)
+
+
+def shear_and_back(bench: TrialBench) -> Trial:
+    """Small shear to and fro, and back to where it began."""
+    depth = bench.depth(bench.ball)
+    ways = [shear(sign * size, 0.0, SLOW, size / 4, 0.1) for size in (2e-4, 4e-4) for sign in (1.0, -2.0, 1.0)]
+    touch = TrialTouch(bench.ball, (press(depth, USUAL), *ways, dwell(1.0, 2), retreat(USUAL)))
+    return Trial("shear_and_back", "Shear by 0.2 and 0.4 mm to both sides and return to zero", (touch,), burst=7)
+
+
+def three_depths(bench: TrialBench) -> Trial:
+    """One ball, three depths."""
+    title = f"Press to 0.4, 0.7 and 1 times {_mm(bench.depth(bench.ball))}"
+    return Trial("three_depths", title, _depths(bench, bench.ball), burst=16)
+
+
+def three_radii(bench: TrialBench) -> Trial:
+    """Balls of three radii, each at three depths."""
+    touches = tuple(touch for name in bench.balls for touch in _depths(bench, name))
+    sizes = ", ".join(f"{1e3 * bench.indenter(name).sizes['radius']:g}" for name in bench.balls)
+    return Trial("three_radii", f"Press balls of {sizes} mm radius to three depths each", touches, burst=5)
+
+
+def taps(bench: TrialBench) -> Trial:
+    """A quick tap at the start and at the end of one recording."""
+    touch = TrialTouch(bench.ball, (press(bench.depth(bench.ball), QUICK, settle=1.0), retreat(QUICK)))
+    return Trial("taps", "Tap at the start and ten minutes later in one recording", (touch,) * 2, burst=40, pause=600.0)
+
+
+def _press(bench: TrialBench, name: str, place: tuple[float, float] = (0.0, 0.0), share: float = 1.0) -> TrialTouch:
+    depth = share * bench.depth(name)
+    return TrialTouch(name, (press(depth, USUAL, depth / STEPS, 0.2), dwell(0.5, 1), retreat(USUAL)), place)
+
+
+def _depths(bench: TrialBench, name: str) -> tuple[TrialTouch, ...]:
+    return tuple(_press(bench, name, share=share) for share in (0.4, 0.7, 1.0))
+
+
+def _mm(depth: float) -> str:
+    return f"{1e3 * depth:.2f} mm"
+
+
+TRIALS: tuple[Callable[[TrialBench], Trial], ...] = (
+    hold, rate_ladder, load_unload_reload, first_touches, turns, starts_and_stops, flat_punch, five_places,
+    from_power_on, slides, hold_then_slide, shear_and_back, three_depths, three_radii, taps,
+)  # fmt: skip
+"""All of them."""

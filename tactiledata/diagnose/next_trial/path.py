@@ -1,0 +1,151 @@
+"""Where the indenter is in a trial, moment by moment, as a robot that obeys the scenario moves it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from tactiledata.diagnose.next_trial.trial import TrialTouch
+
+Array = NDArray[np.float64]
+
+FREE_AIR, FREE_AIR_AFTER = 0.6, 0.4
+"""s at rest before and after each touch."""
+CLEARANCE, TURNING_CLEARANCE = 2e-3, 2e-2
+"""m above the gel, between touches and where the sensor turns."""
+APPROACH_SPEED, TURNING_SPEED = 5e-3, 0.5
+"""m/s and rad/s in free air."""
+FREE_FRAMES = 3
+"""Frames before first contact."""
+SPACING = 1.0 / 30.0
+"""s between frames that are taken together."""
+
+
+@dataclass(frozen=True)
+class TrialPath:
+    """A trajectory between k knots; a smooth step leads from one to the next.
+
+    Parameters
+    ----------
+    times : (k,) s
+    positions : (k, 3) m
+        x and y on the gel, depth below its undeformed surface.
+    turns : (k, 3) rad
+        Rotation vectors beside the touch's own orientation.
+    captures : (c,) s
+        Of frames that are taken step by step.
+    """
+
+    times: Array
+    positions: Array
+    turns: Array
+    captures: Array
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.times[-1])
+
+    def at(self, seconds: Array) -> tuple[Array, Array]:
+        """Positions (n, 3) and rotations (n, 3, 3)."""
+        index = np.clip(np.searchsorted(self.times, seconds, side="right") - 1, 0, len(self.times) - 2)
+        share = np.clip((seconds - self.times[index]) / np.maximum(np.diff(self.times)[index], 1e-12), 0.0, 1.0)
+        smooth = (share**2 * (3.0 - 2.0 * share))[:, None]
+        places, turns = (
+            knots[index] + smooth * (knots[index + 1] - knots[index]) for knots in (self.positions, self.turns)
+        )
+        return places, Rotation.from_rotvec(turns).as_matrix()
+
+
+def trial_path(touch: TrialTouch, burst: int = 1) -> TrialPath:
+    """The path of one touch of a trial, with so many frames after each step."""
+    way = _Way(touch, burst)
+    for step in touch.steps:
+        ((kind, numbers),) = step.items()
+        way.go(kind, numbers)
+    way.leave(APPROACH_SPEED, CLEARANCE)
+    way.wait(FREE_AIR_AFTER)
+    return TrialPath(np.array(way.times), np.array(way.places), np.array(way.turns), np.array(way.captures))
+
+
+class _Way:
+    """Knots as they come."""
+
+    def __init__(self, touch: TrialTouch, burst: int) -> None:
+        self.burst = burst
+        self.times: list[float] = [0.0]
+        self.places: list[Array] = [np.array([*touch.position, -CLEARANCE])]
+        self.turns: list[Array] = [np.zeros(3)]
+        self.captures: list[float] = []
+        self.last_shear = np.zeros(3)
+        self.wait(FREE_AIR)
+        self.capture(FREE_FRAMES)
+
+    @property
+    def here(self) -> Array:
+        return self.places[-1]
+
+    def go(self, kind: str, numbers: dict[str, Any]) -> None:
+        """One step of the scenario."""
+        if kind == "press":
+            self.upright()
+            if self.here[2] < 0:
+                self.move(np.array([*self.here[:2], 0.0]), APPROACH_SPEED)
+            self.stepwise(np.array([*self.here[:2], numbers["depth"]]), numbers)
+        elif kind == "shear":
+            self.last_shear = np.array([*numbers["by"], 0.0])
+            self.stepwise(self.here + self.last_shear, numbers)
+        elif kind == "reverse":
+            self.stepwise(self.here - self.last_shear, numbers)
+        elif kind == "dwell":
+            for _ in range(numbers["captures"]):
+                self.wait(numbers["time"] / numbers["captures"])
+                self.capture(1)
+        elif kind == "turn":
+            if self.here[2] > -TURNING_CLEARANCE:
+                self.leave(APPROACH_SPEED, TURNING_CLEARANCE)
+            self.turn(np.array(numbers["to"]), numbers["speed"])
+            self.wait(numbers["settle"])
+            self.capture(self.burst)
+        else:
+            self.leave(numbers["speed"], CLEARANCE)
+
+    def stepwise(self, to: Array, numbers: dict[str, Any]) -> None:
+        start, whole = self.here, float(np.linalg.norm(to - self.here))
+        if whole < 1e-9:
+            return
+        for mark in np.append(np.arange(numbers["step"], whole - 1e-9, numbers["step"]), whole) / whole:
+            self.move(start + mark * (to - start), numbers["speed"])
+            self.wait(numbers["settle"])
+            self.capture(self.burst)
+
+    def leave(self, speed: float, clearance: float) -> None:
+        self.upright()
+        if self.here[2] > 0:
+            self.move(np.array([*self.here[:2], 0.0]), speed)
+        self.move(np.array([*self.here[:2], -clearance]), APPROACH_SPEED)
+
+    def upright(self) -> None:
+        self.turn(np.zeros(3), TURNING_SPEED)
+
+    def move(self, to: Array, speed: float) -> None:
+        self._add(float(np.linalg.norm(to - self.here)) / speed, to, self.turns[-1])
+
+    def turn(self, to: Array, speed: float) -> None:
+        self._add(float(np.linalg.norm(to - self.turns[-1])) / speed, self.here, to)
+
+    def capture(self, count: int) -> None:
+        self.captures.extend(self.times[-1] - SPACING * np.arange(count)[::-1])
+
+    def wait(self, seconds: float) -> None:
+        self._add(seconds, self.here, self.turns[-1])
+
+    def _add(self, seconds: float, place: Array, turn: Array) -> None:
+        if seconds > 1e-9:
+            self.times.append(self.times[-1] + seconds)
+            self.places.append(place)
+            self.turns.append(turn)

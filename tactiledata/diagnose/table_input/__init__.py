@@ -1,0 +1,1 @@
+"""A table of predictions and observations as residuals."""

@@ -1,0 +1,1 @@
+"""Measured touches, and the simulation that plays them."""

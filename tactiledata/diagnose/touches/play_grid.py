@@ -1,0 +1,207 @@
+"""Plays of touches with gels and indenters that differ from the nominal ones, kept on disk like all others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import Bounds
+from tactiledata.calibrate.kept_plays import Play, play_path
+from tactiledata.calibrate.plan import Node, ResponsePlan
+from tactiledata.calibrate.play_progress import PlayProgress
+from tactiledata.calibrate.player import play_nodes, played_or_kept
+from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute.local import LocalScheduler
+from tactiledata.diagnose.touches.grid_answer import TouchPlays
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.base import Effect
+from tactiledata.effects.touch.gel_variants import surface_height, variant_engine, warped
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import Fidelity
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.indenters.scaled import scaled
+
+
+@dataclass(frozen=True)
+class VariantBatch:
+    """Touches to be played with one variant, at one nu and one mu."""
+
+    mesh: PadMesh
+    fidelity: Fidelity
+    ratio: float
+    friction: float
+    variant: GelVariant
+    touches: tuple[GelTouch, ...]
+
+
+def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
+    """What must have been played before an effect can be asked for wrenches; nothing for most."""
+    return tuple(effect.variant({name: place}) for name, places in effect.designs.items() for place in places)
+
+
+def variants_of(names: Iterable[str]) -> tuple[GelVariant, ...]:
+    """Of all effects of these names, each once."""
+    return tuple(dict.fromkeys(variant for name in names for variant in design_variants(EFFECTS[name]())))
+
+
+def play_variant(batch: VariantBatch) -> list[Play]:
+    """The plays of a batch, in its order."""
+    return played_or_kept(
+        _touches(batch),
+        variant_paths(batch),
+        GelMaterial(1.0, batch.ratio, batch.friction),
+        lambda: variant_engine(batch.mesh, batch.ratio, batch.fidelity, batch.variant),
+    )
+
+
+def variant_paths(batch: VariantBatch) -> list[Path]:
+    """Return the files in which the plays of a batch are kept, in its order."""
+    variant = batch.variant
+    digest = warped(batch.mesh, variant).digest
+    law = (variant.c20, variant.c30, variant.skin, variant.spots)
+    # what is of the pad's and the indenter's shape is told by their digests
+    mechanics = batch.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{batch.fidelity} {law!r}"
+    return [play_path(touch, digest, mechanics, batch.ratio, batch.friction) for touch in _touches(batch)]
+
+
+def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
+    """The touches of a batch with the indenters of its variant."""
+    scale = batch.variant.indenter_scale
+    if scale == 1.0:
+        return batch.touches
+    return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)
+
+
+Array = NDArray[np.float64]
+Tell = Callable[..., None]
+
+SHIFT = 5e-5
+"""m: paths are played this much to either side along x and y."""
+KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
+MOST_LOST = 0.1
+"""Share of the frames that a variant may fail to solve; one that fails in more is given up, not the frames."""
+
+
+def play_touches(
+    mesh: PadMesh,
+    fidelity: Fidelity,
+    touches: Sequence[MeasuredTouch],
+    bounds: Bounds,
+    workers: int = 1,
+    tell: Tell = lambda done, total, what="": None,
+    variants: Sequence[GelVariant] = (),
+) -> list[TouchPlays]:
+    """The plays of each touch; frames that one of them could not solve are NaN in all.
+
+    Those without shift and variant are the calibration's own, and are read from disk where it was run.
+
+    Parameters
+    ----------
+    tell : callable
+        Hears how many plays of touches are finished, how many there are, and what was played last.
+    variants : sequence of GelVariant
+        Those that fail in more than ``MOST_LOST`` of the frames are not among what is returned.
+    """
+    plan = ResponsePlan.of(bounds)
+    nu_middle, mu_middle = plan.middle
+    pair = plan.ratios[nu_middle], plan.frictions[mu_middle]
+    moved = [
+        tuple(_moved(touch.touch, axis, side * SHIFT) for touch in touches) for axis in range(2) for side in (-1.0, 1.0)
+    ]
+    plain = tuple(touch.touch for touch in touches)
+    batches = [VariantBatch(mesh, fidelity, *pair, GelVariant(), group) for group in moved]
+    batches += [VariantBatch(mesh, fidelity, *pair, variant, plain) for variant in variants]
+    wanted = list(plan.nodes())
+    of_nodes, of_batches = len(wanted) * len(touches), len(batches) * len(touches)
+
+    def nodes_played(done: int, _: int, what: str = "") -> None:
+        tell(done, of_nodes + of_batches, what)
+
+    def batches_played(done: int, _: int, what: str = "") -> None:
+        tell(of_nodes + done, of_nodes + of_batches, what)
+
+    nodes = play_nodes(mesh, fidelity, touches, wanted, workers, nodes_played)
+    others: list[list[Play]] = []
+    paths = [path for batch in batches for path in variant_paths(batch)]
+    with PlayProgress(paths, batches_played) as progress:
+        for outcome in LocalScheduler(workers).outcomes(play_variant, batches):
+            if outcome.error is not None:
+                raise outcome.error
+            others.append(outcome.result or [])
+            progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
+    shifted, varied = others[: len(moved)], dict(zip(variants, others[len(moved) :], strict=True))
+    kept = solvable(varied, nodes[Node(*pair, 0.0)])
+    join = partial(_touch_plays, plan, mesh)
+    return [
+        join(
+            {node: nodes[node][k] for node in nodes},
+            [group[k] for group in shifted],
+            {variant: plays[k] for variant, plays in kept.items()},
+            touch,
+        )
+        for k, touch in enumerate(touches)
+    ]
+
+
+def _words(done: int, moved: int) -> str:
+    return "moved along the gel" if done <= moved else "gels and indenters that differ"
+
+
+def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
+    poses = touch.poses.copy()
+    poses[:, axis, 3] += by
+    return GelTouch(touch.indenter, poses)
+
+
+def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> dict[GelVariant, list[Play]]:
+    """Those of the variants that solve nearly all frames that the nominal gel solves."""
+    solved = np.concatenate([np.isin(play.status, KNOWN) for play in plain])
+    kept = {}
+    for variant, plays in varied.items():
+        lost = solved & ~np.concatenate([np.isin(play.status, KNOWN) for play in plays])
+        if lost.sum() <= MOST_LOST * solved.sum():
+            kept[variant] = plays
+    return kept
+
+
+def _touch_plays(
+    plan: ResponsePlan,
+    mesh: PadMesh,
+    plays: dict[Node, Play],
+    shifted: Sequence[Play],
+    varied: Mapping[GelVariant, Play],
+    touch: MeasuredTouch,
+) -> TouchPlays:
+    """``shifted``: along -x, x, -y and y."""
+    unknown = np.zeros(len(touch.seconds), dtype=bool)
+    for play in (*plays.values(), *shifted, *varied.values()):
+        unknown |= ~np.isin(play.status, KNOWN)
+
+    def columns(play: Play) -> Array:
+        rows = np.column_stack([np.nan_to_num(play.wrench), play.area])
+        rows[unknown] = np.nan
+        return rows
+
+    def bend(ratio: float, friction: float) -> list[Array]:
+        less, none, more = (columns(plays[Node(ratio, friction, z)]) for z in (-plan.offset, 0.0, plan.offset))
+        return [(more - less) / (2 * plan.offset), (more + less - 2 * none) / (2 * plan.offset**2)]
+
+    nu_middle, mu_middle = plan.middle
+    middle = columns(plays[Node(plan.ratios[nu_middle], plan.frictions[mu_middle], 0.0)])
+    left, right, down, up = (columns(play) for play in shifted)
+    return TouchPlays(
+        plan,
+        np.array([[columns(plays[Node(ratio, mu, 0.0)]) for mu in plan.frictions] for ratio in plan.ratios]),
+        np.array([bend(ratio, plan.frictions[mu_middle]) for ratio in plan.ratios]),
+        np.array([bend(plan.ratios[nu_middle], friction) for friction in plan.frictions]),
+        np.stack([right - left, up - down]) / (2 * SHIFT),
+        np.where(unknown, np.nan, surface_height(mesh, np.nan_to_num(touch.touch.poses[:, :2, 3]))),
+        {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
+    )

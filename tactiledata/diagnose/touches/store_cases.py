@@ -1,0 +1,174 @@
+"""The touches of a store, played by the gel at all that effects may ask, as cases for a diagnosis."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.calibrate.bounds import find_bounds
+from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
+from tactiledata.calibrate.measured import Measured, kept_rows, read_measured
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.diagnose.touches.grid_answer import TouchPlays
+from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
+from tactiledata.diagnose.touches.played_response import PlayedFamily
+from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, CaseSet, TouchCase
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.touch.touch import Touch
+from tactiledata.errors import TactileDataError
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.nuisance.noise import WrenchNoise
+from tactiledata.replay.plan import PlannedTouch, plan_replay
+from tactiledata.replay.store_facts import StoreFacts
+from tactiledata.replay.store_motion import StoreMotion
+from tactiledata.sensors.base import GelGeometry
+from tactiledata.store.read.reader import Store
+
+Array = NDArray[np.float64]
+Tell = Callable[..., None]
+
+FREE_AIR = 1e-4
+"""m: a tip higher than this above the gel touches nothing, whatever its offset."""
+
+
+@dataclass(frozen=True)
+class StoreCases:
+    """What a store gives to a diagnosis.
+
+    Parameters
+    ----------
+    cases : CaseSet
+    start : GelMaterial
+        Where fits begin.
+    effects : tuple of str
+        Candidates that this gel can be asked for.
+    not_played : dict, effect -> reason
+    left_out : dict, reason -> number of trajectories
+    frames_lost : int
+        Of trajectories that take part: without pose or wrench, or not solved.
+    geometry : GelGeometry
+    uids : tuple of str
+        Of the trajectories that take part, in order.
+    """
+
+    cases: CaseSet
+    start: GelMaterial
+    effects: tuple[str, ...]
+    not_played: dict[str, str]
+    left_out: dict[str, int]
+    frames_lost: int
+    geometry: GelGeometry
+    uids: tuple[str, ...]
+
+
+def store_cases(
+    store: Store, options: CalibrationOptions, tell: Tell = lambda done, total, what="": None
+) -> StoreCases:
+    """The trajectories of a store that options ask for.
+
+    Raises
+    ------
+    TactileDataError
+        Too few can be used; the message counts the reasons.
+    """
+    measured = read_measured(store, options)
+    if measured.mesh is None or len(measured.touches) < FEWEST_CASES:
+        raise too_few(len(measured.touches), measured.left_out)
+    plan = plan_replay(store, options.pads, options.indenter_folder)
+    planned = {touch.uid: touch for touch in plan.touches}
+    geometry = plan.pads[planned[measured.touches[0].uid].pad].geometry
+    box = find_bounds(options.bounds)
+    wanted = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
+    plays = play_touches(measured.mesh, options.fidelity, measured.touches, box, options.workers, tell, variants=wanted)
+    start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
+    make = _CaseMaker(measured, StoreFacts(store, plan.touches), StoreMotion(store), start, geometry)
+    left_out = Counter(measured.left_out)
+    cases, kept, uids = [], [], []
+    for touch, played in zip(measured.touches, plays, strict=True):
+        case, part = make.case(touch, planned[touch.uid], played)
+        if len(case.touch) < FEWEST_FRAMES or not part.level.any():
+            left_out["fewer than 3 frames that are known and that the gel could be pressed to, or no contact"] += 1
+            continue
+        cases.append(case)
+        kept.append(part)
+        uids.append(touch.uid)
+    if len(cases) < FEWEST_CASES:
+        raise too_few(len(cases), dict(left_out))
+    not_played = _not_played(kept[0], options)
+    effects = tuple(name for name in EFFECTS if name not in not_played)
+    family = PlayedFamily([case.touch for case in cases], kept)
+    lost = sum(len(touch.seconds) for touch in measured.touches) - sum(len(case.touch) for case in cases)
+    # an effect may move E far: held at a durometer's bound, errors of the simulation would take up what is missing
+    asked = CaseSet(cases, family, box.with_free_modulus)
+    return StoreCases(asked, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
+
+
+def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
+    """Nothing can be diagnosed, and why."""
+    reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items()))
+    return TactileDataError(
+        f"{count} trajectories can be diagnosed{f' ({reasons})' if reasons else ''}",
+        f"at least {FEWEST_CASES}, with poses, a known indenter and a contact wrench in the gel frame: whole "
+        "trajectories are held out, never frames",
+        "Record more of them; docs/calibration.md, What a recording must hold.",
+        left_out=left_out,
+    )
+
+
+def _not_played(plays: TouchPlays, options: CalibrationOptions) -> dict[str, str]:
+    """Effects that need plays which are not there."""
+    why = (
+        "the gel could not be solved with it in more than a tenth of the frames"
+        if options.fidelity == "finite-strain"
+        else "the gel plays it at --fidelity finite-strain only"
+    )
+    return {
+        name: why
+        for name in EFFECTS
+        if any(variant not in plays.variants for variant in design_variants(EFFECTS[name]()))
+    }
+
+
+@dataclass(frozen=True)
+class _CaseMaker:
+    measured: Measured
+    facts: StoreFacts
+    motion: StoreMotion
+    material: GelMaterial
+    geometry: GelGeometry
+
+    def case(self, touch: MeasuredTouch, planned: PlannedTouch, plays: TouchPlays) -> tuple[TouchCase, TouchPlays]:
+        """A trajectory's frames whose pose is known and that all plays have solved, and their plays."""
+        rows = np.arange(*planned.frames)[kept_rows(planned.frames[1] - planned.frames[0])]
+        known = plays.known & np.isfinite(touch.wrench).all(axis=1)
+        known[1:] &= np.diff(touch.seconds) > 0
+        part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
+        height = part.height - poses[:, 2, 3]
+        earlier = self.facts.earlier(planned, poses[:, :2, 3], rows) if len(rows) else (None, None)
+        at = Touch(
+            touch.seconds[known],
+            poses,
+            touch.touch.indenter,
+            self.material,
+            self.geometry,
+            sensor=touch.sensor,
+            indenter_name=touch.indenter,
+            mount=self.facts.mount(planned),
+            gravity=self.facts.gravity(planned, rows),
+            joints=self.facts.joints(rows),
+            powered=self.facts.powered(planned, rows) if len(rows) else None,
+            earlier_depth=earlier[0],
+            earlier_contacts=earlier[1],
+            **self.motion.facts(planned, rows),
+        )
+        case = TouchCase(at, touch.wrench[known], self.noise, height < -FREE_AIR, touch.free_samples, touch.name)
+        return case, part
+
+    @property
+    def noise(self) -> WrenchNoise:
+        return self.measured.noise

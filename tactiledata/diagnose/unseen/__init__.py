@@ -1,0 +1,1 @@
+"""How much better the simulation becomes on data that had no part in the fit."""

@@ -1,0 +1,205 @@
+"""Wrenches of trajectories that a fit has not seen, played by the simulation itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.diagnose.naming.held_out import LinearRefits, folds_of
+from tactiledata.diagnose.naming.joint_fit import JointFit
+from tactiledata.diagnose.naming.linearise import offset_steps
+from tactiledata.diagnose.naming.parameters import JointModel
+from tactiledata.diagnose.naming.signatures import own_field
+from tactiledata.diagnose.residuals.gap import Gap, gap_closed
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.unseen.touch_residuals import known_rows
+from tactiledata.nuisance.offsets import FARTHEST, PRIOR
+
+Array = NDArray[np.float64]
+
+ROUNDS = 2
+
+
+def held_out_wrenches(white: WhitenedCases, fit: JointFit, groups: NDArray[np.int64], numerical: Array) -> Array:
+    """Wrenches (N, 6), N and N m, each group's by numbers that were fitted to the others; NaN where not simulated.
+
+    E, nu, mu, the effects' numbers and the errors of the simulation move to where the other groups have them: one step
+    of the whole fit's linearisation, as in `tactiledata.diagnose.naming.held_out`. The wrench is then played anew.
+    An indenter that was not fitted has no factor of its own. The contact offset and the sensor's zero, which nobody
+    else can know, are those of the trajectory itself, under their priors.
+
+    Parameters
+    ----------
+    groups : (t,)
+        Number of each trajectory's group; at least two.
+    numerical : (N, 6, e) N, N m
+        One standard deviation of each error of the simulation, as in the fit.
+    """
+    refits = LinearRefits.of(white, fit)
+    predicted = np.full((len(white.trajectory), 6), np.nan)
+    for group in np.unique(groups):
+        out = groups == group
+        rows = out[white.trajectory]
+        moved = fit.model.at(fit.model.vector + refits.change_without(out), fit.model.offsets[out])
+        part = white.part(out)
+        predicted[rows] = _with_own_offsets(part, moved, numerical[rows])
+        predicted[rows] += _own_zeros(part, predicted[rows])
+    return predicted
+
+
+def zero_shares(white: WhitenedCases) -> Array:
+    """Shares (t,) of a trajectory's mean residual that are taken for its zero, from what its free air tells of it."""
+    known = np.add.reduceat(white.weights**2, white.starts) * white.tare
+    return known / (1.0 + known)
+
+
+def _own_zeros(part: WhitenedCases, predicted: Array) -> Array:
+    """Most likely zeros (N, 6), N and N m, of trajectories beside what is predicted of them."""
+    weights = np.where(np.isfinite(predicted).all(axis=1), part.weights**2, 0.0)
+    off = weights[:, None] * np.nan_to_num(part.measured - predicted)
+    total = np.maximum(np.add.reduceat(weights, part.starts), 1e-300)
+    zeros: Array = np.add.reduceat(off, part.starts, axis=0) * (zero_shares(part) / total)[:, None]
+    return zeros[part.trajectory]
+
+
+def _with_own_offsets(part: WhitenedCases, model: JointModel, numerical: Array) -> Array:
+    """What a model says of trajectories (N, 6), their offsets (t,) fitted to them."""
+    material, settings, errors = model.material, model.settings, numerical @ model.errors
+    offsets = model.offsets
+    for _ in range(ROUNDS):
+        played = part.cases.played(material, settings, offsets)
+        own = own_field(part, material, settings, offsets, played)
+        squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", own, own), part.starts)
+        steps = offset_steps(own, part.residual(played.wrench + errors), part.starts, squares, offsets / PRIOR)
+        offsets = np.clip(offsets + PRIOR * steps, -FARTHEST, FARTHEST)
+    return part.cases.play(material, settings, offsets) + errors
+
+
+FORCE, TORQUE = slice(0, 3), slice(3, 6)
+NOISE_DRAWS = 8
+NOISE_DOUBT = 0.02
+"""Share of the floor by which an error must exceed it for a gap to be worth a number."""
+
+
+@dataclass(frozen=True)
+class HeldOutErrors:
+    """Before: the plain simulation. After: with the effects.
+
+    Parameters
+    ----------
+    unseen : str
+        "trajectories", "indenters" or "sensors": what was held out.
+    groups : int
+        Of them; trajectories in five folds, the others each in its turn.
+    force : Gap
+        N, root mean square of the three components.
+    torque : Gap
+        N mm, of the torque about the gel's origin.
+    paper : (before, after, floor)
+        N, the SPLIT paper's loss: the mean over trajectories of the mean of | |F measured| - |F simulated| |.
+    before, after : (N, 6) N, N m
+        Wrenches; NaN where not simulated.
+    by_trajectory : (t,)
+        Root mean square of the force before, N.
+    """
+
+    unseen: str
+    groups: int
+    force: Gap
+    torque: Gap
+    paper: tuple[float, float, float]
+    before: Array
+    after: Array
+    by_trajectory: Array
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether there is a way to go at all, beyond what the noise is known to."""
+        return self.force.before > (1.0 + NOISE_DOUBT) * self.force.floor
+
+    @property
+    def has_torque_gap(self) -> bool:
+        """The same of the torque."""
+        return self.torque.before > (1.0 + NOISE_DOUBT) * self.torque.floor
+
+    @property
+    def change(self) -> float:
+        """Of the force error, as a share of what it was."""
+        return self.force.after / self.force.before - 1.0
+
+
+def held_out_errors(white: WhitenedCases, fits: Sequence[JointFit], numerical: Array, seed: int) -> list[HeldOutErrors]:
+    """Of trajectories, and of indenters and sensors where there are at least two.
+
+    Parameters
+    ----------
+    fits : the plain one, and that with effects
+    numerical : (N, 6, e) N, N m
+        As in `held_out_wrenches`.
+    """
+    sensors = np.unique([case.touch.sensor for case in white.cases.cases], return_inverse=True)[1]
+    schemes = {
+        "trajectories": folds_of(len(white.starts), seed),
+        "indenters": white.indenter,
+        "sensors": sensors.astype(np.int64),
+    }
+    found = []
+    for unseen, groups in schemes.items():
+        if len(np.unique(groups)) < 2:
+            continue
+        before, after = (held_out_wrenches(white, fit, groups, numerical) for fit in fits)
+        count = len(groups) if unseen == "trajectories" else len(np.unique(groups))
+        found.append(_errors(white, unseen, count, before, after, seed))
+    return found
+
+
+def _errors(white: WhitenedCases, unseen: str, count: int, before: Array, after: Array, seed: int) -> HeldOutErrors:
+    rows = known_rows(white, before) & known_rows(white, after)
+    frames = np.add.reduceat(rows.astype(np.float64), white.starts)
+    floors = _noise(white, frames)
+
+    def squares(predicted: Array, part: slice) -> Array:
+        off = np.where(rows[:, None], white.measured - predicted, 0.0)[:, part]
+        return np.add.reduceat((off**2).sum(axis=1), white.starts)
+
+    def gap(part: slice, unit: float) -> Gap:
+        floor = float(np.sqrt((floors[rows][:, part] ** 2).mean()))
+        first, second = (unit**2 * squares(one, part) for one in (before, after))
+        return gap_closed(first, second, 3.0 * frames, unit * floor, seed)
+
+    norm = np.linalg.norm(white.measured[:, FORCE], axis=1)
+
+    def paper(measured: Array, predicted: Array) -> float:
+        apart = np.where(rows, np.abs(measured - np.linalg.norm(predicted[:, FORCE], axis=1)), 0.0)
+        means = np.add.reduceat(apart, white.starts) / np.maximum(frames, 1.0)
+        return float(means[frames > 0].mean())
+
+    chance = np.random.default_rng(seed)
+    # the whole of what the offset takes is taken along the force, so that its norm has less left than a component
+    radial = _noise(white, frames, offsets=1.0)[:, FORCE]
+    noisy = [after[:, FORCE] + radial * chance.normal(size=(len(after), 3)) for _ in range(NOISE_DRAWS)]
+    floor = float(np.mean([paper(np.linalg.norm(one, axis=1), after) for one in noisy]))
+    by_trajectory = np.sqrt(squares(before, FORCE) / np.maximum(3.0 * frames, 1.0))
+    losses = paper(norm, before), paper(norm, after), floor
+    return HeldOutErrors(unseen, count, gap(FORCE, 1.0), gap(TORQUE, 1e3), losses, before, after, by_trajectory)
+
+
+def _noise(white: WhitenedCases, frames: Array, offsets: float = 1.0 / 3.0) -> Array:
+    """What noise alone leaves (N, 6), N and N m, once each trajectory has taken its offset and its zero from itself.
+
+    Parameters
+    ----------
+    frames : (t,)
+        That are known of each trajectory.
+    offsets : float
+        Numbers that the contact offset takes from a component of force: it is one beside three of them.
+    """
+    cases = white.cases.cases
+    inflation = np.array([case.noise.inflation for case in cases])
+    taken = (inflation * zero_shares(white))[:, None] + offsets * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    left = np.sqrt(np.maximum(1.0 - taken / np.maximum(frames, 1.0)[:, None], 0.0))
+    deviations = np.stack([case.noise.deviations for case in cases]) * left
+    return deviations[white.trajectory]

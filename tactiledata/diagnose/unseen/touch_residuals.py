@@ -1,0 +1,197 @@
+"""How much contrasts scatter where nothing is missing: what a simulation of a gel may itself be off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from tactiledata.diagnose.locate.gate import NoiseModel
+from tactiledata.diagnose.locate.locate import Located, LocateOptions, locate
+from tactiledata.diagnose.naming.joint_fit import JointFit
+from tactiledata.diagnose.naming.signatures import effect_signatures
+from tactiledata.diagnose.residuals.residuals import Names, Parameter, Residuals
+from tactiledata.diagnose.residuals.sign_flips import DRAWS
+from tactiledata.diagnose.touches.covariates import case_covariates, contacts, phases
+from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.effects import EFFECTS
+from tactiledata.nuisance.offsets import PRIOR
+
+Array = NDArray[np.float64]
+
+OF_THE_GEL: Mapping[str, float] = {
+    "fx": 0.011, "fy": 0.011, "fz": 0.25, "tx": 0.0, "ty": 0.0, "tz": 0.038,
+    "shear along the slide": 0.028, "torque of shear along the slide": 0.35,
+    "E": 0.013, "nu": 0.01, "mu": 0.03, "contact offset": 0.0025,
+}  # fmt: skip
+"""Standard deviations of contrasts, as in `Contrast`: times the noise, shares of E, nu and mu, mm. Where two solvers of
+one gel play the same touches: ``python benchmarks/locating_worlds.py --mounts 12 --errors 30``."""
+
+
+def scatter_beyond_noise(sizes: Array, variances: Array) -> float:
+    """The e for which sizes (c,) have a mean square of 1 over their variance by noise (c,) and e^2; 0 where noise does.
+
+    Source: the moment estimator of a variance component (Paule and Mandel, J. Res. NBS 87, 1982).
+    """
+
+    def excess(e: float) -> float:
+        return float(np.mean(sizes**2 / (variances + e**2))) - 1.0
+
+    if not len(sizes) or excess(0.0) <= 0:
+        return 0.0
+    return float(brentq(excess, 0.0, float(np.abs(sizes).max())))
+
+
+COMPONENTS = ("fx", "fy", "fz", "tx", "ty", "tz")
+UNITS = ("N", "N", "N", "N mm", "N mm", "N mm")
+TO_UNIT = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
+"""N and N m into these units."""
+
+
+def known_rows(white: WhitenedCases, predicted: Array) -> NDArray[np.bool_]:
+    """Rows (N,) with a measured wrench, and a simulated one (N, 6)."""
+    return (white.weights > 0) & np.isfinite(predicted).all(axis=1)
+
+
+def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
+    """Whitened residuals of a fit, frames that were not measured or not simulated left out.
+
+    E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset and
+    zeros are marginalised under their priors; what zeros follow is asked in free air. What the simulation itself may be
+    off, by a factor on all forces of an indenter, along its law and in sticking shear, and the numbers of effects are
+    refitted with E, nu and mu and never asked: a simulator that errs so is no news.
+
+    Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
+    """
+    cases, model = white.cases, fit.model
+    answers = contacts(cases, model.material, model.offsets)
+    rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
+    single = _single(white)
+    parameters, fields = _parameters(white, fit)
+    # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
+    slopes = white.with_zeros(np.stack(fields, axis=2))
+    zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
+    names = tuple(Parameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
+    deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
+    return Residuals(
+        white.with_zeros(fit.residual + fit.own * fit.by_row) * single,
+        COMPONENTS,
+        white.trajectory.astype(np.int64),
+        case_covariates(cases, answers),
+        _labels(white, np.concatenate([answer.sliding for answer in answers])),
+        (*parameters, *names),
+        np.concatenate([slopes, zeros], axis=2) * single[:, :, None],
+        units=UNITS,
+        deviations=deviations,
+        ways=slide_ways(white),
+    ).part(rows)
+
+
+def slide_ways(white: WhitenedCases) -> dict[str, Array]:
+    """Directions (N, 6) of shear along each trajectory's first slide, and of its torque; 0 where nothing slides."""
+    ways = np.zeros((len(white.trajectory), 2))
+    for number, case in enumerate(white.cases.cases):
+        steps = np.diff(np.nan_to_num(case.touch.tips[:, :2]), axis=0, prepend=np.nan_to_num(case.touch.tips[:1, :2]))
+        first = steps[np.flatnonzero(phases(case) == "shear")[:1]].sum(axis=0)
+        ways[white.trajectory == number] = first / max(float(np.hypot(*first)), 1e-300)
+    force, torque = np.zeros((2, len(ways), 6))
+    force[:, :2] = ways
+    # a force along x at some height turns about y, one along y about -x
+    torque[:, 3:5] = np.column_stack([-ways[:, 1], ways[:, 0]])
+    return {"shear along the slide": force, "torque of shear along the slide": torque}
+
+
+def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
+    """What each strength of each effect would change in such residuals (n, 6), by the effect's title."""
+    answers = contacts(white.cases, fit.model.material, fit.model.offsets)
+    rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
+    fields: dict[str, Array] = {}
+    for one in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
+        shapes = "".join(f", {name} {value:g}" for name, value in one.shapes.items())
+        for place, strength in enumerate(one.strengths):
+            changed = white.with_zeros(one.field[:, :, place]) * _single(white)
+            fields[f"{EFFECTS[one.effect]().title} ({strength.label}{shapes})"] = changed[rows]
+    return fields
+
+
+def case_noise(white: WhitenedCases, fit: JointFit) -> NoiseModel:
+    """The noise of such residuals, for the gate: that of neighbours alike, and scatter of the simulation."""
+    inflation = float(np.mean([case.noise.inflation for case in white.cases.cases]))
+    answers = contacts(white.cases, fit.model.material, fit.model.offsets)
+    rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
+    scatter = np.sqrt(np.maximum(1.0 - white.weights[rows] ** 2, 0.0))
+    return NoiseModel((inflation - 1.0) / (inflation + 1.0), scatter=scatter)
+
+
+def locating(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
+    """How to locate in such residuals: their noise is known, and they are those of a fit."""
+    noise = case_noise(white, fit)
+    return LocateOptions(noise=noise, seed=seed, draws=draws, is_fitted=True, errors=OF_THE_GEL)
+
+
+def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> Located:
+    """Where recordings and a fit to them differ.
+
+    Raises
+    ------
+    TactileDataError
+        Too few trajectories.
+    """
+    return locate(case_residuals(white, fit), locating(white, fit, seed, draws))
+
+
+def _single(white: WhitenedCases) -> Array:
+    """Factors (N, 1): noise was widened for neighbours that resemble one another; a value's own variance is to be 1."""
+    return np.sqrt(np.array([case.noise.inflation for case in white.cases.cases]))[white.trajectory, None]
+
+
+def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, ...], list[Array]]:
+    """Parameters and whitened changes (N, 6) over each."""
+    gel, model = fit.model.material, fit.model
+    low, high = (end[:3] for end in model.bounds)
+    here = model.vector[:3]
+    is_free = (here > low + 1e-6) & (here < high - 1e-6)
+    modulus = gel.youngs_modulus * 1e-3
+    by_log = fit.shared[:, :, 0]
+    listed = [
+        Parameter("E", "kPa", modulus, is_tested=bool(is_free[0])),
+        Parameter("nu", "1", gel.poisson_ratio, is_tested=bool(is_free[1])),
+        Parameter("mu", "1", gel.friction, is_tested=bool(is_free[2])),
+        Parameter("contact offset", "mm", own_deviation=1e3 * PRIOR),
+    ]
+    fields = [by_log / modulus, fit.shared[:, :, 1], fit.shared[:, :, 2], fit.own / (1e3 * PRIOR)]
+    for place, one in enumerate(model.coordinates):
+        listed.append(Parameter(model.name_of(one), one.parameter.unit, is_tested=False))
+        fields.append(fit.shared[:, :, 3 + place])
+    # a factor on an indenter's forces is a modulus of its own: the very field of E, so that E beside it is no question
+    owner = white.indenter[white.trajectory]
+    kinds = int(white.indenter.max()) + 1
+    for kind in range(kinds):
+        listed.append(Parameter(f"forces of indenter {kind}", is_tested=False))
+        fields.append(by_log * (owner == kind)[:, None])
+    for place in range(len(model.errors) - kinds):
+        listed.append(Parameter(f"error of the simulation {place}", is_tested=False))
+        fields.append(fit.shared[:, :, 3 + len(model.coordinates) + kinds + place])
+    return tuple(listed), fields
+
+
+def _labels(white: WhitenedCases, slides: NDArray[np.bool_]) -> dict[str, Names]:
+    """Labels (N,); a name that says what another one says already is left out."""
+    cases = white.cases.cases
+    by_trajectory = {
+        "indenter": white.cases.indenters,
+        "sensor": tuple(case.touch.sensor for case in cases),
+        "mount": tuple(case.touch.mount for case in cases),
+    }
+    labels: dict[str, Names] = {}
+    seen: set[tuple[int, ...]] = set()
+    for name, texts in by_trajectory.items():
+        partition = tuple(texts.index(text) for text in texts)
+        if len(set(partition)) > 1 and partition not in seen:
+            seen.add(partition)
+            labels[name] = np.array(texts)[white.trajectory]
+    labels["phase"] = np.concatenate([phases(case) for case in cases])
+    labels["contact"] = np.where(slides, "slip", "stick")
+    return labels

@@ -1,0 +1,1 @@
+"""What the zero of the force sensor follows."""

@@ -1,0 +1,191 @@
+"""What the force sensor reads while nothing touches, over all trajectories of a store."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.records import Stamps
+from tactiledata.contract.take import StoredSignal
+from tactiledata.ingest.forces.contact import zeros_at
+from tactiledata.ingest.forces.gravity import tool_weight, without_pose
+from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.ingest.forces.tare_events import locate_tares, without_steps
+from tactiledata.store.read.reader import SignalRows, Store
+from tactiledata.transforms import pose_matrices
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+PIECES = 8
+"""Most pieces that a stretch of free air is cut into, each with the mean of its readings."""
+FEWEST_READINGS = 10
+"""Of a piece."""
+
+
+@dataclass(frozen=True)
+class ForceZeros:
+    """Pieces of free air, n of them, in the order of trajectories.
+
+    Parameters
+    ----------
+    load : (n, 6) N, N m
+        Mean reading, as a load on the sensor, the stated weight of the tool taken off; force sensor's frame.
+    trajectory : (n,)
+    zeroed : (n,)
+        Number of the stretch between two moments at which the sensor was set to zero.
+    down : (n, 3)
+        Direction of gravity in the force sensor's frame, unit length.
+    seconds : (n,)
+        Since the sensor was switched on, where the log says so, else since the log's start.
+    joints : (n, 6) rad, optional
+    """
+
+    load: Array
+    trajectory: Indices
+    zeroed: Indices
+    down: Array
+    seconds: Array
+    joints: Array | None
+
+    def __len__(self) -> int:
+        return len(self.load)
+
+    @property
+    def trajectories(self) -> int:
+        """How many have any."""
+        return len(np.unique(self.trajectory))
+
+
+def read_zeros(store: Store) -> ForceZeros:
+    """Of all trajectories that begin in free air and whose poses are known; empty where there are none."""
+    reader = _Reader(store)
+    table = store.trajectories(["source", "sensor", "signal_rows"]).to_pylist()
+    pieces = [piece for number, row in enumerate(table) for piece in reader.pieces(number, row)]
+    joints = [piece["joints"] for piece in pieces]
+    return ForceZeros(
+        np.array([piece["load"] for piece in pieces]).reshape(-1, 6),
+        np.array([piece["trajectory"] for piece in pieces], dtype=np.int64),
+        np.unique([f"{piece['zeroed']}" for piece in pieces], return_inverse=True)[1].astype(np.int64),
+        np.array([piece["down"] for piece in pieces]).reshape(-1, 3),
+        np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
+        np.array(joints) if joints and all(one is not None for one in joints) else None,
+    )
+
+
+class _Reader:
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        texts = store.sources(["description"])["description"].to_pylist()
+        self._descriptions = [LogDescription(json.loads(text)) for text in texts]
+
+    def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
+        spans = json.loads(row["signal_rows"])
+        description = self._descriptions[row["source"]]
+        tcp_from_ft = description.transform("tcp_from_ft")
+        wrench, tcp = self._signal("wrench", spans), self._signal("tcp", spans)
+        if wrench is None or tcp is None or tcp_from_ft is None:
+            return []
+        stated = description.wrench
+        load = wrench.values if stated.get("sign", "load_on_sensor") == "load_on_sensor" else -wrench.values
+        if (
+            stated.get("gravity") != "compensated"
+            and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
+        ):
+            load = np.where(without_pose(tcp, wrench.t_ns)[:, None], np.nan, load - weight)
+        tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
+        air = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
+        joints = self._signal("joints", spans)
+        switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
+        since = self._start(row["source"]) if switched_on is None else switched_on
+        found = []
+        parts = [(*stretch, part) for stretch in air for part in pieces_of(len(stretch[1]))]
+        for zeroed, readings, t_ns, part in parts:
+            middle = int(t_ns[part[len(part) // 2]])
+            pose = pose_matrices(_nearest(tcp, middle)[None])[0]
+            angles = None if joints is None else _nearest(joints, middle)[:6]
+            found.append({
+                "load": readings[part].mean(axis=0),
+                "trajectory": number,
+                "zeroed": (row["source"], zeroed),
+                "down": -(tcp_from_ft.inverse().rotation @ pose[:3, :3].T)[:, 2],
+                "seconds": (middle - since) / 1e9,
+                "joints": angles,
+            })  # fmt: skip
+        return [piece for piece in found if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
+
+    def _signal(self, wanted: str, spans: Mapping[str, Any]) -> StoredSignal | None:
+        """The rows of a trajectory."""
+        name = next((name for name in spans if name.partition("@")[0] == wanted), None)
+        if name is None or spans[name][0] == spans[name][1]:
+            return None
+        signal: SignalRows = self._store.signal(name)
+        values, t_ns = signal.values(*spans[name]), signal.t_ns(*spans[name])
+        sound = np.isfinite(values).all(axis=1)
+        if not sound.any():
+            return None
+        return StoredSignal(t_ns[sound], values[sound], signal.columns, signal.units, signal.frame, Stamps(t_ns[sound]))
+
+    def _start(self, source: int) -> int:
+        table = self._store.trajectories(["source", "start_ns"])
+        starts = np.asarray(table["start_ns"])[np.asarray(table["source"]) == source]
+        return int(starts.min())
+
+
+def pieces_of(count: int) -> list[Indices]:
+    """Rows of so many readings, cut into pieces; none where they are too few."""
+    pieces = min(PIECES, count // FEWEST_READINGS)
+    return np.array_split(np.arange(count), pieces) if pieces else []
+
+
+def free_air_readings(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
+    """Readings (n, 6) of a trajectory before its first touch, each reading once, and their times (n,)."""
+    air = free_air_between(load, t_ns, [], np.zeros((0, 6)))
+    return (air[0][1], air[0][2]) if air else (load[:0], t_ns[:0])
+
+
+def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Array) -> list[tuple[int, Array, Indices]]:
+    """Readings of a trajectory before its first touch, each once, in the stretches between tare events.
+
+    Each with the number of events before it, and its times (n,). A jump of the zero is no touch.
+
+    Parameters
+    ----------
+    load : (n, 6) N, N m
+    t_ns : (n,) int64
+    tare_ns : list of int
+        Stated tare events, of the whole recording.
+    zeros : (len(tare_ns), 6) N, N m
+        The load that a reading of zero is at each.
+    """
+    is_new = np.ones(len(load), dtype=bool)
+    is_new[1:] = (np.diff(load, axis=0) != 0).any(axis=1)
+    load, t_ns = load[is_new], t_ns[is_new]
+    if len(load) < FEWEST_READINGS:
+        return []
+    noise = component_noise(load)
+    inside = [tare for tare in locate_tares(t_ns, load, tare_ns, zeros, noise)[0] if tare.row > 0]
+    steady = without_steps(load, inside, 0, len(load))
+    from_start = steady[:, :3] - np.median(steady[:FEWEST_READINGS, :3], axis=0)
+    touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(noise)))
+    first = int(touched[0]) if len(touched) else len(load)
+    borders = [0, *(tare.row for tare in inside), len(load)]
+    before = sum(moment < t_ns[0] for moment in tare_ns)
+    stretches = []
+    for number, (start, stop) in enumerate(itertools.pairwise(borders)):
+        stop = min(stop, start + int(SURELY_FREE * (first - start)))
+        if stop > start:
+            stretches.append((before + number, load[start:stop], t_ns[start:stop]))
+    return stretches
+
+
+def _nearest(signal: StoredSignal, moment: int) -> Array:
+    place = int(np.argmin(np.abs(signal.t_ns - moment)))
+    return np.asarray(signal.values[place])

@@ -1,0 +1,1 @@
+"""Contacts on a bonded layer in closed form."""

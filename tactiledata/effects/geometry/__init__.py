@@ -1,0 +1,1 @@
+"""Effects of the shape of the pad."""

@@ -1,0 +1,1 @@
+"""Effects of friction and adhesion between indenter and gel."""

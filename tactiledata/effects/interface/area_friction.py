@@ -1,0 +1,55 @@
+"""Friction that follows the area of contact beside the load (entry 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.state import TouchState
+
+
+class AreaFriction(Effect):
+    """F_t = tau A + alpha N, with alpha = mu - tau / p0, so that friction is as simulated at the mean pressure p0.
+
+    The factor on mu is 1 + tau / mu (A / N - 1 / p0): friction of light, wide contacts is larger, of a ball about as
+    N^(-1/3).
+
+    Source: Bowden and Tabor's shear strength; Trejo, Fretigny and Chateauminois, arXiv 1701.08013: under a smooth lens
+    the local shear stress on rubber does not depend on pressure.
+    """
+
+    name = "area_friction"
+    number = 7
+    title = "friction by area"
+    slot = "I"
+    parameters = (
+        strength(
+            "shear_strength", "Pa", "tau: friction per area of contact",
+            bounds=(-2e5, 4e5), plausible=(0.0, 4e5), deviation=1e5, source="0.05 to 0.4 MPa of silicones",
+        ),
+        shape(
+            "pressure", "Pa", "p0: mean pressure at which friction is as simulated",
+            default=3e5, bounds=(1e4, 3e6), grid=(3e5,), source="a 4 mm ball, 0.5 mm deep",
+        ),
+    )  # fmt: skip
+    look_alikes = ("rate_friction", "partial_slip", "static_friction", "adhesion")
+    told_apart_by = (
+        "Slides at one speed under 1, 3 and 10 N, with a ball and a flat punch: mu follows A / N, not speed."
+    )
+    detectability = "0.1 MPa: mu differs by 0.2 between 2 and 10 N of a 4 mm ball, 0.3 N of shear at 2 N."
+    reference = "Trejo, Fretigny and Chateauminois, arXiv 1701.08013"
+
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"mu": f"a contact under a mean pressure of {1e-6 * values['pressure']:g} MPa"}
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        contact, mu = state.contact, state.touch.material.friction
+        if mu == 0.0:
+            return state
+        normal = contact.wrench[:, 2]
+        presses = contact.touching & (normal > 0)
+        spread = np.divide(contact.area, normal, out=np.full_like(normal, 1.0 / values["pressure"]), where=presses)
+        return state.rubbed(1.0 + values["shear_strength"] / mu * (spread - 1.0 / values["pressure"]))

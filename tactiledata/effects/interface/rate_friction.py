@@ -1,0 +1,76 @@
+"""Friction that grows, or falls, with the sliding speed (entry 8)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.last_move import SLOWEST as STANDING
+from tactiledata.effects.touch.state import TouchState
+
+Array = NDArray[np.float64]
+
+SLOWEST = 1e-3
+"""Of the reference speed: slower, the law is not followed further down."""
+
+
+class RateFriction(Effect):
+    """mu(v) = mu (1 + beta log10(v / v0)), v the speed at which the contact slides.
+
+    While the tip moves that is its speed. Where it stands and beta > 0, the contact creeps on under its own shear: with
+    k dx = -dF and F on the law, v = u / (1 + u t / L), L = beta mu N / (k ln 10), k the contact's stiffness along the
+    gel, t the rest and u the speed below which a tip is said to stand: every move ends slowly. After a moment only
+    L / t counts. Touches that do not tell their rest keep the last move's speed.
+
+    Source: Vorvolakos and Chaudhury, Langmuir 19, 2003: the shear stress of silicone rises with speed up to a maximum;
+    beyond, it levels out or falls, which is a negative beta here. The logarithm is the usual form between.
+    """
+
+    name = "rate_friction"
+    number = 8
+    title = "friction by speed"
+    slot = "I"
+    parameters = (
+        strength(
+            "beta", "1", "relative change of friction per decade of speed",
+            bounds=(-0.5, 0.5), plausible=(-0.15, 0.25), deviation=0.1, source="0.05 to 0.25 below 1 mm/s",
+        ),
+        shape(
+            "speed", "m/s", "v0: where friction is as simulated",
+            default=1e-3, bounds=(1e-5, 0.1), grid=(1e-3,), source="usual speed of a slide",
+        ),
+    )  # fmt: skip
+    look_alikes = ("static_friction", "area_friction", "lag")
+    told_apart_by = "Slides at 0.1, 1 and 10 mm/s under one load: the plateau moves, the normal force does not."
+    detectability = "beta = 0.1: 0.4 N of shear per decade at 5 N and mu 0.8; only while sliding."
+    reference = "Vorvolakos and Chaudhury, Langmuir 19, 2003"
+
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"mu": f"a slide at {1e3 * values['speed']:g} mm/s"}
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        touch = state.touch
+        if touch.pace is not None and touch.rest is not None:
+            speed = _creeping(state, values["beta"], touch.pace, touch.rest)
+            ratio = np.maximum(speed / values["speed"], SLOWEST)
+            return state.rubbed(np.where(touch.pace > 0, 1.0 + values["beta"] * np.log10(ratio), 1.0))
+        moving = touch.lateral_speed
+        last = np.maximum.accumulate(np.where(moving > SLOWEST * values["speed"], np.arange(len(moving)), 0))
+        ratio = np.maximum(moving[last] / values["speed"], SLOWEST)
+        has_moved = np.maximum.accumulate(moving > SLOWEST * values["speed"])
+        return state.rubbed(np.where(has_moved, 1.0 + values["beta"] * np.log10(ratio), 1.0))
+
+
+def _creeping(state: TouchState, beta: float, pace: Array, rest: Array) -> Array:
+    """Speed (n,) of the contact, m/s, where the tip moves at a pace and where it rests."""
+    gel, contact = state.touch.material, state.contact
+    limit = max(beta, 0.0) * gel.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0) / np.log(10.0)
+    way = np.divide(limit, contact.spring, out=np.zeros_like(limit), where=contact.spring > 0)
+    creeps = (way > 0) & (rest > 0)
+    last = np.minimum(pace, STANDING)
+    slowed: Array = last / (1.0 + np.divide(last * rest, way, out=np.zeros_like(way), where=creeps))
+    return np.where(rest > 0, slowed, pace)

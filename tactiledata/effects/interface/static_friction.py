@@ -1,0 +1,154 @@
+"""Friction that is larger before it gives way, and the more so the longer it rested (entry 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import exp, hypot, log10
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.last_move import WAYS
+from tactiledata.effects.touch.state import TouchState
+from tactiledata.effects.touch.touch import Touch
+
+Array = NDArray[np.float64]
+
+
+class StaticFriction(Effect):
+    """mu times 1 + excess exp(-slip / length) + ageing log10[(time + age) / (time + length / v0)].
+
+    ``slip`` is how far the contact slid since it stuck, ``age`` how old it is: d age / dt = 1 - v age / length, so that
+    it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier; mu is that at v0. When
+    and how far it slides on its way into a frame is that of a slider on a spring as stiff as the contact; what it has
+    at the end of its move counts where it slid, and then it is as old as the last ``length`` of the move took: moves
+    end slowly. Pace and rest are the touch's own where it tells them.
+
+    Source: Dieterich's ageing law, as in Baumberger and Caroli, Adv. Phys. 55, 2006.
+    """
+
+    name = "static_friction"
+    number = 9
+    title = "static friction and ageing"
+    slot = "I"
+    parameters = (
+        strength(
+            "excess", "1", "share by which static friction is larger than kinetic",
+            bounds=(0.0, 1.0), plausible=(0.0, 0.4), deviation=0.15, source="mu_s / mu_k of 1.05 to 1.4; estimate",
+        ),
+        strength(
+            "ageing", "1", "further share per decade of rest",
+            bounds=(0.0, 0.3), plausible=(0.0, 0.05), deviation=0.03, source="2 to 5 % per decade",
+        ),
+        shape(
+            "length", "m", "way over which the excess dies out",
+            default=2e-4, bounds=(1e-6, 5e-3), grid=(5e-5, 2e-4, 8e-4), source="estimate",
+        ),
+        shape(
+            "time", "s", "rest after which ageing counts",
+            default=1.0, bounds=(0.01, 100.0), grid=(0.1, 1.0), source="0.01 to 1 s; estimate",
+        ),
+        shape(
+            "speed", "m/s", "v0: of a long slide whose friction is as simulated",
+            default=1e-3, bounds=(1e-5, 0.1), grid=(1e-3,), source="usual speed of a slide",
+        ),
+    )  # fmt: skip
+    look_alikes = ("rate_friction", "partial_slip", "area_friction")
+    told_apart_by = (
+        "Hold for 1, 10 and 100 s, then slide twice: the first peak grows with the rest, the second has none."
+    )
+    detectability = "excess 0.2: a peak of 0.8 N at 5 N and mu 0.8, gone after some tenths of a millimetre."
+    reference = "Baumberger and Caroli, Adv. Phys. 55, 2006"
+
+    def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
+        return {"mu": f"a long slide at {1e3 * values['speed']:g} mm/s"}
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        touch, contact = state.touch, state.contact
+        steps = np.diff(touch.tips[:, :2], axis=0, prepend=touch.tips[:1, :2])
+        spring = contact.spring
+        limit = touch.material.friction * state.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0)
+        paces = touch.lateral_speed if touch.pace is None else touch.pace
+        rests = np.zeros(len(touch)) if touch.rest is None else np.minimum(touch.rest, touch.time_steps)
+        ages = _ages_of_a_slide(touch, values["length"], rests)
+        sticks = contact.touching & (spring > 0)
+        factors = np.ones(len(touch))
+        now = _Interface(values)
+        columns = (*steps.T, touch.time_steps, paces, rests, ages, spring, limit)
+        ways = zip(*(column.tolist() for column in columns), strict=True)
+        for frame, (touches, way) in enumerate(zip(sticks.tolist(), ways, strict=True)):
+            if touches:
+                factors[frame] = now.moved(_Way(*way))
+            else:
+                now = _Interface(values)
+        return state.rubbed(factors)
+
+
+def _ages_of_a_slide(touch: Touch, length: float, rests: Array) -> Array:
+    """How old (n,), s, a contact is at the end of a long slide: as long as its last ``length`` took; NaN if unknown."""
+    if touch.last_ways is None:
+        return np.full(len(touch), np.nan)
+    columns = np.interp(np.log(length), np.log(WAYS), np.arange(len(WAYS)))
+    below = min(int(columns), len(WAYS) - 2)
+    share = columns - below
+    took = (1.0 - share) * touch.last_ways[:, below] + share * touch.last_ways[:, below + 1]
+    return np.maximum(took - rests, 0.0)
+
+
+class _Way(NamedTuple):
+    """From one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end.
+
+    ``age``: s, that a long slide has at its end, NaN where it is not known; ``spring``: N/m, ``limit``: N, at its end.
+    """
+
+    x: float
+    y: float
+    seconds: float
+    pace: float
+    rest: float
+    age: float
+    spring: float
+    limit: float
+
+
+class _Interface:
+    """A contact that ages and forgets."""
+
+    def __init__(self, values: Mapping[str, float]) -> None:
+        self._excess, self._ageing = values["excess"], values["ageing"]
+        self._length, self._time = values["length"], values["time"]
+        self._of_a_slide = values["length"] / values["speed"]
+        self._x, self._y = 0.0, 0.0
+        self._age, self._slipped = 0.0, 0.0
+
+    @property
+    def factor(self) -> float:
+        """On the kinetic friction."""
+        fresh = self._excess * exp(-self._slipped / self._length)
+        older = (self._time + self._age) / (self._time + self._of_a_slide)
+        return 1.0 + fresh + self._ageing * log10(older)
+
+    def moved(self, way: _Way) -> float:
+        """The factor at the end of a move; rest comes after it."""
+        self._x += way.spring * way.x
+        self._y += way.spring * way.y
+        size = hypot(self._x, self._y)
+        most = way.limit * self.factor
+        if size <= most:
+            self._age, self._slipped = self._age + way.seconds, 0.0
+            return self.factor
+        slip = (size - most) / way.spring
+        # a contact may slide where nothing moves, because its load falls
+        speed = way.pace if way.pace > 0 else slip / way.seconds
+        age = way.age if way.age > 0 else self._length / speed
+        kept = exp(-slip / self._length)
+        self._age = kept * self._age + (1.0 - kept) * age
+        self._slipped += slip
+        factor = self.factor
+        within = min(way.limit * factor, size) / size
+        self._x, self._y = within * self._x, within * self._y
+        self._age += way.rest
+        return factor

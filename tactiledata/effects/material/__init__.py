@@ -1,0 +1,1 @@
+"""Effects of what the gel is made of."""

@@ -1,0 +1,1 @@
+"""Effects that move the indenter against the gel."""

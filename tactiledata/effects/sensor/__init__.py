@@ -1,0 +1,1 @@
+"""Effects of the force sensor and of what hangs on it."""

@@ -1,0 +1,62 @@
+"""A cable pulls at the tool as the wrist turns (entry 16)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.state import TouchState
+
+Array = NDArray[np.float64]
+
+
+def with_play(angle: Array, play: float) -> Array:
+    """An angle (n,) that follows another only when it leaves a band of ``play`` about it: the play operator."""
+    follows = np.empty_like(angle)
+    at = angle[0] if len(angle) else 0.0
+    for frame, target in enumerate(angle):
+        at = min(max(at, target - play / 2), target + play / 2)
+        follows[frame] = at
+    return follows
+
+
+class CableDrag(Effect):
+    """F -> F + k p(q6), p the angle of the last joint with play: a spring that lets the wrist turn a little freely.
+
+    Source: Krasnosel'skii's play operator, the simplest rate-independent hysteresis; sizes are an estimate.
+    """
+
+    name = "cable_drag"
+    number = 16
+    title = "drag of cables"
+    slot = "S"
+    parameters = (
+        *(
+            strength(
+                f"f{axis}", "N/rad", f"force along {axis} of the gel frame per angle of the last joint",
+                bounds=(-2.0, 2.0), plausible=(-0.5, 0.5), deviation=0.15, source="0.05 to 0.5 N; estimate",
+            )
+            for axis in "xyz"
+        ),
+        shape(
+            "play", "rad", "angle within which the cable does not follow",
+            default=0.1, bounds=(0.0, 2.0), grid=(0.0, 0.1, 0.3), source="estimate",
+        ),
+    )  # fmt: skip
+    look_alikes = ("tool_weight", "sensor_drift")
+    told_apart_by = (
+        "Turn the last joint to and fro in free air about a vertical axis: gravity stays, the cable's pull does not."
+    )
+    detectability = "0.1 N/rad is the noise of one reading at one radian; averaged over a turn in free air it shows."
+    reference = "Visintin, Differential Models of Hysteresis"
+    needs = ("joints",)
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        angle = with_play(state.covariate("joints", self.name)[:, 5], values["play"])
+        wrench = state.wrench.copy()
+        wrench[:, :3] += angle[:, None] * [values["fx"], values["fy"], values["fz"]]
+        return state.read(wrench)

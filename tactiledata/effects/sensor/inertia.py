@@ -1,0 +1,63 @@
+"""The force sensor feels the tool being accelerated, and swinging on the arm when it stops (entry 29)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.felt_acceleration import FREQUENCIES, felt_at
+from tactiledata.effects.touch.state import TouchState
+from tactiledata.effects.touch.touch import Touch
+
+Array = NDArray[np.float64]
+
+
+class Inertia(Effect):
+    """F -> F - m a, a the acceleration in the gel frame that a tool feels which swings on the arm with ``frequency``.
+
+    The tool starts late and rings when the tip stops: `felt_acceleration`, of the stream of poses.
+    A touch that does not tell it has the tip's own acceleration, twice differentiated from its frames, which must then
+    be dense enough to show a start or a stop. It is added to the reading, for it neither moves the indenter nor touches
+    the gel.
+
+    Source: Newton; 0.5 kg at 0.2 m/s^2 is 0.1 N.
+    """
+
+    name = "inertia"
+    number = 29
+    title = "inertia of the tool and vibration of the arm"
+    slot = "S"
+    parameters = (
+        strength(
+            "mass", "kg", "mass between the sensor and the contact",
+            bounds=(-3.0, 3.0), plausible=(-1.0, 1.0), deviation=0.4, source="sensor, holder and indenter: 0.1 to 1 kg",
+        ),
+        shape(
+            "frequency", "Hz", "of the arm's mode on which the tool swings",
+            default=15.0, bounds=(FREQUENCIES[0], FREQUENCIES[-1]), grid=FREQUENCIES, source="10 to 25 Hz; estimate",
+        ),
+    )  # fmt: skip
+    look_alikes = ("lag", "tool_weight")
+    told_apart_by = "Start and stop in free air: peaks at the accelerations, none at constant speed."
+    detectability = "0.5 kg at 0.2 m/s^2 is 0.1 N, at starts and for some tenths of a second after stops only."
+    reference = "Newton's second law"
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        wrench = state.wrench.copy()
+        wrench[:, :3] -= values["mass"] * _acceleration(state.touch, values["frequency"])
+        return state.read(wrench)
+
+
+def _acceleration(touch: Touch, frequency: float) -> Array:
+    """Acceleration (n, 3), m/s^2, as the tool feels it."""
+    if touch.felt_accelerations is not None:
+        return felt_at(touch.felt_accelerations, frequency)
+    if len(touch) < 3:
+        return np.zeros((len(touch), 3))
+    velocity = np.gradient(touch.tips, touch.seconds, axis=0)
+    acceleration: Array = np.gradient(velocity, touch.seconds, axis=0)
+    return acceleration

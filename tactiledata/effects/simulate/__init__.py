@@ -1,0 +1,1 @@
+"""A simulator with effects, and the settings that it is given."""

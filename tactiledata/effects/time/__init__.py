@@ -1,0 +1,1 @@
+"""Effects of time on the contact force."""

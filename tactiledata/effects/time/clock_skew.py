@@ -1,0 +1,50 @@
+"""The force sensor's clock runs otherwise than the camera's (entry 19)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tactiledata.effects.base import Effect
+from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.state import TouchState
+from tactiledata.effects.touch.time_operators import delayed
+
+
+class ClockSkew(Effect):
+    """F(t) -> F(t - delay), delay = rate t + jump from the time ``jump_at`` on, t since the start of the recording.
+
+    Source: quartz clocks differ by 10 to 100 ppm, 0.6 to 6 ms a minute; a frame that is dropped moves all later ones by
+    one.
+    """
+
+    name = "clock_skew"
+    number = 19
+    title = "clock skew and dropped frames"
+    slot = "T"
+    parameters = (
+        strength(
+            "rate", "1", "seconds of delay per second of recording",
+            bounds=(-5e-3, 5e-3), plausible=(-1e-4, 1e-4), deviation=5e-5, source="10 to 100 ppm of quartz clocks",
+        ),
+        strength(
+            "jump", "s", "delay from a moment on",
+            bounds=(-0.5, 0.5), plausible=(-0.04, 0.04), deviation=0.017, source="one frame at 25 to 60 Hz",
+        ),
+        shape(
+            "jump_at", "s", "moment of the jump, since the start of the recording",
+            default=0.0, bounds=(0.0, 1e5), grid=(60.0, 300.0, 900.0), source="anywhere in the recording",
+        ),
+    )  # fmt: skip
+    look_alikes = ("lag", "relaxation")
+    told_apart_by = (
+        "A tap at the start and at the end of one recording: the lag between them grows, and starts anew with the file."
+    )
+    detectability = "50 ppm are 30 ms after ten minutes: 0.3 N where the force changes by 10 N/s."
+    reference = "oscillator tolerances"
+
+    def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        seconds = state.touch.seconds
+        delay = values["rate"] * seconds + np.where(seconds >= values["jump_at"], values["jump"], 0.0)
+        return state.read(delayed(seconds, state.wrench, delay))

@@ -1,0 +1,1 @@
+"""What effects know of a touch, and how the gel answers them."""

@@ -1,0 +1,157 @@
+"""One recorded touch, and all that effects may depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.effects.touch.felt_acceleration import FREQUENCIES
+from tactiledata.effects.touch.last_move import WAYS
+from tactiledata.errors import UsageError
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.indenters.base import Indenter
+from tactiledata.sensors.base import GelGeometry
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A trajectory of n frames.
+
+    Parameters
+    ----------
+    seconds : (n,)
+        Since the start of the recording, strictly ascending.
+    poses : (n, 4, 4)
+        gel_from_indenter as recorded, metres; NaN where unknown.
+    indenter : Indenter
+    material : GelMaterial
+        With which the base simulation was made.
+    geometry : GelGeometry
+        Of the gel.
+    sensor, indenter_name, mount : str
+        Serial of the sensor, name of the indenter in the log, and which mounting of it; empty where unknown.
+    gravity : (n, 3) m/s^2, optional
+        The acceleration of gravity in the gel frame, pointing down.
+    joints : (n, 6) rad, optional
+    powered : (n,) s, optional
+        Since the sensor was switched on.
+    earlier_depth : (n,) m, optional
+        How deep this indenter would have to press to do here what the strongest earlier touch has done, as
+        `tactiledata.effects.touch.imprint` compares them; 0 where the gel is untouched.
+    earlier_contacts : (n,), optional
+        How many touches this spot had before.
+    selection : (low, high) N, optional
+        The range of measured force norms to which the data were cut.
+    tare : (n,) bool, optional
+        Frames of free air from which the measured zero was taken.
+    pace, rest : (n,) m/s and s, optional
+        Speed of the tip along the gel, or of its last move where it stands, and for how long it has stood: see
+        `tactiledata.effects.touch.last_move`. Without them both are guessed from the frames.
+    last_ways : (n, w) s, optional
+        For how long the tip has been near where it is, for each of `tactiledata.effects.touch.last_move.WAYS`.
+    felt_accelerations : (n, f, 3) m/s^2, optional
+        What a tool on the swinging arm feels of the tip's move, gel frame, for each of
+        `tactiledata.effects.touch.felt_acceleration.FREQUENCIES`.
+    gel_from_sensor : (n, 4, 4), optional
+        Where the force sensor is.
+    sensor_weight : (n, 6) N, N m, optional
+        What the force sensor reads of the tool's weight, in its own frame, since it was set to zero: it is taken off
+        measured wrenches, but limits and steps of the sensor act on the sum.
+
+    Raises
+    ------
+    UsageError
+        Arrays that do not fit one another, or times that do not ascend.
+    """
+
+    seconds: Array
+    poses: Array
+    indenter: Indenter
+    material: GelMaterial
+    geometry: GelGeometry
+    sensor: str = ""
+    indenter_name: str = ""
+    mount: str = ""
+    gravity: Array | None = None
+    joints: Array | None = None
+    powered: Array | None = None
+    earlier_depth: Array | None = None
+    earlier_contacts: Array | None = None
+    selection: tuple[float, float] | None = None
+    tare: NDArray[np.bool_] | None = None
+    pace: Array | None = None
+    rest: Array | None = None
+    last_ways: Array | None = None
+    felt_accelerations: Array | None = None
+    gel_from_sensor: Array | None = None
+    sensor_weight: Array | None = None
+
+    def __post_init__(self) -> None:
+        shapes = {
+            "poses": (4, 4),
+            "gravity": (3,),
+            "joints": (6,),
+            "last_ways": (len(WAYS),),
+            "felt_accelerations": (len(FREQUENCIES), 3),
+            "gel_from_sensor": (4, 4),
+            "sensor_weight": (6,),
+        }
+        for field in fields(self):
+            value = getattr(self, field.name)
+            wanted = (len(self.seconds), *shapes.get(field.name, ()))
+            if isinstance(value, np.ndarray) and value.shape != wanted:
+                raise UsageError(f"{field.name} of a touch has shape {value.shape}", f"{wanted}", "Align the frames.")
+        if not (np.diff(self.seconds) > 0).all():
+            raise UsageError("the times of a touch do not ascend", "strictly ascending seconds", "Sort the frames.")
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+    @property
+    def tips(self) -> Array:
+        """Recorded positions (n, 3), m, of the indenter's tip in the gel frame."""
+        return self.poses[:, :3, 3]
+
+    @cached_property
+    def lateral_steps(self) -> Array:
+        """Way (n,), m, of the tip along the gel since the frame before; 0 at the first."""
+        return np.linalg.norm(np.diff(self.tips[:, :2], axis=0, prepend=self.tips[:1, :2]), axis=1)
+
+    @cached_property
+    def time_steps(self) -> Array:
+        """Time (n,), s, since the frame before; 0 at the first."""
+        return np.diff(self.seconds, prepend=self.seconds[:1])
+
+    @property
+    def lateral_speed(self) -> Array:
+        """Speed (n,), m/s, of the tip along the gel on its way into each frame; 0 at the first."""
+        return np.divide(self.lateral_steps, self.time_steps, out=np.zeros(len(self)), where=self.time_steps > 0)
+
+    def to_sensor(self, wrench: Array) -> Array:
+        """What the sensor reads (n, 6), in its frame, of a wrench (n, 6) on the indenter, gel frame.
+
+        The load on the sensor is its opposite, and the tool's weight; where the touch does not tell the sensor's frame,
+        it counts as the gel's.
+        """
+        force, torque = -wrench[:, :3], -wrench[:, 3:]
+        if self.gel_from_sensor is not None:
+            turn, lever = self.gel_from_sensor[:, :3, :3], self.gel_from_sensor[:, :3, 3]
+            torque = np.einsum("nji,nj->ni", turn, torque - np.cross(lever, force))
+            force = np.einsum("nji,nj->ni", turn, force)
+        load = np.concatenate([force, torque], axis=1)
+        return load if self.sensor_weight is None else load + self.sensor_weight
+
+    def from_sensor(self, reading: Array) -> Array:
+        """The other way."""
+        load = reading if self.sensor_weight is None else reading - self.sensor_weight
+        force, torque = load[:, :3], load[:, 3:]
+        if self.gel_from_sensor is not None:
+            turn, lever = self.gel_from_sensor[:, :3, :3], self.gel_from_sensor[:, :3, 3]
+            force = np.einsum("nij,nj->ni", turn, force)
+            torque = np.einsum("nij,nj->ni", turn, torque) + np.cross(lever, force)
+        return -np.concatenate([force, torque], axis=1)

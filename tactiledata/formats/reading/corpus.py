@@ -1,0 +1,255 @@
+"""What the importers of public corpora share: walking folders, nominal clocks, sources and their inspection.
+
+Shared by the family, as `base` is: members may import it.
+"""
+
+from __future__ import annotations
+
+import re
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LOG_FORMAT, LogDescription
+from tactiledata.contract.records import ImageSink, Recording, Signal, Source, Trajectory
+from tactiledata.contract.simulated import Kind
+from tactiledata.errors import BrokenLog, MissingFile, UsageError
+from tactiledata.formats.base import Format, Inspection, TopicInfo
+from tactiledata.formats.reading.intake import Intake, Payload
+from tactiledata.formats.reading.natural_order import natural_key
+from tactiledata.formats.reading.stream_rate import has_times, rate_of
+
+SECOND = 10**9
+"""Nanoseconds."""
+NOMINAL_RATE = 30
+"""Hz, where a corpus gives the order of its frames and no times: the rate that the DIGIT's driver defaults to."""
+PAUSE_NS = SECOND
+"""Put between the trajectories of a corpus without a clock, so that they do not touch."""
+
+
+def nominal_ns(index: int) -> int:
+    """The time of the frame with this index on a clock of `NOMINAL_RATE`, exact to the nanosecond below."""
+    return index * SECOND // NOMINAL_RATE
+
+
+def seconds_to_ns(seconds: Any) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Times (n,) in int64 ns of times in seconds, and which of them were numbers.
+
+    What is not a finite number continues the clock before it at the nominal rate.
+    """
+    given = np.asarray(seconds, dtype=np.float64).reshape(-1)
+    is_good = np.isfinite(given) & (np.abs(given) < 2**62 / SECOND)
+    times = np.rint(np.where(is_good, given, 0.0) * SECOND).astype(np.int64)
+    for row in np.flatnonzero(~is_good):
+        times[row] = times[row - 1] + nominal_ns(1) if row else 0
+    return times, is_good
+
+
+def stream_name(text: str) -> str:
+    """A name that the store takes for a stream, made from one that a corpus uses."""
+    cleaned = re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")[:60]
+    return cleaned if cleaned[:1].isalpha() else f"v_{cleaned}".rstrip("_")
+
+
+def subfolders(root: Path, depth: int, skip: Callable[[str], bool] = lambda name: False) -> Iterator[Path]:
+    """A folder and the folders below it, in natural order, at most ``depth`` levels deep; links are not followed."""
+    yield root
+    if depth <= 0:
+        return
+    try:
+        below = [path for path in root.iterdir() if path.is_dir() and not path.is_symlink() and not skip(path.name)]
+    except OSError:
+        return
+    for path in sorted(below, key=lambda path: natural_key(path.name)):
+        yield from subfolders(path, depth - 1, skip)
+
+
+def files_in(folder: Path, suffixes: Sequence[str]) -> list[Path]:
+    """The files of a folder with one of these endings (lower case), in natural order; links are left out."""
+    if not folder.is_dir():
+        return []
+    found = [
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in suffixes and path.is_file() and not path.is_symlink()
+    ]
+    return sorted(found, key=lambda path: natural_key(path.name))
+
+
+def key_of(root: Path, path: Path) -> str:
+    """A readable key of a source: the folder that was named and the way from there."""
+    below = path.relative_to(root).as_posix()
+    named = root.resolve().name
+    return named if below == "." else f"{named}/{below}"
+
+
+def read_bytes(path: Path) -> Payload:
+    """A payload that is read when it is needed."""
+    return path.read_bytes
+
+
+class Timeline:
+    """A clock for corpora that give order only: trajectories one after another, a pause between them."""
+
+    def __init__(self) -> None:
+        self._start = 0
+        self._end = 0
+
+    def begin(self) -> int:
+        """The first moment of the next trajectory."""
+        self._start = self._end + PAUSE_NS if self._end else 0
+        return self._start
+
+    def at(self, index: int) -> int:
+        """The time of a frame of the current trajectory."""
+        moment = self._start + nominal_ns(index)
+        self._end = max(self._end, moment + nominal_ns(1))
+        return moment
+
+    def interval(self) -> tuple[int, int]:
+        """The current trajectory's half-open interval."""
+        return self._start, max(self._end, self._start + 1)
+
+
+def note_nominal_rate(intake: Intake, what: str) -> None:
+    """The finding that times were made up."""
+    intake.note(
+        "nominal-rate",
+        "info",
+        f"{what} gives the order of frames and no times: they are put on a clock of {NOMINAL_RATE} Hz",
+    )
+
+
+def describe(
+    source: Source,
+    mapping: Mapping[str, Any] | None,
+    sensors: Mapping[str, str],
+    title: str,
+    licence: str,
+    kind: Kind = "not stated",
+) -> LogDescription:
+    """A description of a corpus' recording, with what a mapping document adds to it.
+
+    Parameters
+    ----------
+    source : Source
+    mapping : dict, optional
+        A mapping document, whose ``description`` is laid over the rest.
+    sensors : dict, name -> model
+    title, licence : str
+        Of the corpus.
+    kind : "simulated", "real" or "not stated"
+        What the corpus says of its contacts.
+    """
+    document = {
+        "format": LOG_FORMAT,
+        "title": title,
+        "licence": licence,
+        "sensors": {name: {"model": model} for name, model in sensors.items()},
+        **({} if kind == "not stated" else {"recorded_by": {"contact": kind}}),
+    }
+    description = LogDescription.checked(document, source.key)
+    added = (mapping or {}).get("description")
+    return description.merged(added, f"mapping for {source.key}") if added else description
+
+
+def sensor_for(camera: str, known: str, mapping: Mapping[str, Any] | None) -> str:
+    """The sensor's serial: what a mapping says of the camera, else the name that the importer gives it."""
+    stated = ((mapping or {}).get("images") or {}).get(camera, {}).get("sensor")
+    return str(stated) if stated else known
+
+
+def beside(sensor: str, camera: str) -> str:
+    """What a camera that only accompanies a sensor is called: two cameras are never one sensor."""
+    return f"{sensor}-{camera}"
+
+
+def raise_empty(source: Source, expected: str) -> NoReturn:
+    """The error for a source in which there is nothing to read."""
+    raise BrokenLog(
+        f"nothing to read in {source.path}", expected, "Check that the download is complete.", key=source.key
+    )
+
+
+class CorpusFormat(Format):
+    """A format whose sources are walked once, to read them or to see what they hold."""
+
+    @abstractmethod
+    def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
+        """The recording, its images given to the intake."""
+
+    def read(self, source: Source, sink: ImageSink, mapping: Mapping[str, Any] | None = None) -> Recording:
+        """A recording, as `Format.read` says."""
+        return self.record(source, Intake(sink), mapping)
+
+    def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
+        """What the source holds; image files are counted, the first of each camera is opened."""
+        intake = Intake(None)
+        recording = self.record(source, intake, mapping)
+        cameras = [_camera_info(name, *facts) for name, facts in intake.cameras.items()]
+        signals = [_signal_info(signal) for signal in recording.signals.values()]
+        values = [
+            TopicInfo(name, "values of images", "", int(np.isfinite(kept.values).any(axis=1).sum()), note=kept.note)
+            for name, kept in recording.frame_values.items()
+        ]
+        facts = {
+            "trajectories": len(recording.trajectories),
+            "sensors": sorted(recording.description.sensors),
+            "indenters": sorted({touch.indenter for touch in recording.trajectories if touch.indenter}),
+            "licence": self.licence_note,
+        }
+        return Inspection(source, (*cameras, *signals, *values), recording.findings, facts)
+
+    def finish(
+        self,
+        source: Source,
+        intake: Intake,
+        description: LogDescription,
+        trajectories: Sequence[Trajectory],
+        signals: Mapping[str, Signal] | None = None,
+        references: Mapping[str, tuple[NDArray[np.uint8], str]] | None = None,
+    ) -> Recording:
+        """The recording of what the intake took; ``references`` are pictures with their origin, by sensor."""
+        pictures = references or {}
+        return Recording(
+            source,
+            description,
+            dict(signals or {}),
+            tuple(trajectories),
+            intake.findings,
+            "log",
+            {sensor: picture for sensor, (picture, _) in pictures.items()},
+            {sensor: origin for sensor, (_, origin) in pictures.items()},
+            intake.frame_values(),
+        )
+
+    def make_source(self, root: Path, home: Path, files: Sequence[Path], part: Path | None = None) -> Source:
+        """A source of this format: ``root`` is what the user named, ``home`` holds all ``files``.
+
+        Where ``home`` holds several sources, ``part`` is the file or folder inside it that this one is about.
+        """
+        key = key_of(root, home if part is None else part)
+        return Source(str(home), key, self.name, tuple(map(str, files)), "" if part is None else part.name)
+
+    def require(self, path: Path) -> None:
+        """Nothing, where the path exists and is of this format."""
+        if not path.exists():
+            raise MissingFile(f"{path} does not exist", f"a file or folder of {self.title}", path=str(path))
+        if not self.sniff(path):
+            raise UsageError(f"{path} is not of format {self.name}", self.layout.strip(), path=str(path))
+
+
+def _camera_info(name: str, count: int, first: int, last: int, example: str) -> TopicInfo:
+    rate, timed = rate_of(count, first, last), has_times(count, first, last)
+    return TopicInfo(name, "images", "", count, rate, f"image:{name}", "", example, timed)
+
+
+def _signal_info(signal: Signal) -> TopicInfo:
+    stamps = signal.stamps.log
+    first, last = (int(stamps[0]), int(stamps[-1])) if len(stamps) else (0, 0)
+    rate, timed = rate_of(len(stamps), first, last), has_times(len(stamps), first, last)
+    return TopicInfo(signal.name, ", ".join(signal.columns), "", len(stamps), rate, signal.name, has_times=timed)

@@ -1,0 +1,194 @@
+"""How importers hand over what they read: images one by one, values that belong to images, findings with counts.
+
+Shared by the family, as `base` is: members may import it.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.image_bytes import read_header, size_fault
+from tactiledata.contract.records import Finding, FrameValues, Image, ImageSink, Severity
+from tactiledata.errors import BrokenLog
+from tactiledata.formats.reading.picture_kinds import remarks_on
+
+MEMORY_LIMIT = 64 * 2**20
+"""Bytes of values of one kind beyond which they wait in a temporary file instead of in memory."""
+
+Payload = Callable[[], "bytes | NDArray[np.uint8]"]
+"""What gives an image's bytes as they came, or its pixels (H, W, 3), RGB, when it is called."""
+
+
+@dataclass
+class _Column:
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    note: str
+    rows: array[int] = field(default_factory=lambda: array("q"))
+    values: array[float] = field(default_factory=lambda: array("d"))
+    spool: Any = None
+
+    def add(self, row: int, values: Sequence[float] | NDArray[np.float64]) -> None:
+        if len(values) != len(self.columns):
+            raise ValueError(f"{len(values)} values for {len(self.columns)} columns")
+        self.rows.append(row)
+        self.values.frombytes(np.asarray(values, dtype=np.float64).tobytes())
+        if len(self.values) * 8 > MEMORY_LIMIT:
+            self._spill()
+
+    def _spill(self) -> None:
+        if self.spool is None:
+            self.spool = tempfile.TemporaryFile()  # noqa: SIM115  lives as long as the values that are mapped from it
+        self.spool.write(self.values.tobytes())
+        self.values = array("d")
+
+    def dense(self, count: int) -> FrameValues:
+        width = len(self.columns)
+        rows = np.frombuffer(self.rows, dtype=np.int64) if self.rows else np.zeros(0, dtype=np.int64)
+        if self.spool is None:
+            given = np.frombuffer(self.values, dtype=np.float64) if self.values else np.zeros(0)
+            given = given.reshape(-1, width)
+        else:
+            self._spill()
+            self.spool.flush()
+            given = np.memmap(self.spool, dtype=np.float64, mode="r", shape=(len(rows), width))
+            self.spool.close()
+        is_whole = len(rows) == count and (rows == np.arange(count)).all()
+        return FrameValues(given if is_whole else _spread(given, rows, count), self.columns, self.units, self.note)
+
+
+def _spread(given: NDArray[np.float64], rows: NDArray[np.int64], count: int) -> NDArray[np.float64]:
+    """Values (count, k) that are ``given`` in some rows and NaN in the others."""
+    shape = (count, given.shape[1])
+    whole: NDArray[np.float64]
+    if math.prod(shape) * 8 > MEMORY_LIMIT:
+        with tempfile.TemporaryFile() as backing:
+            whole = np.memmap(backing, dtype=np.float64, mode="w+", shape=shape)
+    else:
+        whole = np.empty(shape)
+    whole[:] = np.nan
+    whole[rows] = given
+    return whole
+
+
+class Intake:
+    """What a reader hands over: images one by one into the sink, values of images, findings with their counts.
+
+    Parameters
+    ----------
+    sink : ImageSink, optional
+        Where images go; without one they are counted and only the first of each camera is opened (`inspect`).
+    """
+
+    def __init__(self, sink: ImageSink | None) -> None:
+        self._sink = sink
+        self._findings: dict[tuple[str, str, str], Finding] = {}
+        self._columns: dict[str, _Column] = {}
+        self.cameras: dict[str, list[Any]] = {}  # name -> [images, first time, last time, example]
+        self.images = 0
+
+    @property
+    def is_looking(self) -> bool:
+        """Whether images are only counted."""
+        return self._sink is None
+
+    def note(
+        self, code: str, severity: Severity, message: str, stream: str = "", trajectory: str = "", count: int = 1
+    ) -> None:
+        """A finding; of the same code, stream and trajectory the first message is kept and the counts are added."""
+        place = (code, stream, trajectory)
+        known = self._findings.get(place)
+        if known is None:
+            self._findings[place] = Finding(code, severity, message, stream, trajectory, count=count)
+        else:
+            self._findings[place] = replace(known, count=known.count + count)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What was noted, with ``(n times)`` where it was met more than once."""
+        return tuple(
+            found if found.count == 1 else replace(found, message=f"{found.message} (count {found.count})")
+            for found in self._findings.values()
+        )
+
+    def declare(self, name: str, columns: tuple[str, ...], units: tuple[str, ...], note: str = "") -> None:
+        """A kind of values that images carry."""
+        self._columns.setdefault(name, _Column(columns, units, note))
+
+    def width(self, name: str) -> int:
+        """How many columns values of this name have, 0 where it was not declared."""
+        return len(self._columns[name].columns) if name in self._columns else 0
+
+    def image(
+        self,
+        camera: str,
+        payload: Payload | None,
+        t_ns: int,
+        *,
+        sensor: str = "",
+        trajectory: str = "",
+        name: str = "",
+        values: Mapping[str, Sequence[float] | NDArray[np.float64]] | None = None,
+    ) -> None:
+        """One image (or, without a payload, a moment whose image is not there), with the values that belong to it."""
+        for kind, row in (values or {}).items():
+            self._columns[kind].add(self.images, row)
+        seen = self.cameras.setdefault(camera, [0, t_ns, t_ns, ""])
+        seen[0] += 1
+        seen[2] = t_ns
+        self.images += 1
+        if self.is_looking and seen[0] > 1:
+            return
+        image = self._made(camera, payload, t_ns, sensor, trajectory, name)
+        if seen[0] == 1:
+            seen[3] = f"{image.encoding} {image.height} x {image.width}, {name}"
+        if self._sink is not None:
+            self._sink.add(image)
+
+    def _made(self, camera: str, payload: Payload | None, t_ns: int, sensor: str, trajectory: str, name: str) -> Image:
+        missing = Image(camera, b"", "missing", 0, 0, t_ns, sensor=sensor, trajectory=trajectory, name=name)
+        if payload is None:
+            return missing
+        try:
+            content = payload()
+        except OSError as error:
+            self.note("image-unreadable", "damage", f"{name} cannot be opened ({error.strerror})", camera, trajectory)
+            return missing
+        if isinstance(content, np.ndarray):
+            return self._raw(content, missing)
+        try:
+            header = read_header(content)
+        except BrokenLog as error:
+            self.note("image-unreadable", "damage", f"{name}: {error.found}", camera, trajectory)
+            return missing
+        remarks = remarks_on(header, content)
+        for remark in remarks:
+            self.note(remark.code, remark.severity, f"{name} {remark.words}", camera)
+        if any(remark.is_lost for remark in remarks):
+            return missing
+        if not header.is_complete:
+            self.note("image-truncated", "damage", f"{name} ends before its end mark", camera, trajectory)
+        return replace(missing, payload=content, encoding=header.encoding, height=header.height, width=header.width)
+
+    def _raw(self, pixels: NDArray[np.uint8], missing: Image) -> Image:
+        if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
+            found = f"{missing.name} is an array of shape {pixels.shape} and type {pixels.dtype}"
+            self.note("image-unreadable", "damage", found, missing.camera, missing.trajectory)
+            return missing
+        height, width = pixels.shape[:2]
+        if fault := size_fault(height, width):
+            self.note("image-too-large", "damage", f"{missing.name} is not taken: its {fault}", missing.camera)
+            return missing
+        return replace(missing, payload=pixels.tobytes(), encoding="raw", height=height, width=width)
+
+    def frame_values(self) -> dict[str, FrameValues]:
+        """All values of images, dense, NaN where an image has none."""
+        return {name: column.dense(self.images) for name, column in self._columns.items()}

@@ -1,0 +1,1 @@
+"""Unilateral contact with friction along the path of an indenter."""

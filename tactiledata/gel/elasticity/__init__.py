@@ -1,0 +1,1 @@
+"""How the pad resists deformation."""

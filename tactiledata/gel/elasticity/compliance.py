@@ -1,0 +1,168 @@
+"""A pad's stiffness, factorised once for each Poisson's ratio, and what its surface does under loads."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import os
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import SuperLU, splu
+from threadpoolctl import ThreadpoolController
+
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.gel.elasticity.stiffness import linear_stiffness
+from tactiledata.gel.elasticity.triangular import BlockFactor
+from tactiledata.gel.mesh.cells import CellQuadrature
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.surface import ContactSurface
+
+Array = NDArray[np.float64]
+
+BATCH = 96
+"""Right-hand sides solved at once: the factor is read from memory once for all of them."""
+LAYOUT = 3
+"""Of the files that are kept; a change makes new ones."""
+
+
+@dataclass(frozen=True)
+class FactorisedPad:
+    """The linear pad, Young's modulus 1, ready to solve.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+    stiffness : (3 v, 3 v) m
+    poisson_ratio : float
+    factor : SuperLU
+        Of the free degrees of freedom.
+    digest : str
+        Of the mesh and of how stiff its cells are.
+    """
+
+    mesh: PadMesh
+    poisson_ratio: float
+    stiffness: csr_array
+    factor: SuperLU
+    digest: str
+
+    @staticmethod
+    def of(mesh: PadMesh, quadrature: CellQuadrature, poisson_ratio: float) -> FactorisedPad:
+        """Assemble and factorise, in the ordering for symmetric matrices."""
+        stiffness = linear_stiffness(mesh, quadrature, poisson_ratio)
+        free = mesh.free
+        reduced = csc_array(stiffness[free][:, free])
+        factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        weights = np.ascontiguousarray(quadrature.weights).tobytes()
+        digest = hashlib.sha256(mesh.digest.encode() + weights).hexdigest()
+        return FactorisedPad(mesh, poisson_ratio, stiffness, factor, digest)
+
+    def solve(self, forces: Array) -> Array:
+        """Displacements (b, v, 3), 1/m times the force's unit, under nodal forces (b, v, 3)."""
+        count = len(forces)
+        free = self.mesh.free
+        right = np.asfortranarray(forces.reshape(count, -1)[:, free].T)
+        displacement = np.zeros((count, 3 * len(self.mesh.vertices)))
+        displacement[:, free] = self.factor.solve(right).T
+        return displacement.reshape(count, -1, 3)
+
+    def solve_roughly(self, forces: Array, threads: Executor | None = None) -> Array:
+        """As ``solve``, to a relative error of about 1e-6, in a fraction of the time."""
+        count = len(forces)
+        free = self.mesh.free
+        displacement = np.zeros((count, 3 * len(self.mesh.vertices)))
+        displacement[:, free] = self.blocks.solve(forces.reshape(count, -1)[:, free], threads)
+        return displacement.reshape(count, -1, 3)
+
+    def solve_refined(self, forces: Array) -> Array:
+        """As ``solve``, to a relative error of about 1e-11, in less time."""
+        displacement = self.solve_roughly(forces)
+        count = len(forces)
+        left = forces.reshape(count, -1) - (self.stiffness @ displacement.reshape(count, -1).T).T
+        return displacement + self.solve_roughly(left.reshape(forces.shape))
+
+    @cached_property
+    def blocks(self) -> BlockFactor:
+        """The factor in single precision."""
+        return BlockFactor.of(self.factor)
+
+
+def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:
+    """Displacements of the surface nodes by unit patch forces: (s, 3, m, 3), 1/m, Young's modulus 1.
+
+    Kept on disk, by mesh and Poisson's ratio, in ``cache_folder``; a file that cannot be read is made again.
+    """
+    key = f"{pad.digest[:24]}-{pad.poisson_ratio!r}-{LAYOUT}"
+    path = cache_folder() / "gel" / f"{key}.npy"
+    shape = (len(surface.nodes), 3, len(surface.corners), 3)
+    kept = _load(path, shape)
+    if kept is not None:
+        return kept
+    response = _solve_response(pad, surface).reshape(shape)
+    content = io.BytesIO()
+    np.save(content, response, allow_pickle=False)
+    # a folder that cannot be written costs time at the next start, nothing else
+    with contextlib.suppress(OSError):
+        write_atomic(path, content.getvalue())
+    return response
+
+
+def cache_folder() -> Path:
+    """Where results that can be computed again are kept: ``TACTILEDATA_CACHE``, or the user's cache folder."""
+    named = os.environ.get("TACTILEDATA_CACHE")
+    if named:
+        return Path(named)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tactiledata"
+
+
+def _load(path: Path, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
+    try:
+        kept = np.load(path, allow_pickle=False)
+    except (OSError, ValueError):
+        return None
+    return kept if kept.shape == shape and kept.dtype == np.float32 else None
+
+
+def _solve_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:
+    free = pad.mesh.free
+    rows = np.full(3 * len(pad.mesh.vertices), -1)
+    rows[free] = np.arange(len(free))
+    seen = rows[(3 * surface.nodes[:, None] + np.arange(3)).ravel()]
+    spread = surface.averaging.T.tocsc()
+    count = len(surface.corners)
+    response = np.zeros((len(seen), 3 * count), dtype=np.float32)
+    per_batch = BATCH // 3
+    # threads share the loads; products that start threads of their own only get in the way
+    with (
+        ThreadpoolController().limit(limits=1, user_api="blas"),
+        ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads,
+    ):
+        for start in range(0, count, per_batch):
+            columns = range(start, min(start + per_batch, count))
+            loads = np.zeros((3 * len(columns), len(free)))
+            for place, column in enumerate(columns):
+                entries = slice(spread.indptr[column], spread.indptr[column + 1])
+                for axis in range(3):
+                    loaded = rows[3 * surface.nodes[spread.indices[entries]] + axis]
+                    is_free = loaded >= 0
+                    loads[3 * place + axis, loaded[is_free]] = spread.data[entries][is_free]
+            # single precision serves: the response is kept so, and is symmetrical in what contact uses of it
+            moved = pad.blocks.solve(loads, threads)
+            response[:, 3 * start : 3 * start + len(loads)] = np.where(seen[:, None] >= 0, moved.T[seen], 0.0)
+    return response
+
+
+def patch_compliance(response: NDArray[np.float32], surface: ContactSurface) -> NDArray[np.float32]:
+    """Mean displacements of patches by unit patch forces: (m, m, 3, 3), 1/m; block (i, j) maps a force on j to i."""
+    count = len(surface.corners)
+    flat = surface.averaging.astype(np.float32) @ response.reshape(len(surface.nodes), -1)
+    blocks = flat.reshape(count, 3, count, 3).transpose(0, 2, 1, 3)
+    symmetric = (blocks + blocks.transpose(1, 0, 3, 2)) / 2
+    return np.ascontiguousarray(symmetric, dtype=np.float32)

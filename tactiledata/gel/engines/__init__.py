@@ -1,0 +1,1 @@
+"""The finite-element engine, linear and at finite strain."""

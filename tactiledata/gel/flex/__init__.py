@@ -1,0 +1,1 @@
+"""MuJoCo's own soft body as a second engine, for comparison."""

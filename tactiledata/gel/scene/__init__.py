@@ -1,0 +1,1 @@
+"""A moment of a touch as a MuJoCo scene."""

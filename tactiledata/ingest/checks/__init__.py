@@ -1,0 +1,1 @@
+"""What is remarked about a recording."""

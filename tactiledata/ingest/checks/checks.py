@@ -1,0 +1,181 @@
+"""What can be said of a recording's images and forces before they are kept: nothing is silently wrong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.image_sizes import Size
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import UNUSABLE, FrameFlag, Take
+from tactiledata.ingest.checks.apart import apart_findings
+from tactiledata.ingest.checks.image_sizes import size_counts
+from tactiledata.ingest.checks.plausible import description_findings
+from tactiledata.ingest.checks.spooled import SpooledImages
+from tactiledata.ingest.checks.units_seen import unit_findings
+from tactiledata.sensors import SENSORS
+from tactiledata.sensors.base import Sensor
+from tactiledata.sensors.image_checks import channel_order, size_orientation
+
+TRAILERS = {"jpeg": b"\xff\xd9", "png": b"IEND"}
+"""What a whole file of an encoding ends with (ITU T.81 B.1.1.3: end of image; PNG 11.2.5: the IEND chunk)."""
+
+TRAILER_BYTES = 64
+"""Some encoders pad after the trailer; it is looked for in this many bytes at the end."""
+
+MOST_SIZES = 3
+"""Sizes of one sensor's images of which something is said."""
+
+FT_RANGE = 300.0
+"""N. The Robotiq FT 300-S measures up to this; more is a fault, not a force."""
+
+Decode = Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]]
+
+
+def broken_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Finding]]:
+    """Rows (in the order of the sink) of images that end too early, and findings.
+
+    Every encoded image is looked at, by its last bytes only: decoding all would take longer than reading the recording.
+    `tactiledata check --decode` decodes all.
+    """
+    encodings = images.columns["encoding"].to_pylist()
+    broken: list[int] = []
+    for encoding, trailer in TRAILERS.items():
+        rows = [row for row, name in enumerate(encodings) if name == encoding]
+        tails = images.tails(rows, TRAILER_BYTES)
+        broken.extend(row for row, tail in zip(rows, tails, strict=True) if trailer not in tail)
+    if not broken:
+        return np.zeros(0, np.int64), []
+    text = f"{len(broken)} images end too early; their bytes are kept as they came, and training leaves them out"
+    return np.array(sorted(broken)), [Finding("image-truncated", "damage", text, count=len(broken))]
+
+
+def flag_broken(frames: pa.Table, order: NDArray[np.int64], broken: NDArray[np.int64]) -> pa.Table:
+    """The frames table with the broken images' flag set."""
+    if not len(broken):
+        return frames
+    flags = frames["flags"].to_numpy().copy()
+    flags[np.isin(order, broken)] |= FrameFlag.BROKEN
+    return frames.set_column(frames.schema.get_field_index("flags"), frames.schema.field("flags"), pa.array(flags))
+
+
+def check_take(take: Take, decode: Decode) -> list[Finding]:
+    """Findings on what is stated, units, image sizes, channel order, stuck cameras, forces and empty trajectories.
+
+    Parameters
+    ----------
+    take : Take
+    decode : callable
+        Images of rows of ``take.frames``.
+    """
+    return [
+        *description_findings(LogDescription(take.description)),
+        *unit_findings(take),
+        *_picture_findings(take, decode),
+        *_stuck_camera(take),
+        *_force_findings(take),
+        *_empty_trajectories(take),
+        *apart_findings(take),
+    ]
+
+
+def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
+    """Size and channel order of each sensor's first, middle and last image against what the sensor gives."""
+    found: list[Finding] = []
+    names = np.array(take.frames["sensor"].to_pylist(), dtype=object)
+    usable = (take.frames["flags"].to_numpy() & UNUSABLE) == 0
+    sizes = size_counts(take.frames)
+    for sensor in sorted(set(names)):
+        rows = np.flatnonzero((names == sensor) & usable)
+        if not len(rows):
+            continue
+        chosen = rows[[0, len(rows) // 2, -1]]
+        images = [image for image in decode(chosen) if image is not None]
+        model = take.sensors.get(sensor, {}).get("model", "digit")
+        known = SENSORS.get(model)
+        if known is not None and known.camera is not None and images:
+            found.extend(_size_findings(sensor, sizes[sensor], known, known.camera.shape))
+        found.extend(_channel_findings(sensor, images, take, model))
+    return found
+
+
+def _size_findings(sensor: str, counts: Counter[Size], known: Sensor, shape: tuple[int, int]) -> list[Finding]:
+    """What is said of the sizes that a sensor's images have, where they are not the sensor model's."""
+    found, total = [], sum(counts.values())
+    for size, count in counts.most_common(MOST_SIZES):
+        verdict = size_orientation(size, known)
+        if verdict == "ok":
+            continue
+        which = "images" if count == total else f"{count} of {total} images"
+        text = f"{which} of {sensor!r} have {size[0]} rows x {size[1]} columns; a {known.name} gives "
+        if verdict == "swapped":
+            text += f"{shape[0]} x {shape[1]}: height and width swapped"
+            found.append(Finding("image-swapped", "warning", text))
+        else:
+            found.append(Finding("image-size", "info", f"{text}{shape[0]} rows x {shape[1]} columns"))
+    return found
+
+
+def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, model: str) -> list[Finding]:
+    """BGR taken for RGB, judged against a background that does not come from the same images."""
+    reference = take.references.get(sensor)
+    stated = reference is not None and not reference.origin.startswith("mean of")
+    if not stated and model != "digit":
+        return []
+    background = reference.image if stated and reference is not None else None
+    verdicts: list[str] = [
+        channel_order(image, background).verdict
+        for image in images
+        if background is None or image.shape == background.shape
+    ]
+    if not verdicts or verdicts.count("bgr") <= len(verdicts) / 2:
+        return []
+    against = "the sensor's background" if background is not None else "known DIGIT sensors"
+    text = f"images of {sensor!r} look like BGR against {against}: blue and red are swapped. "
+    text += "State channel_order in a mapping and ingest with --replace"
+    return [Finding("channels-swapped", "warning", text)]
+
+
+def _stuck_camera(take: Take) -> list[Finding]:
+    """Images that repeat the one before, bit for bit, while the force moves on."""
+    trajectory = take.frames["trajectory"].to_numpy()
+    crc = take.frames["crc32c"].to_numpy()
+    force = take.frames["contact_force"].to_numpy()
+    length = take.frames["length"].to_numpy()
+    if len(crc) < 2:
+        return []
+    same = (crc[1:] == crc[:-1]) & (length[1:] == length[:-1]) & (length[1:] > 0) & (trajectory[1:] == trajectory[:-1])
+    # a slow press changes little from image to image: the force is judged over all repeats of one image
+    starts = np.flatnonzero(np.concatenate([[True], ~same]))
+    stuck = np.fmax.reduceat(force, starts) - np.fmin.reduceat(force, starts) > 1.0
+    repeats = int((np.diff([*starts, len(crc)]) - 1)[stuck].sum())
+    if not repeats:
+        return []
+    text = f"{repeats} images repeat the one before bit for bit while the force changes by more than 1 N"
+    return [Finding("camera-stuck", "warning", text, count=repeats)]
+
+
+def _force_findings(take: Take) -> list[Finding]:
+    wrench = take.signals.get("wrench")
+    if wrench is None:
+        return []
+    beyond = int((np.abs(wrench.values[:, :3]) > FT_RANGE).any(axis=1).sum())
+    if not beyond:
+        return []
+    text = f"wrench: {beyond} samples are beyond {FT_RANGE:.0f} N; a unit other than newtons, or a fault of the sensor"
+    return [Finding("force-out-of-range", "warning", text, "wrench", count=beyond)]
+
+
+def _empty_trajectories(take: Take) -> list[Finding]:
+    start, stop = take.trajectories["frame_start"].to_numpy(), take.trajectories["frame_stop"].to_numpy()
+    empty = np.flatnonzero(start == stop)
+    if not len(empty) or take.frames.num_rows == 0:
+        return []
+    names = [take.trajectories["trajectory"][int(row)].as_py() for row in empty[:5]]
+    text = f"{len(empty)} trajectories hold no image ({', '.join(names)}{' …' if len(empty) > 5 else ''})"
+    return [Finding("trajectory-without-frames", "info", text, count=len(empty))]

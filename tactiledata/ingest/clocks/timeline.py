@@ -1,0 +1,114 @@
+"""A recording's streams on the host clock, sorted, with what was done to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.records import Finding, Recording, Signal, Stamps, Times, Values
+from tactiledata.contract.take import StoredSignal
+from tactiledata.ingest.clocks.align import POSE_COLUMNS, broken_rotations
+from tactiledata.ingest.clocks.clock_steps import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness, judge_steps, pauses_of
+from tactiledata.ingest.clocks.clocks import ClockChoice, choose_clock, time_order
+from tactiledata.ingest.clocks.rates import measure_rate, rate_findings
+
+LATEST = 2.0**62
+"""ns since the epoch, in either direction: the year 2116. Differences of such times still fit an int64."""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """Signals by name on the host clock, and findings."""
+
+    signals: dict[str, StoredSignal]
+    findings: tuple[Finding, ...]
+
+
+def put_on_host_clock(recording: Recording, cameras: Mapping[str, Times] = MappingProxyType({})) -> Timed:
+    """All signals of a recording, sorted by host time; values unchanged, samples whose clock had jumped left out.
+
+    Parameters
+    ----------
+    recording : Recording
+    cameras : mapping of (n,) int64, optional
+        Host times of each camera's images, which tell a pause of a signal from a jump of its clock.
+    """
+    findings: dict[str, list[Finding]] = {}
+    signals: dict[str, Signal] = {}
+    choices: dict[str, ClockChoice] = {}
+    for name, signal in recording.signals.items():
+        signals[name], findings[name] = _possible(signal)
+        offset = recording.description.stated_clock_offset(name)
+        choices[name] = choose_clock(name, signals[name].stamps, recording.host_clock, offset)
+        findings[name].extend(choices[name].findings)
+    stored: dict[str, StoredSignal] = {}
+    times = {name: choice.t_ns for name, choice in choices.items()}
+    for name, signal in signals.items():
+        witnesses = _witnesses(name, signal.stamps, times, cameras, recording)
+        judged = judge_steps(name, times[name], signal.values, witnesses)
+        stored[name], said = _stored(signal, choices[name], judged.kept)
+        findings[name].extend([*judged.findings, *said])
+    return Timed(stored, tuple(finding for name in findings for finding in findings[name]))
+
+
+def _witnesses(
+    name: str, stamps: Stamps, times: Mapping[str, Times], cameras: Mapping[str, Times], recording: Recording
+) -> list[Witness]:
+    """What a signal's time is compared with: its own other stamps, other signals, images, trajectories."""
+    found = []
+    if stamps.header is not None and len(stamps):
+        found.append(Witness(STAMPS, int(stamps.log[0]), int(stamps.log[-1])))
+    for other, t_ns in times.items():
+        if other != name and len(t_ns) > 1:
+            found.append(Witness(SIGNAL, int(t_ns.min()), int(t_ns.max()), pauses_of(t_ns)))
+    found.extend(Witness(IMAGES, int(t_ns.min()), int(t_ns.max())) for t_ns in cameras.values() if len(t_ns) > 1)
+    if recording.trajectories:
+        start = min(trajectory.start_ns for trajectory in recording.trajectories)
+        found.append(Witness(TRAJECTORIES, start, max(trajectory.end_ns for trajectory in recording.trajectories)))
+    return found
+
+
+def _stored(signal: Signal, choice: ClockChoice, kept: NDArray[np.bool_]) -> tuple[StoredSignal, list[Finding]]:
+    placed = np.flatnonzero(kept)
+    order, said = time_order(signal.name, choice.t_ns[placed])
+    rows: Times = placed if order is None else placed[order]
+    t_ns, values = choice.t_ns[rows], signal.values[rows]
+    said = (*said, *_rotation_findings(signal, values))
+    rate = measure_rate(t_ns, values)
+    attributes = {"clock": choice.clock, "shift_ns": choice.shift_ns, **rate.document()}
+    stored = StoredSignal(
+        t_ns, values, signal.columns, signal.units, signal.frame, signal.stamps.take(rows), attributes
+    )
+    return stored, [*said, *rate_findings(signal.name, signal.columns, rate)]
+
+
+def _possible(signal: Signal) -> tuple[Signal, list[Finding]]:
+    """The samples whose time a clock can show; the others cannot be placed, nor their distances computed in int64."""
+    beyond = np.abs(signal.stamps.log.astype(np.float64)) > LATEST
+    if not beyond.any():
+        return signal, []
+    text = f"{signal.name}: {int(beyond.sum())} of {len(beyond)} samples have a time beyond the year 2116; left out"
+    kept = replace(signal, stamps=signal.stamps.take(~beyond), values=signal.values[~beyond])
+    return kept, [Finding("time-impossible", "damage", text, signal.name, count=int(beyond.sum()))]
+
+
+def _rotation_findings(signal: Signal, values: Values) -> list[Finding]:
+    if signal.columns != POSE_COLUMNS:
+        return []
+    broken = int((broken_rotations(values) & np.isfinite(values).all(axis=1)).sum())
+    if not broken:
+        return []
+    text = f"{signal.name}: {broken} of {len(values)} poses have a quaternion that is no rotation; they are left out"
+    return [Finding("rotation-broken", "damage", text, signal.name, count=broken)]
+
+
+def image_times(recording: Recording, camera: str, stamps: Stamps) -> tuple[Times, dict[str, object], list[Finding]]:
+    """Host times of one camera's images in the order of the recording, the clock used, and findings."""
+    offset = recording.description.stated_clock_offset("frames")
+    choice = choose_clock(camera, stamps, recording.host_clock, offset)
+    _, said = time_order(camera, choice.t_ns)
+    return choice.t_ns, {"clock": choice.clock, "shift_ns": choice.shift_ns}, [*choice.findings, *said]

@@ -1,0 +1,1 @@
+"""Contact forces from raw readings."""

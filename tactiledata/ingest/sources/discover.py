@@ -1,0 +1,110 @@
+"""Which recordings lie under the paths that a user names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
+from tactiledata.contract.records import Source
+from tactiledata.errors import BrokenLog, MissingFile, TactileDataError
+from tactiledata.formats import FORMATS
+from tactiledata.formats.base import Format
+from tactiledata.formats.reading.links import leads_back_up
+from tactiledata.formats.reading.natural_order import natural_key
+
+MAX_DEPTH = 4
+"""Folders below a named one that are searched for recordings."""
+
+
+def format_of(path: Path, name: str | None = None) -> Format | None:
+    """The format that claims a path, or the one that is named; ``None`` where none claims it."""
+    if name is not None:
+        return FORMATS[name]()
+    for candidate in FORMATS:
+        member = FORMATS[candidate]()
+        if member.sniff(path):
+            return member
+    return None
+
+
+def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple[list[Source], list[Path]]:
+    """Recordings under the paths, in natural order, each once, and the files that no format claims.
+
+    Raises
+    ------
+    MissingFile
+        A path does not exist.
+    BrokenLog
+        Nothing under a path is a recording.
+    NotFetched
+        Nothing, but Git LFS pointers are there.
+    """
+    sources: list[Source] = []
+    unclaimed: list[Path] = []
+    for path in paths:
+        if not path.exists():
+            raise MissingFile(
+                f"{path} does not exist", "a recording or a folder of recordings", "Check the spelling.", path=str(path)
+            )
+        if not (path.is_file() or path.is_dir()):
+            raise BrokenLog(f"{path} is a pipe or a device", "a file or a folder", "Copy its content into a file.")
+        found, left = _below(path, format_name, MAX_DEPTH)
+        if not found:
+            if pointers := [file for file in left if is_lfs_pointer(file)]:
+                raise not_fetched(str(pointers[0]), len(pointers) - 1)
+            raise BrokenLog(
+                f"{path} is no recording that any format knows, and holds none",
+                f"one of: {', '.join(FORMATS)}",
+                "`tactiledata formats` shows how each lies on disk; `tactiledata inspect PATH` says what is in a file.",
+                path=str(path),
+            )
+        sources.extend(found)
+        unclaimed.extend(left)
+    used = {name for source in sources for name in source.files}
+    return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
+
+
+def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:
+    if not (path.is_file() or path.is_dir()):  # opening a pipe would wait for ever
+        return [], [path]
+    if is_lfs_pointer(path):
+        return [], [path]
+    member = format_of(path, format_name)
+    if member is not None:
+        return list(member.sources(path)), []
+    if not path.is_dir() or depth == 0:
+        return [], [path]
+    sources: list[Source] = []
+    unclaimed: list[Path] = []
+    try:
+        children = sorted(path.iterdir(), key=lambda child: natural_key(child.name))
+    except OSError as error:
+        raise TactileDataError(
+            f"the folder {path} cannot be read ({error.strerror})", "a readable folder", "Check its permissions."
+        ) from error
+    for child in children:
+        if child.name.startswith(".") or child.suffix == ".zarr":
+            continue
+        if leads_back_up(child):
+            unclaimed.append(child)
+            continue
+        found, left = _below(child, format_name, depth - 1)
+        sources.extend(found)
+        unclaimed.extend(left)
+    return sources, unclaimed
+
+
+def _unique_keys(sources: list[Source]) -> list[Source]:
+    """The sources, each once, with keys made different by their folder where two have one name."""
+    seen: dict[tuple[str, str], Source] = {}
+    for source in sources:
+        seen.setdefault((str(Path(source.path).resolve()), source.part), source)
+    keys: dict[str, int] = {}
+    unique = []
+    for source in seen.values():
+        keys[source.key] = keys.get(source.key, 0) + 1
+        repeat = keys[source.key]
+        unique.append(source if repeat == 1 else replace(source, key=f"{source.key}~{repeat}"))
+    return unique

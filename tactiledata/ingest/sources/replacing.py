@@ -1,0 +1,155 @@
+"""Which recording of a store a corrected one replaces, and the replacing."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from tactiledata.contract.records import Finding
+from tactiledata.ingest.sources.reports import SourceReport, report_of
+from tactiledata.store.change.replace import replace_takes
+from tactiledata.store.check.payloads import payload_faults
+from tactiledata.store.check.values import source_value_findings
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit_groups
+from tactiledata.store.write.writer import StagedTake
+
+IMAGE = ("height", "width", "crc32c", "encoding")
+NOTHING = 0
+"""CRC-32C of no bytes."""
+
+
+class StoredRecordings:
+    """The recordings of a store, to be recognised after they were corrected.
+
+    A recording is the same where its files are the same; or where its name is the same (the name that ingest prints)
+    and an image of the two is the same byte for byte, or the log stamps of a signal are. So an edited
+    log.yaml, a calibration that was added or a file that was copied again stays the same recording, and two recordings
+    that happen to be called alike do not.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._sources = store.sources(["sha256", "key", "frames", "contents"]).to_pylist()
+        self._contents = [json.loads(row["contents"]) for row in self._sources]
+
+    @cached_property
+    def _frames(self) -> pa.Table:
+        return self._store.frames(["source", *IMAGE])
+
+    def matches(self, staged: StagedTake) -> list[str]:
+        """Digests of the sources that are the same recording as a staged one."""
+        return [
+            source["sha256"]
+            for row, source in enumerate(self._sources)
+            if source["sha256"] == staged.sha256
+            or (source["key"] == staged.document["key"] and self._is_same_touch(row, staged))
+        ]
+
+    def holds(self, staged: StagedTake) -> bool:
+        """Whether the store has this take already, as it is and undamaged."""
+        store, first = self._store, 0
+        for source, contents in zip(self._sources, self._contents, strict=True):
+            rows = range(first, first + source["frames"])
+            first = rows.stop
+            if source["sha256"] == staged.sha256:
+                return (
+                    contents["content"] == staged.document["content"]
+                    and set(staged.document["references"]) <= set(store.manifest["references"])
+                    and not list(payload_faults(store, rows=rows))
+                    and not list(
+                        source_value_findings(store, source["key"], source["contents"], (first - len(rows), first))
+                    )
+                )
+        return False
+
+    def _is_same_touch(self, row: int, staged: StagedTake) -> bool:
+        stamps = {entry["arrays"]["log_ns"]["crc32c"] for entry in staged.document["signals"].values()}
+        if any(facts["crc32c"]["log_ns"] in stamps - {NOTHING} for facts in self._contents[row]["signals"].values()):
+            return True
+        frames = self._frames
+        mine = frames.filter(pa.array(np.asarray(frames["source"]) == row))
+        return bool(_images(mine) & _images(staged.table("frames")))
+
+
+def _images(frames: pa.Table) -> set[tuple[int, int, int]]:
+    """Size and CRC-32C of every image that is there."""
+    there = frames.filter(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
+    return set(zip(*(there[name].to_pylist() for name in IMAGE[:3]), strict=True))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What becomes of staged takes: replacements by the digest of what goes, new ones, and those that are held."""
+
+    replacements: dict[str, StagedTake | None]
+    new: list[StagedTake]
+    held: list[StagedTake]
+
+    def state(self, staged: StagedTake) -> str:
+        """``replaced``, ``added`` or ``present``."""
+        if any(staged is one for one in self.replacements.values()):
+            return "replaced"
+        return "added" if any(staged is one for one in self.new) else "present"
+
+
+def plan(stored: StoredRecordings, takes: Sequence[StagedTake]) -> Plan:
+    """Each recording of the store is replaced once, by the take with the same files before one with the same name."""
+    chosen = Plan({}, [], [])
+    taken: set[str] = set()
+    found = [(take, stored.matches(take)) for take in takes]
+    for take, matches in sorted(found, key=lambda one: one[0].sha256 not in one[1]):
+        if take.sha256 in taken:
+            chosen.held.append(take)
+            continue
+        old = [sha256 for sha256 in matches if sha256 not in taken]
+        taken |= {take.sha256, *old}
+        if old == [take.sha256] and stored.holds(take):
+            chosen.held.append(take)
+        elif old:
+            chosen.replacements.update({old[0]: take, **dict.fromkeys(old[1:])})
+        else:
+            chosen.new.append(take)
+    return chosen
+
+
+def replace_recordings(
+    folder: Path, read: Iterable[tuple[str, StagedTake | None, str]]
+) -> tuple[list[SourceReport], list[Finding]]:
+    """Reports of all sources, and what concerns none of them, after recordings were put in the place of older ones.
+
+    Parameters
+    ----------
+    read : iterable of (key, staged take, error)
+        All are staged before any is committed: which replaces which is known only then.
+    """
+    outcomes = list(read)
+    takes = [staged for _, staged, _ in outcomes if staged is not None]
+    chosen = plan(StoredRecordings(Store.open(folder)), takes)
+    reports = [_report(key, staged, error, chosen) for key, staged, error in outcomes]
+    findings = replace_takes(folder, chosen.replacements) if chosen.replacements else []
+    new = {take.sha256: take for take in chosen.new}
+    commit_groups(folder, new.values())
+    for take in chosen.held:
+        shutil.rmtree(take.folder, ignore_errors=True)
+    return reports, findings
+
+
+def _report(key: str, staged: StagedTake | None, error: str, chosen: Plan) -> SourceReport:
+    if staged is None:
+        return SourceReport(key, "failed", error=error)
+    state = chosen.state(staged)
+    if state == "present":
+        return SourceReport(key, state, sha256=staged.sha256)
+    if state == "replaced":
+        return report_of(key, state, staged)
+    text = "nothing in the store is this recording (same files, or same name and an image or signal in common); added"
+    return report_of(key, state, staged, Finding("nothing-replaced", "info", text))

@@ -1,0 +1,119 @@
+"""What became of the recordings that an ingest was given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from tactiledata.contract.records import Finding
+from tactiledata.contract.simulated import Kind, SimulatedCount, recording_kind
+from tactiledata.contract.take import findings_of
+from tactiledata.store.write.writer import StagedTake
+
+
+@dataclass(frozen=True)
+class SourceReport:
+    """What became of one source.
+
+    Parameters
+    ----------
+    key : str
+    state : "added", "replaced", "present" or "failed"
+        ``present``: the store had it already.
+    status : str
+        ``ok``, ``unverified``, ``damaged``; empty where it failed.
+    frames, trajectories : int
+    findings : tuple of Finding
+    error : str
+        Why it failed.
+    sha256 : str
+        Digest of its files; empty where it failed.
+    kind : "simulated", "real" or "not stated"
+        What its description states of its contacts.
+    """
+
+    key: str
+    state: str
+    status: str = ""
+    frames: int = 0
+    trajectories: int = 0
+    findings: tuple[Finding, ...] = ()
+    error: str = ""
+    sha256: str = ""
+    kind: Kind = "not stated"
+
+
+@dataclass(frozen=True)
+class IngestReport:
+    """What became of all sources of a call.
+
+    Parameters
+    ----------
+    store : str
+    sources : tuple of SourceReport
+    unclaimed : tuple of str
+        Files that no format claims.
+    findings : tuple of Finding
+        What concerns no one source.
+    stale_splits : tuple of str
+        Splits of the store as it was before.
+    """
+
+    store: str
+    sources: tuple[SourceReport, ...]
+    unclaimed: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+    stale_splits: tuple[str, ...] = ()
+
+    @property
+    def changed(self) -> bool:
+        """Whether the store is another than before."""
+        return any(source.state in ("added", "replaced") for source in self.sources)
+
+    @property
+    def simulated(self) -> SimulatedCount:
+        """How many of the recordings that came in are simulated."""
+        return SimulatedCount.of(source.kind for source in self.sources if source.state in ("added", "replaced"))
+
+    @property
+    def fell_short(self) -> bool:
+        """Whether a source failed or lost data."""
+        return any(source.state == "failed" or source.status == "damaged" for source in self.sources)
+
+    def document(self) -> dict[str, Any]:
+        """As JSON values."""
+        return {
+            "store": self.store,
+            "sources": [
+                {
+                    "key": source.key,
+                    "state": source.state,
+                    "status": source.status,
+                    "frames": source.frames,
+                    "trajectories": source.trajectories,
+                    "kind": source.kind,
+                    "error": source.error,
+                    "findings": [vars(finding) for finding in source.findings],
+                }
+                for source in self.sources
+            ],
+            "unclaimed": list(self.unclaimed),
+            "findings": [vars(finding) for finding in self.findings],
+            "stale_splits": list(self.stale_splits),
+            "fell_short": self.fell_short,
+            "simulated_recordings": self.simulated.document(),
+        }
+
+
+def report_of(key: str, state: str, staged: StagedTake, *findings: Finding) -> SourceReport:
+    """The report of a source that was read and staged."""
+    return SourceReport(
+        key,
+        state,
+        staged.document["status"],
+        staged.n_frames,
+        staged.table("trajectories").num_rows,
+        (*findings_of(staged.table("findings")), *findings),
+        sha256=staged.sha256,
+        kind=recording_kind(staged.document["description"]),
+    )

@@ -1,0 +1,1 @@
+"""Contacts that are solved once and used for many recordings."""

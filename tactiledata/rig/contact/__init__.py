@@ -1,0 +1,1 @@
+"""One touch, by closed forms or by the layer solver."""

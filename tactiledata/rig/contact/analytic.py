@@ -1,0 +1,74 @@
+"""One touch by the closed forms of ``layer_contact``, its surface by ``membrane``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.rig.contact.closed_form import ContactHistory, contact_law, press_along
+from tactiledata.rig.contact.contact import CONTACT_RATE, DEEPEST, Contact, TouchSetup, contact_times, missed_at
+from tactiledata.rig.contact.inclined import touch_inclined
+from tactiledata.rig.contact.membrane import surface
+from tactiledata.rig.motion.motion import Path
+
+Array = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class AnalyticContact:
+    """See `Contact`."""
+
+    setup: TouchSetup
+    path: Path
+    history: ContactHistory
+    missed: Array | None = None
+
+    @property
+    def wrench(self) -> Array:
+        """See `Contact.wrench`."""
+        return self.history.wrench
+
+    @property
+    def slipping(self) -> NDArray[np.bool_]:
+        """See `Contact.slipping`."""
+        return self.history.slipping
+
+    @property
+    def unsettled(self) -> int:
+        """None: nothing is iterated."""
+        return 0
+
+    def surface(self, seconds: float) -> NDArray[np.float32]:
+        """See `Contact.surface`."""
+        print_ = self.setup.print_
+        moment = np.array([seconds])
+        x, y, depth = self.path.at(moment)[0] + self.setup.offset + missed_at(self.missed, moment)[0]
+        ticks = np.arange(len(self.history.drag))
+        drag = [float(np.interp(seconds * CONTACT_RATE, ticks, column)) for column in self.history.drag.T]
+        moved = (float(x - print_.position[0]), float(y - print_.position[1]))
+        return surface(print_, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
+
+
+def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: Array | None = None) -> Contact:
+    """A touch, played.
+
+    Parameters
+    ----------
+    setup : TouchSetup
+    path : Path, optional
+        Planned already.
+    missed : (n, 3), m, optional
+        See `Contact.missed`.
+    """
+    if setup.cap.curvature:
+        return touch_inclined(setup, path, missed, touch_analytic)
+    law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
+    share = setup.normal_limit / setup.touch.force_limit
+    path = path or setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))
+    positions = path.at(contact_times(path)) + setup.offset
+    if missed is not None:
+        positions = positions + missed
+    return AnalyticContact(setup, path, press_along(law, positions), missed)

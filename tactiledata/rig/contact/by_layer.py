@@ -1,0 +1,190 @@
+"""One touch by the layer solver: its path cut into small steps, and what happened between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times, missed_at
+from tactiledata.rig.contact.layer_picture import drawn_surface
+from tactiledata.rig.layer.grid import LayerGrid
+from tactiledata.rig.layer.press import led_on
+from tactiledata.rig.layer.solver import Layer, PressState
+from tactiledata.rig.motion.motion import Path
+
+Array = NDArray[np.floating[Any]]
+
+STEP, STEP_OUT = 1e-4, 2e-4
+"""m: longest step of the solver, and on the way out of the gel."""
+
+
+@dataclass(frozen=True)
+class LayerContact:
+    """See `Contact`.
+
+    Parameters
+    ----------
+    marks : (k,), m
+        How far the path has gone at each step of the solver.
+    surfaces : (k, 3, rows, columns), m, float32
+        Displacements of the surface there.
+    unsettled : int
+        See `Contact.unsettled`.
+    """
+
+    setup: TouchSetup
+    grid: LayerGrid
+    path: Path
+    wrench: Array
+    slipping: NDArray[np.bool_]
+    marks: Array
+    surfaces: NDArray[np.float32]
+    unsettled: int
+    missed: Array | None = None
+
+    def surface(self, seconds: float) -> NDArray[np.float32]:
+        """See `Contact.surface`."""
+        setup, moment = self.setup, np.array([seconds])
+        x, y, depth = self.path.at(moment)[0] + setup.offset + missed_at(self.missed, moment)[0]
+        place = float(np.interp(self.path.travelled(moment)[0], self.marks, np.arange(len(self.marks))))
+        index = min(int(place), len(self.marks) - 2)
+        first, second = self.surfaces[index], self.surfaces[index + 1]
+        displacement = first + np.float32(place - index) * (second - first)
+        moved = (float(x - setup.print_.position[0]), float(y - setup.print_.position[1]))
+        fine = setup.print_.grid
+        fall = setup.cap.fall_from(setup.touch.position, *np.meshgrid(fine.x, fine.y)).astype(np.float32)
+        return drawn_surface(displacement, self.grid, setup.print_, moved, float(depth), fall)
+
+
+def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, missed: Array | None = None) -> LayerContact:
+    """A touch, played on a pad.
+
+    Parameters
+    ----------
+    setup : TouchSetup
+    layer : Layer
+    path : Path, optional
+        Planned already.
+    missed : (n, 3), m, optional
+        See `Contact.missed`; between the solver's steps it is taken to follow the path.
+    """
+    place = setup.touch.position
+    if setup.cap.curvature:
+        layer = layer.lowered(lambda x, y: setup.cap.fall_from(place, x, y))
+    walk = _Walk(setup, layer)
+    path = path or setup.plan(lambda _: _deepest(setup, walk))
+    marks, positions = solver_steps(path, setup.offset)
+    at = path.travelled(contact_times(path))
+    if missed is not None:
+        positions = positions + np.stack([np.interp(marks, at, column) for column in missed.T], axis=1)
+    states = walk.along(positions)
+    wrenches = np.array([state.wrench for state in states])
+    # solved as if the surface were at z = 0 there
+    wrenches[:, 3:] -= np.cross([0.0, 0.0, float(setup.cap.fall(*place))], wrenches[:, :3])
+    slips = np.array([state.is_slipping for state in states])
+    return LayerContact(
+        setup,
+        layer.grid,
+        path,
+        _between_steps(marks, wrenches, at),
+        slips[np.clip(np.searchsorted(marks, at), 0, len(marks) - 1)],
+        marks,
+        np.array([state.u[:, -1] for state in states], dtype=np.float32),
+        sum(not state.is_settled for state in states),
+        missed,
+    )
+
+
+def solver_steps(path: Path, offset: Array) -> tuple[Array, Array]:
+    """Where the solver stops on a path: metres travelled (k,), strictly rising, and true positions (k, 3).
+
+    Ends of moves, first and last touch, and between those so many that no step is longer than ``STEP``.
+    """
+    positions = path.positions + offset
+    marks, stops, gone = [0.0], [positions[0]], 0.0
+    for start, end in pairwise(positions):
+        length = float(np.linalg.norm(end - start))
+        if length < 1e-12:
+            continue
+        first, last = 0.0, 1.0
+        if start[2] * end[2] < 0:
+            crossing = float(start[2] / (start[2] - end[2]))
+            first, last = (crossing, 1.0) if start[2] < 0 else (0.0, crossing)
+        if max(start[2], end[2]) <= 0:
+            shares = np.array([1.0])
+        else:
+            longest = STEP_OUT if end[2] < start[2] else STEP
+            count = max(int(np.ceil(length * (last - first) / longest - 1e-6)), 1)
+            shares = np.unique(np.append(np.linspace(first, last, count + 1), 1.0))
+        for share in shares[shares > 0]:
+            marks.append(gone + share * length)
+            stops.append(start + share * (end - start))
+        gone += length
+    return np.array(marks), np.array(stops)
+
+
+class _Walk:
+    """The solver led along positions; what was walked before is remembered as far as the ways are the same."""
+
+    def __init__(self, setup: TouchSetup, layer: Layer) -> None:
+        self._setup, self._layer = setup, layer
+        self._trail: list[tuple[Array, PressState]] = []
+
+    def along(self, positions: Array) -> list[PressState]:
+        """States at positions (k, 3): x, y of the tip, depth."""
+        return [self.at(positions, index) for index in range(len(positions))]
+
+    def at(self, positions: Array, index: int) -> PressState:
+        """The state at one of the positions, those before it having been visited."""
+        if index < len(self._trail) and np.array_equal(self._trail[index][0], positions[index]):
+            return self._trail[index][1]
+        del self._trail[index:]
+        pose, indenter = self._pose(positions[index]), self._setup.indenter
+        if index == 0:
+            state = self._layer.at_rest(indenter, pose)
+        else:
+            before = self._trail[index - 1][1]
+            guess = led_on(self._trail[index - 2][1], before, pose) if index > 1 else None
+            state = self._layer.step(indenter, before, pose, guess)
+        self._trail.append((positions[index], state))
+        return state
+
+    def _pose(self, position: Array) -> Array:
+        pose = np.eye(4)
+        pose[:3, :3] = self._setup.rotation
+        pose[:3, 3] = position[0], position[1], -position[2] - self._setup.print_.lowest
+        return pose
+
+
+def _deepest(setup: TouchSetup, walk: _Walk) -> float:
+    """Commanded depth (m) at which the first press reaches the limit of force; the deepest allowed if it does not."""
+    allowed = DEEPEST * setup.thickness
+    _, positions = solver_steps(setup.plan(lambda _: allowed), setup.offset)
+    force, depth = 0.0, float(positions[0][2])
+    for index, position in enumerate(positions):
+        if not np.array_equal(position[:2], positions[0][:2]) or position[2] < depth:
+            break
+        last, force = force, float(walk.at(positions, index).wrench[2])
+        if force > setup.normal_limit:
+            share = (setup.normal_limit - last) / (force - last)
+            return depth + share * (float(position[2]) - depth) - float(setup.offset[2])
+        depth = float(position[2])
+    return allowed
+
+
+def _between_steps(marks: Array, values: Array, at: Array) -> Array:
+    """Values (n, 6) at metres ``at`` (n,) from those at the steps: smooth within each contact, zero outside."""
+    out = np.zeros((len(at), values.shape[1]))
+    touching = values.any(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], touching, [False]]).astype(int)))
+    for first, end in edges.reshape(-1, 2):
+        # the free steps before and after belong to it: force begins and ends there
+        part = slice(max(first - 1, 0), min(end + 1, len(marks)))
+        inside = (at >= marks[part][0]) & (at <= marks[part][-1])
+        out[inside] = PchipInterpolator(marks[part], values[part], axis=0)(at[inside])
+    return out

@@ -1,0 +1,1 @@
+"""Effects that only the rig knows."""

@@ -1,0 +1,104 @@
+"""Hidden adhesion: the border of the contact advances at one energy and recedes at another (JKR, pinned between)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from tactiledata.rig.contact.closed_form import punch_stiffness
+from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters
+
+FINE = 6001
+"""States of the border that are told apart: every half micrometre of depth."""
+
+
+@dataclass(frozen=True)
+class PinnedEdge(HiddenEffect):
+    """A contact whose border would be in balance at depth d(a) is held at depth d < d(a): like a punch of radius a
+    pulled back, F = F(a) - S(a) [d(a) - d], releasing G = [d(a) - d]² S'(a) / (4 pi a) per area of border.
+
+    It grows while G < ``advancing`` and shrinks while G > ``receding``; F(a) and S(a) are the rig's own layer's. A ball
+    on a thick layer so pulls off at about 1.5 pi W R, a flat punch at sqrt(8 pi E* W a³). Where the contact has been
+    sheared, both energies are 15 % of what they were.
+
+    Parameters
+    ----------
+    advancing, receding : J/m²
+    """
+
+    NUMBER: ClassVar[str] = "6"
+    ACTS: ClassVar[str] = "force"
+    SOURCE: ClassVar[str] = (
+        "K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324 (1971), by D. Maugis' balance"
+    )
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"advancing": 0.02, "receding": 0.1},
+        "medium": {"advancing": 0.05, "receding": 0.3},
+        "strong": {"advancing": 0.1, "receding": 1.0},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"advancing": (0.0, 10.0), "receding": (0.0, 10.0)}
+    advancing: float = 0.0
+    receding: float = 0.0
+
+    LEFT_AFTER_SHEAR: ClassVar[float] = 0.15
+    SHEARED: ClassVar[float] = 5e-5
+
+    def normal(self, force: Array, felt: Felt) -> Array:
+        """See `HiddenEffect.normal`."""
+        depth = np.linspace(0.0, felt.law.depth[-1], FINE)
+        radius = np.maximum(np.interp(depth, felt.law.depth, felt.law.radius), 1e-6)
+        thickness, material = felt.setup.thickness, felt.setup.material
+        stiffness = punch_stiffness(radius, thickness, material)
+        slope = (
+            punch_stiffness(radius * 1.001, thickness, material) - punch_stiffness(radius * 0.999, thickness, material)
+        ) / (0.002 * radius)
+        release = slope / (4 * np.pi * radius)
+        border = _border(felt.positions[:, 2], depth, release, self._energies(felt))
+        held = border >= 0
+        out = force.copy()
+        at = border[held]
+        sunk = felt.positions[held, 2]
+        # only what adhesion adds: the force itself may be the layer solver's
+        plain = np.interp(np.maximum(sunk, 0.0), felt.law.depth, felt.law.force)
+        sticky = np.interp(depth[at], felt.law.depth, felt.law.force) - stiffness[at] * (depth[at] - sunk)
+        out[held] += sticky - plain
+        return out
+
+    def _energies(self, felt: Felt) -> Array:
+        """Advancing and receding energy at each moment (n, 2)."""
+        sideways = np.linalg.norm(np.diff(felt.positions[:, :2], axis=0, prepend=felt.positions[:1, :2]), axis=1)
+        sheared = np.cumsum(np.where(felt.positions[:, 2] > 0, sideways, 0.0)) > self.SHEARED
+        factor = np.where(sheared, self.LEFT_AFTER_SHEAR, 1.0)
+        return factor[:, None] * np.array([self.advancing, self.receding])
+
+
+def _border(sunk: Array, depth: Array, release: Array, energies: Array) -> Array:
+    """Index (n,) into the states of the border at each moment; -1 without contact.
+
+    Parameters
+    ----------
+    sunk : (n,), m
+        Depth of the indenter, below 0 above the gel.
+    depth, release : (k,)
+        Of each state: depth at which it is in balance, and what (d(a) - d)² is multiplied by.
+    energies : (n, 2), J/m²
+    """
+    out = np.full(len(sunk), -1)
+    state, last = -1, len(depth) - 1
+    for moment, here in enumerate(sunk.tolist()):
+        advancing, receding = energies[moment]
+        if state < 0 and here < 0:
+            continue
+        state = max(state, int(np.searchsorted(depth, here)), 0)
+        while state < last and (depth[state + 1] - here) ** 2 * release[state + 1] < advancing:
+            state += 1
+        while state >= 0 and depth[state] > here and (depth[state] - here) ** 2 * release[state] > receding:
+            state -= 1
+        # what is left would balance without pulling
+        if state < 0 or (here < 0 and state == 0 and depth[state] - here > 0 and receding == 0):
+            state = -1
+        out[moment] = min(state, last)
+    return out

@@ -1,0 +1,52 @@
+"""Hidden faults of a clock: it runs at another rate, and jumps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters, Times
+
+
+@dataclass(frozen=True)
+class ClockSkew(HiddenEffect):
+    """The force sensor's clock runs fast, and every so often a sample is lost from its counter, so that it falls back.
+
+    stamp = true stamp + skew t - jump floor(t / every), t since the log's start; stamps never fall.
+
+    Parameters
+    ----------
+    skew : float
+        Relative; 1e-5 is 10 ppm.
+    jump, every : s
+    """
+
+    NUMBER: ClassVar[str] = "19"
+    ACTS: ClassVar[str] = "clock"
+    SOURCE: ClassVar[str] = "a quartz's error and a counter that loses samples"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"skew": 2e-5, "jump": 0.004},
+        "medium": {"skew": 5e-5, "jump": 0.008},
+        "strong": {"skew": 1e-4, "jump": 0.016},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "skew": (-0.01, 0.01),
+        "jump": (-0.1, 0.1),
+        "every": (1.0, 1e5),
+    }
+    skew: float = 0.0
+    jump: float = 0.0
+    every: float = 60.0
+
+    def stamped(self, stream: str, stamps: Times, seconds: Array) -> Times:
+        """See `HiddenEffect.stamped`."""
+        if stream != "wrench":
+            return stamps
+        off = self.skew * seconds - self.jump * np.floor(seconds / self.every)
+        told = stamps + np.rint(off * 1e9).astype(np.int64)
+        # a later sample is at least a nanosecond later
+        order = np.arange(len(told))
+        return np.maximum.accumulate(told - order) + order

@@ -1,0 +1,109 @@
+"""The table of hidden effects, and how a scenario's `hidden` section names them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+from tactiledata.errors import SchemaError
+from tactiledata.registry import Registry
+
+if TYPE_CHECKING:
+    from tactiledata.rig.hidden.base import HiddenEffect
+
+_RIG = "tactiledata.rig"
+HIDDEN_EFFECTS = Registry(
+    "hidden effect",
+    {
+        "relaxation": f"{_RIG}.hidden_time:Springpot",
+        "mullins": f"{_RIG}.hidden_history:WorkSoftening",
+        "stiffening": f"{_RIG}.hidden_material:OgdenShear",
+        "thickness": f"{_RIG}.hidden_geometry:Thickness",
+        "dome": f"{_RIG}.hidden_geometry:Dome",
+        "adhesion": f"{_RIG}.hidden_adhesion:PinnedEdge",
+        "shear_strength": f"{_RIG}.hidden_friction:ShearStrength",
+        "rate_friction": f"{_RIG}.hidden_friction:RateFriction",
+        "ageing_friction": f"{_RIG}.hidden_friction:AgeingFriction",
+        "partial_slip": f"{_RIG}.hidden_friction:ManySliders",
+        "arm_compliance": f"{_RIG}.hidden_pose:JointCompliance",
+        "stem_bending": f"{_RIG}.hidden_pose:StemBending",
+        "ft_drift": f"{_RIG}.hidden_sensor:WanderingZero",
+        "cross_talk": f"{_RIG}.hidden_sensor:CrossTalk",
+        "tool_weight": f"{_RIG}.hidden_load:ToolWeight",
+        "cable_drag": f"{_RIG}.hidden_load:CableDrag",
+        "frame_rotation": f"{_RIG}.hidden_sensor:FrameRotation",
+        "lag": f"{_RIG}.hidden_sensor:SlowSensor",
+        "clock_skew": f"{_RIG}.hidden_clock:ClockSkew",
+        "indenter_mount": f"{_RIG}.hidden_geometry:IndenterMount",
+        "warm_up": f"{_RIG}.hidden_history:WarmUp",
+        "wear": f"{_RIG}.hidden_history:Wear",
+        "delamination": f"{_RIG}.hidden_material:Delamination",
+        "pad_edge": f"{_RIG}.hidden_material:PadEdge",
+        "skin": f"{_RIG}.hidden_material:Skin",
+        "dead_band": f"{_RIG}.hidden_sensor:DeadBand",
+        "saturation": f"{_RIG}.hidden_sensor:Saturation",
+        "inertia": f"{_RIG}.hidden_load:Inertia",
+        "joint_backlash": f"{_RIG}.hidden_pose:JointBacklash",
+        "drainage": f"{_RIG}.hidden_time:Drainage",
+        "anisotropy": f"{_RIG}.hidden_friction:Anisotropy",
+        "warm_relaxation": f"{_RIG}.hidden_time:WarmSpringpot",
+    },
+)
+
+
+def name_of(effect: HiddenEffect) -> str:
+    """The name under which the table holds an effect's class."""
+    return next(name for name in HIDDEN_EFFECTS if HIDDEN_EFFECTS[name] is type(effect))
+
+
+def hidden_effect(entry: Mapping[str, Any], path: str, where: str) -> HiddenEffect:
+    """The effect that one entry of a scenario's `hidden` section names.
+
+    Parameters
+    ----------
+    entry : dict
+        ``effect``; ``strength`` or ``parameters`` or both: stated parameters go before those of the strength, and what
+        neither says is as without the effect.
+    path, where : str
+        Of the entry in the document, and the document, for errors.
+
+    Raises
+    ------
+    SchemaError
+        No such effect or parameter, a value out of its range, neither strength nor parameters.
+    """
+    name = entry["effect"]
+    if name not in HIDDEN_EFFECTS:
+        raise _fault(
+            where, f"{path}.effect", f"no hidden effect is called {name!r}", f"one of: {_told(HIDDEN_EFFECTS)}"
+        )
+    kind: type[HiddenEffect] = HIDDEN_EFFECTS[name]
+    if "strength" not in entry and "parameters" not in entry:
+        raise _fault(where, path, f"{name} says neither how strong it is nor its parameters", "strength or parameters")
+    stated = dict(entry.get("parameters", {}))
+    for key, value in stated.items():
+        if key not in kind.RANGES:
+            raise _fault(
+                where, f"{path}.parameters.{key}", f"{name} has no parameter {key!r}", f"of {_told(kind.RANGES)}"
+            )
+        least, most = kind.RANGES[key]
+        if not least <= value <= most:
+            raise _fault(where, f"{path}.parameters.{key}", f"{value:g}", f"between {least:g} and {most:g}")
+    strength = kind.STRENGTHS[entry["strength"]] if "strength" in entry else {}
+    return kind(**{**strength, **stated})
+
+
+def is_null(effect: HiddenEffect) -> bool:
+    """Whether an effect's strength is none: those parameters that its strengths set have their defaults."""
+    nulls = {item.name: item.default for item in fields(effect)}  # type: ignore[arg-type]
+    scaled = {key for strength in type(effect).STRENGTHS.values() for key in strength}
+    return all(getattr(effect, key) == nulls[key] for key in scaled)
+
+
+def _told(names: Any) -> str:
+    return ", ".join(sorted(names))
+
+
+def _fault(where: str, path: str, found: str, expected: str) -> SchemaError:
+    return SchemaError(f"{where}, at {path}: {found}", expected, "Mend the scenario file.", path=path, file=where)

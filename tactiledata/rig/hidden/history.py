@@ -1,0 +1,143 @@
+"""Hidden changes of the gel with what happened before: softening by work, wear, warming up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from tactiledata.rig.contact.contact import TouchSetup
+from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters, TouchFacts
+
+SPOT = 1.5e-3
+"""m: standard deviation of the bell by which an earlier touch counts at another place."""
+RECOVERY = 7200.0
+"""s in which softening by work heals by a factor e."""
+FAST, SLOW, FAST_SHARE = 240.0, 1500.0, 0.35
+"""s: time constants of chip and housing, and the share of the first."""
+EXPANSION = 3e-4
+"""1/K, of silicone."""
+
+
+def elastic_work(felt: Felt) -> Array:
+    """Work (n,), J, that the gel holds at each depth on its first loading."""
+    table = felt.law.depth
+    work = np.concatenate([[0.0], np.cumsum((felt.law.force[1:] + felt.law.force[:-1]) / 2 * np.diff(table))])
+    return np.interp(felt.depth, table, work)
+
+
+def _nearness(position: tuple[float, float], other: tuple[float, float]) -> float:
+    square = (position[0] - other[0]) ** 2 + (position[1] - other[1]) ** 2
+    return float(np.exp(-square / (2 * SPOT**2)))
+
+
+@dataclass(frozen=True)
+class WorkSoftening(HiddenEffect):
+    """Below the greatest work W_m that this place has ever held the gel is softer, at any speed:
+    F = F0 [1 - s x / (x + 0.3)], x = 1 - W / W_m. Earlier touches count by nearness and heal slowly.
+
+    Parameters
+    ----------
+    loss : float
+        s; at nearly no work, 77 % of it is lost.
+    """
+
+    NUMBER: ClassVar[str] = "2"
+    ACTS: ClassVar[str] = "force"
+    SOURCE: ClassVar[str] = "rational form of our own for the pseudo-elastic softening that L. Mullins described (1948)"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"loss": 0.04},
+        "medium": {"loss": 0.12},
+        "strong": {"loss": 0.30},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"loss": (0.0, 0.9)}
+    STIFFENS: ClassVar[bool] = True
+    loss: float = 0.0
+
+    def normal(self, force: Array, felt: Felt) -> Array:
+        """See `HiddenEffect.normal`."""
+        work, facts = elastic_work(felt), felt.facts
+        before = max(
+            (
+                visit.work
+                * _nearness(visit.position, facts.touch.position)
+                * np.exp(-(facts.seconds - visit.seconds) / RECOVERY)
+                for visit in facts.visits
+            ),
+            default=0.0,
+        )
+        most = np.maximum(np.maximum.accumulate(work), before)
+        left = 1 - np.divide(work, most, out=np.ones_like(work), where=most > 0)
+        return force * (1 - self.loss * left / (left + 0.3))
+
+
+@dataclass(frozen=True)
+class Wear(HiddenEffect):
+    """A worn place is softer: F = F0 [1 - loss n / (n + 10)], n the earlier touches of this log, by nearness.
+
+    Parameters
+    ----------
+    loss : float
+        After very many touches.
+    """
+
+    NUMBER: ClassVar[str] = "22"
+    ACTS: ClassVar[str] = "force"
+    SOURCE: ClassVar[str] = "hyperbolic saturation, assumed"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"loss": 0.05},
+        "medium": {"loss": 0.12},
+        "strong": {"loss": 0.25},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"loss": (0.0, 0.9)}
+    STIFFENS: ClassVar[bool] = True
+    loss: float = 0.0
+
+    def normal(self, force: Array, felt: Felt) -> Array:
+        """See `HiddenEffect.normal`."""
+        count = sum(_nearness(visit.position, felt.facts.touch.position) for visit in felt.facts.visits)
+        return force * (1 - self.loss * count / (count + 10))
+
+
+def warmth(seconds_on: float, rise: float) -> float:
+    """Temperature over that at power-on, K, of a sensor that in the end gets ``rise`` K warmer."""
+    left = FAST_SHARE * np.exp(-seconds_on / FAST) + (1 - FAST_SHARE) * np.exp(-seconds_on / SLOW)
+    return float(rise * (1 - left))
+
+
+@dataclass(frozen=True)
+class WarmUp(HiddenEffect):
+    """The sensor warms up after power-on, with two time constants (4 and 25 min): the gel softens and grows.
+
+    F = F0 (1 - softening T), and its surface comes nearer by 3e-4 /K h T.
+
+    Parameters
+    ----------
+    rise : K
+        In the end.
+    softening : 1/K
+    """
+
+    NUMBER: ClassVar[str] = "21"
+    ACTS: ClassVar[str] = "force"
+    SOURCE: ClassVar[str] = "two lumped heat capacities; expansion of silicone rubber"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"rise": 5.0},
+        "medium": {"rise": 12.0},
+        "strong": {"rise": 25.0},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"rise": (0.0, 60.0), "softening": (-0.01, 0.01)}
+    STIFFENS: ClassVar[bool] = True
+    rise: float = 0.0
+    softening: float = 0.006
+
+    def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
+        """See `HiddenEffect.prepared`."""
+        growth = EXPANSION * setup.thickness * warmth(facts.seconds_on, self.rise)
+        return replace(setup, offset=setup.offset + np.array([0.0, 0.0, growth]))
+
+    def normal(self, force: Array, felt: Felt) -> Array:
+        """See `HiddenEffect.normal`."""
+        return force * (1 - self.softening * warmth(felt.facts.seconds_on, self.rise))

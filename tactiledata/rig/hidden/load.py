@@ -1,0 +1,171 @@
+"""Hidden loads on the force sensor: another tool, a dragging cable, inertia."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from scipy.signal import cont2discrete, lfilter
+
+from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters, Times
+from tactiledata.rig.motion import ur5e
+from tactiledata.rig.scenario.scenario import Scenario
+from tactiledata.transforms import move_wrench
+
+if TYPE_CHECKING:
+    from tactiledata.rig.play import Performance
+
+GRAVITY = 9.81
+"""m/s²."""
+CABLE_RATE = 50.0
+"""Hz at which the cable is followed."""
+CABLE_SLIP = 0.02
+"""rad of the wrist in which the cable's friction turns over."""
+CABLE_FORCE = (0.6, 0.64, 0.48)
+"""Direction of the cable's pull, tool frame; a unit vector."""
+CABLE_ARM = (0.0, 0.03, -0.06)
+"""m, tool frame: where it pulls."""
+SHAKE_RATE = 500.0
+"""Hz at which accelerations are taken."""
+
+
+@dataclass(frozen=True)
+class ToolWeight(HiddenEffect):
+    """The tool is heavier than the log says, and its centre of gravity lies further along its axis.
+
+    Parameters
+    ----------
+    mass : kg
+    lever : m
+        Along the tool's z, and half of it along x.
+    """
+
+    NUMBER: ClassVar[str] = "15"
+    ACTS: ClassVar[str] = "load"
+    SOURCE: ClassVar[str] = "weight in the turning frame of the sensor"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"mass": 0.010, "lever": 0.002},
+        "medium": {"mass": 0.030, "lever": 0.005},
+        "strong": {"mass": 0.060, "lever": 0.010},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"mass": (-0.2, 0.5), "lever": (-0.05, 0.05)}
+    mass: float = 0.0
+    lever: float = 0.0
+
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+        """See `HiddenEffect.load`."""
+        robot = scenario.robot
+        down = -performance.tcp(moments)[:, 2, :3]
+        stated = np.asarray(robot.centre_of_gravity)
+        real = stated + np.array([self.lever / 2, 0.0, self.lever])
+        more = (robot.tool_mass + self.mass) * np.concatenate([down, np.cross(real, down)], axis=1)
+        less = robot.tool_mass * np.concatenate([down, np.cross(stated, down)], axis=1)
+        return move_wrench(GRAVITY * (more - less), robot.tcp_from_ft.inverse().matrix)
+
+
+@dataclass(frozen=True)
+class CableDrag(HiddenEffect):
+    """A cable pulls at the tool: smoothly with the angles of the last two joints, and with Bouc-Wen's friction of the
+    last one.
+
+    F = force [0.5 sin q6 + 0.3 (q5 - pi / 2) + 0.7 z],
+    dz = (dq6 / 0.02 rad) {1 - z² [0.5 + 0.5 sgn(z dq6)]}.
+
+    Parameters
+    ----------
+    force : N
+    """
+
+    NUMBER: ClassVar[str] = "16"
+    ACTS: ClassVar[str] = "load"
+    SOURCE: ClassVar[str] = "Y.-K. Wen, J. Eng. Mech. Div. 102 (1976)"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"force": 0.05},
+        "medium": {"force": 0.2},
+        "strong": {"force": 0.5},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"force": (0.0, 5.0)}
+    force: float = 0.0
+
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+        """See `HiddenEffect.load`."""
+        grid = _grid(performance, CABLE_RATE)
+        robot = scenario.robot
+        joints = ur5e.inverse(performance.tcp(grid) @ robot.flange_from_tcp.inverse().matrix)
+        size = 0.5 * np.sin(joints[:, 5]) + 0.3 * (joints[:, 4] - np.pi / 2) + 0.7 * bouc_wen(joints[:, 5] / CABLE_SLIP)
+        at = self.force * np.interp(moments - grid[0], grid - grid[0], size)
+        pull = at[:, None] * np.asarray(CABLE_FORCE)
+        wrench = np.concatenate([pull, np.cross(np.asarray(CABLE_ARM), pull)], axis=1)
+        return move_wrench(wrench, robot.tcp_from_ft.inverse().matrix)
+
+
+def bouc_wen(way: Array) -> Array:
+    """Hysteretic variable (n,) within -1 and 1 of a way (n,) measured in slips; 0 at the start."""
+    out = np.zeros(len(way))
+    value = 0.0
+    for moment, step in enumerate(np.diff(way).tolist(), start=1):
+        # in pieces so short that none oversteps the bound
+        pieces = min(max(1, int(abs(step) / 0.1)), 200)
+        for _ in range(pieces):
+            value += step / pieces * (1 - value * value * (1.0 if value * step > 0 else 0.0))
+            value = min(max(value, -1.0), 1.0)
+        out[moment] = value
+    return out
+
+
+@dataclass(frozen=True)
+class Inertia(HiddenEffect):
+    """The tool's mass resists accelerations, which the arm's own vibration follows and overshoots.
+
+    F = -mass R^T y, y'' + 2 zeta w y' + w² y = w² a, a the acceleration of the commanded tool centre.
+
+    Parameters
+    ----------
+    mass : kg
+        Beyond the force sensor.
+    frequency : Hz
+        w / (2 pi), with zeta = 0.08.
+    """
+
+    NUMBER: ClassVar[str] = "29"
+    ACTS: ClassVar[str] = "load"
+    SOURCE: ClassVar[str] = "Newton; one mode of the arm"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"mass": 0.3},
+        "medium": {"mass": 0.6},
+        "strong": {"mass": 1.2},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"mass": (0.0, 5.0), "frequency": (2.0, 100.0)}
+    mass: float = 0.0
+    frequency: float = 18.0
+
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+        """See `HiddenEffect.load`."""
+        grid = _grid(performance, SHAKE_RATE)
+        places = performance.tcp(grid)[:, :3, 3]
+        acceleration = np.zeros_like(places)
+        acceleration[1:-1] = np.diff(places, 2, axis=0) * SHAKE_RATE**2
+        shaken = second_order(acceleration, self.frequency, 0.08, SHAKE_RATE)
+        ticks = grid - grid[0]
+        at = np.stack([np.interp(moments - grid[0], ticks, column) for column in shaken.T], axis=1)
+        turned = np.einsum("nji,nj->ni", performance.tcp(moments)[:, :3, :3], at)
+        push = -self.mass * turned
+        cog = np.asarray(scenario.robot.centre_of_gravity)
+        wrench = np.concatenate([push, np.cross(cog, push)], axis=1)
+        return move_wrench(wrench, scenario.robot.tcp_from_ft.inverse().matrix)
+
+
+def second_order(values: Array, frequency: float, damping: float, rate: float) -> Array:
+    """Values (n, k) at ``rate`` Hz through w² / (s² + 2 zeta w s + w²), at rest in the first of them."""
+    w = 2 * np.pi * frequency
+    top, bottom, _ = cont2discrete(([w * w], [1.0, 2 * damping * w, w * w]), 1 / rate, method="foh")
+    top, bottom = np.ravel(top), np.ravel(bottom)
+    answer: Array = lfilter(top, bottom, values - values[:1], axis=0) + values[:1]
+    return answer
+
+
+def _grid(performance: Performance, rate: float) -> Times:
+    count = int((performance.end_ns - performance.start_ns) * 1e-9 * rate) + 2
+    return performance.start_ns + np.rint(np.arange(count) * 1e9 / rate).astype(np.int64)

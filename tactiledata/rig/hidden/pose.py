@@ -1,0 +1,142 @@
+"""Hidden moves of the arm and the indenter under load, and play in the joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from tactiledata.rig.contact.contact import TouchSetup, contact_times
+from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.motion import motion, ur5e
+from tactiledata.rig.motion.motion import Path
+
+PARTS_OF_STIFFNESS = (1.0, 1.0, 1.0, 0.4, 0.4, 0.4)
+"""Of shoulder, elbow and the smaller wrist joints."""
+
+
+def sensor_poses(positions: Array, setup: TouchSetup, facts: TouchFacts) -> Array:
+    """base_from_gel (n, 4, 4) of positions (n, 3) over the gel."""
+    tcp_from_gel = facts.scenario.robot.tcp_from_gel
+    tcp = motion.base_from_tcp(positions, setup.rotation, setup.print_.lowest, facts.mounted, tcp_from_gel)
+    return tcp @ tcp_from_gel.matrix
+
+
+def joint_angles(poses: Array, facts: TouchFacts) -> Array:
+    """Angles (n, 6), rad, of base_from_gel (n, 4, 4)."""
+    robot = facts.scenario.robot
+    return ur5e.inverse(poses @ (robot.flange_from_tcp @ robot.tcp_from_gel).inverse().matrix)
+
+
+def _moves_over_gel(poses: Array, joints: Array) -> Array:
+    """Move (n, 3, 6) of the indenter over the gel, gel axes, m, per rad of each joint (n, 6): minus the gel's own."""
+    jacobian = ur5e.jacobian(joints, poses[:, :3, 3])[:, :3]
+    return -np.swapaxes(poses[:, :3, :3], 1, 2) @ jacobian
+
+
+@dataclass(frozen=True)
+class JointCompliance(HiddenEffect):
+    """Joints yield behind their encoders: C = J K⁻¹ Jᵀ with the arm's Jacobian J at the gel, so it changes with pose.
+
+    Parameters
+    ----------
+    softness : rad/(N m)
+        Of shoulder and elbow; wrist joints are 2.5 times as soft.
+    """
+
+    NUMBER: ClassVar[str] = "11"
+    ACTS: ClassVar[str] = "pose"
+    SOURCE: ClassVar[str] = "C. Dumas et al., Robotics and Computer-Integrated Manufacturing 27 (2011)"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"softness": 1 / 80e3},
+        "medium": {"softness": 1 / 32e3},
+        "strong": {"softness": 1 / 13e3},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"softness": (0.0, 1e-3)}
+    softness: float = 0.0
+
+    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+        """See `HiddenEffect.compliance`; at the path's deepest point, since it is much smaller than the arm."""
+        poses = sensor_poses(path.positions[[int(np.argmax(path.positions[:, 2]))]], setup, facts)
+        moves = _moves_over_gel(poses, joint_angles(poses, facts))[0]
+        answer: Array = moves @ np.diag(self.softness / np.array(PARTS_OF_STIFFNESS)) @ moves.T
+        return answer
+
+
+@dataclass(frozen=True)
+class StemBending(HiddenEffect):
+    """The indenter's stem is a beam clamped at its foot: it gives L³ / (3 E I), I = pi d⁴ / 64, across its axis.
+
+    Parameters
+    ----------
+    softness : 1/m
+        1 / d.
+    length : m
+    modulus : Pa
+        Of a printed part.
+    """
+
+    NUMBER: ClassVar[str] = "12"
+    ACTS: ClassVar[str] = "pose"
+    SOURCE: ClassVar[str] = "Euler-Bernoulli beam, loaded at its tip"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"softness": 1 / 0.010},
+        "medium": {"softness": 1 / 0.006},
+        "strong": {"softness": 1 / 0.004},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "softness": (0.0, 400.0),
+        "length": (1e-3, 0.1),
+        "modulus": (1e8, 3e11),
+    }
+    softness: float = 0.0
+    length: float = 0.030
+    modulus: float = 2.5e9
+
+    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+        """See `HiddenEffect.compliance`."""
+        give = self.length**3 / (3 * self.modulus * np.pi / 64) * self.softness**4
+        axis = setup.rotation[:, 2]
+        answer: Array = give * (np.eye(3) - np.outer(axis, axis))
+        return answer
+
+
+@dataclass(frozen=True)
+class JointBacklash(HiddenEffect):
+    """Each joint follows its encoder with play: it stays until the encoder has moved half the play away from it.
+
+    Parameters
+    ----------
+    play : rad
+        Whole width, the same in every joint.
+    """
+
+    NUMBER: ClassVar[str] = "outside"
+    ACTS: ClassVar[str] = "pose"
+    SOURCE: ClassVar[str] = "the play operator: A. Visintin, Differential Models of Hysteresis (1994)"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"play": 5e-5},
+        "medium": {"play": 1e-4},
+        "strong": {"play": 3e-4},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"play": (0.0, 0.01)}
+    play: float = 0.0
+
+    def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+        """See `HiddenEffect.shift`; measured from where the joints hang at the start."""
+        poses = sensor_poses(path.at(contact_times(path)), setup, facts)
+        angles = joint_angles(poses, facts)
+        lost = followed(angles, self.play) - angles
+        moves = np.einsum("nij,nj->ni", _moves_over_gel(poses, angles), lost)
+        moves[:, 2] *= -1.0  # depth grows downwards
+        return moves
+
+
+def followed(angles: Array, play: float) -> Array:
+    """What follows angles (n, 6) with a play, from the middle of it."""
+    out = angles.copy()
+    for moment in range(1, len(angles)):
+        out[moment] = np.clip(out[moment - 1], angles[moment] - play / 2, angles[moment] + play / 2)
+    return out

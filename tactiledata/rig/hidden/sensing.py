@@ -1,0 +1,71 @@
+"""What hidden effects make of a log's force readings and stamps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.rig.contact.contact import CONTACT_RATE
+from tactiledata.rig.hidden.base import HIDDEN, HiddenEffect
+from tactiledata.rig.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from tactiledata.rig.play import Performance
+
+Array = NDArray[np.floating[Any]]
+Times = NDArray[np.int64]
+Loads = Callable[[Times], Array]
+
+
+def hidden_loads(scenario: Scenario, performance: Performance, moments: Times) -> Array:
+    """What hidden effects add (n, 6) to the load on the force sensor, in its frame, at sorted moments."""
+    out = np.zeros((len(moments), 6))
+    for effect in scenario.hidden:
+        load = effect.load(moments, performance, scenario)
+        if load is not None:
+            out += load
+    return out
+
+
+def sensed_loads(scenario: Scenario, performance: Performance, index: int, loads: Loads, moments: Times) -> Array:
+    """What the force sensor makes (n, 6) of loads, before its zero is set, at sorted moments of the host clock.
+
+    A slow sensor is fed evenly over the whole log.
+    """
+    start = performance.start_ns
+    slow = [effect for effect in scenario.hidden if effect.delayed(np.zeros((2, 6)), CONTACT_RATE) is not None]
+    if not slow:
+        return _sensed(scenario, index, loads(moments), (moments - start) * 1e-9)
+    count = int((performance.end_ns - start) * 1e-9 * CONTACT_RATE) + 2
+    seconds = np.arange(count) / CONTACT_RATE
+    values = _sensed(scenario, index, loads(start + np.rint(seconds * 1e9).astype(np.int64)), seconds)
+    for effect in slow:
+        late = effect.delayed(values, CONTACT_RATE)
+        values = values if late is None else late
+    at = (moments - start) * 1e-9
+    return np.stack([np.interp(at, seconds, column) for column in values.T], axis=1)
+
+
+def _sensed(scenario: Scenario, index: int, values: Array, seconds: Array) -> Array:
+    for effect in scenario.hidden:
+        own = int.from_bytes(type(effect).__name__.encode(), "big")
+        seed = [scenario.seed, HIDDEN, own, *([index] if effect.PER_LOG else [])]
+        values = effect.sensed(values, seconds, np.random.default_rng(seed))
+    return values
+
+
+def told_readings(effects: Sequence[HiddenEffect], reading: Array) -> Array:
+    """The numbers (n, 6) that leave the sensor."""
+    for effect in effects:
+        reading = effect.told(reading)
+    return reading
+
+
+def told_stamps(effects: Sequence[HiddenEffect], stream: str, stamps: Times, seconds: Array) -> Times:
+    """Stamps (n,), ns, of a stream; seconds (n,) since the log's start."""
+    for effect in effects:
+        stamps = effect.stamped(stream, stamps, seconds)
+    return stamps

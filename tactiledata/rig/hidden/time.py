@@ -1,0 +1,128 @@
+"""Hidden relaxation: a power law without time constant of its own, and the draining of a sponge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.signal import fftconvolve
+
+from tactiledata.rig.contact.contact import CONTACT_RATE
+from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.history import warmth
+
+Kernel = Callable[[Array], Array]
+"""Relaxation modulus relative to the instantaneous one, of seconds (n,)."""
+
+
+def relaxed(force: Array, kernel: Kernel) -> Array:
+    """Boltzmann's superposition: forces (n, ...) at ``CONTACT_RATE`` of a gel whose instant answer they are."""
+    weights = kernel(np.arange(len(force)) / CONTACT_RATE)
+    steps = np.diff(force, axis=0, prepend=np.zeros_like(force[:1]))
+    shape = (len(weights),) + (1,) * (force.ndim - 1)
+    answer: Array = fftconvolve(steps, weights.reshape(shape), axes=0)[: len(force)]
+    return answer
+
+
+@dataclass(frozen=True)
+class Springpot(HiddenEffect):
+    """A fractional element: every change of force decays as (1 + t / onset)^-alpha, over all decades alike.
+
+    A surface that has left the indenter does not pull it back: the force stays at or above 0.
+
+    Parameters
+    ----------
+    alpha : float
+    onset : s
+    """
+
+    NUMBER: ClassVar[str] = "1"
+    ACTS: ClassVar[str] = "force"
+    SOURCE: ClassVar[str] = "springpot, regularised at short times: e.g. F. Mainardi, Fractional Calculus (2010), ch. 3"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"alpha": 0.02},
+        "medium": {"alpha": 0.045},
+        "strong": {"alpha": 0.08},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"alpha": (0.0, 0.5), "onset": (1e-4, 10.0)}
+    alpha: float = 0.0
+    onset: float = 0.02
+
+    def normal(self, force: Array, felt: Felt) -> Array:
+        """See `HiddenEffect.normal`."""
+        return _pressing(relaxed(force, self._kernel(felt)), force)
+
+    def memory(self, felt: Felt) -> Array:
+        """See `HiddenEffect.memory`."""
+        return self._kernel(felt)(np.arange(len(felt.positions)) / CONTACT_RATE)
+
+    def _kernel(self, felt: Felt) -> Kernel:
+        exponent = self._exponent(felt)
+        return lambda seconds: (1 + seconds / self.onset) ** -exponent
+
+    def _exponent(self, felt: Felt) -> float:
+        return self.alpha
+
+
+@dataclass(frozen=True)
+class WarmSpringpot(Springpot):
+    """The same, faster when warm: alpha (1 + per_kelvin T), T the sensor's warmth after power-on (12 K in the end).
+
+    Parameters
+    ----------
+    per_kelvin : 1/K
+    """
+
+    NUMBER: ClassVar[str] = "outside"
+    SOURCE: ClassVar[str] = "springpot with a linear temperature coefficient, assumed"
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {**Springpot.RANGES, "per_kelvin": (-0.05, 1.0)}
+    per_kelvin: float = 0.1
+
+    def _exponent(self, felt: Felt) -> float:
+        return self.alpha * (1 + self.per_kelvin * warmth(felt.facts.seconds_on, 12.0))
+
+
+@dataclass(frozen=True)
+class Drainage(HiddenEffect):
+    """Fluid drains from under the contact: a share p of each change of force decays with x = D t / a², a the contact's
+    greatest radius in the touch, as 0.491 exp(-0.908 sqrt x) + 0.509 exp(-1.679 x). Larger contacts drain slower.
+
+    Parameters
+    ----------
+    share : float
+        p.
+    diffusivity : m²/s
+        D.
+    """
+
+    NUMBER: ClassVar[str] = "outside"
+    ACTS: ClassVar[str] = "force"
+    SOURCE: ClassVar[str] = "Y. Hu, X. Zhao, J. J. Vlassak, Z. Suo, Appl. Phys. Lett. 96 (2010), sphere"
+    STRENGTHS: ClassVar[Mapping[str, Parameters]] = {
+        "weak": {"share": 0.05},
+        "medium": {"share": 0.10},
+        "strong": {"share": 0.20},
+    }
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"share": (0.0, 0.9), "diffusivity": (1e-9, 1e-3)}
+    share: float = 0.0
+    diffusivity: float = 2e-6
+
+    def normal(self, force: Array, felt: Felt) -> Array:
+        """See `HiddenEffect.normal`."""
+        widest = float(felt.radius.max())
+        if widest == 0:
+            return force
+
+        def kernel(seconds: Array) -> Array:
+            x = self.diffusivity * seconds / widest**2
+            left = 0.491 * np.exp(-0.908 * np.sqrt(x)) + 0.509 * np.exp(-1.679 * x)
+            return 1 - self.share * (1 - left)
+
+        return _pressing(relaxed(force, kernel), force)
+
+
+def _pressing(force: Array, instant: Array) -> Array:
+    """Forces (n,) that do not pull, and only while there is contact."""
+    return np.where(instant > 0, np.maximum(force, 0.0), 0.0)

@@ -1,0 +1,1 @@
+"""The layer solver: a bonded elastic layer at finite strain."""

@@ -1,0 +1,228 @@
+"""A rigid body pressed into an elastic layer step by step: finite strain, real contact, friction that remembers.
+
+Each step is a fixed point. With the displacements of the layer known, its internal forces are out of balance; a linear
+layer takes the imbalance away and, at its surface, meets the indenter exactly (``layer_touch``). What it leaves, since
+the true layer is not linear, is left for the next round; Anderson's mixing makes the rounds few. The linear layer is
+stiffer than the material: large strain stiffens, and a preconditioner that is too soft overshoots.
+
+Not to be confused with ``layer_contact``, the closed forms that the rig can use instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from tactiledata.indenters.base import Indenter
+from tactiledata.rig.layer.friction import Grip
+from tactiledata.rig.layer.gap import TouchPoints, gaps, gaps_and_normals
+from tactiledata.rig.layer.grid import Column, LayerGrid
+from tactiledata.rig.layer.kernel import LayerKernel
+from tactiledata.rig.layer.mixing import Mixing
+from tactiledata.rig.layer.strain import LayerStrain
+from tactiledata.rig.layer.touch import Surface, Touching
+from tactiledata.rig.scenario.scenario import Material
+
+Array = NDArray[np.floating[Any]]
+Fall = Callable[[Array, Array], Array]
+
+SPRINGS = 20.0
+"""Springs of the contact relative to the surface's own stiffness at the scale of a cell."""
+REACH = 4e-4
+"""m ahead of the indenter where touch points are watched."""
+TOUCHED = 1e-6
+"""m below which a point counts as touched already."""
+STIFFER_SHEAR, STIFFER_VOLUME = 8.0, 2.0
+"""Lamé's constants of the linear layer relative to the material's: measured, docs/decisions/0007."""
+ROUNDS = 30
+TOLERANCE = 2e-3
+"""Change of the force from round to round, relative, at which a step is done."""
+MOVE_SHARE = 1.5e-3
+"""m: the same for the change of the surface, times the tolerance."""
+LEAST_FORCE = 2e-4
+"""N: change of the force that never matters."""
+UNSETTLED = 2e-5
+"""m: change of the surface after the last round beyond which a step is taken again in two halves."""
+HALVINGS = 2
+
+
+@dataclass(frozen=True)
+class PressState:
+    """The layer at the end of a step.
+
+    Parameters
+    ----------
+    u : (3, levels, rows, columns), m
+    traction : (n, 3), Pa
+        On the gel, at all touch points.
+    gap : (n,), m
+    points : (n, 3), m
+        Where the touch points are.
+    pose : (4, 4)
+        gel_from_indenter.
+    wrench : (6,), N, N m
+        On the indenter, about the gel's origin.
+    is_slipping : bool
+        Whether all that touches slides.
+    is_settled : bool
+        Whether the rounds came to rest.
+    """
+
+    u: Array
+    traction: Array
+    gap: Array
+    points: Array
+    pose: Array
+    wrench: Array
+    is_slipping: bool = False
+    is_settled: bool = True
+
+    @property
+    def is_touching(self) -> bool:
+        """Whether anything presses."""
+        return bool(self.traction.any())
+
+
+class Layer:
+    """A pad ready to be pressed; what does not change from press to press is computed once.
+
+    Parameters
+    ----------
+    grid : LayerGrid
+    thickness : m
+    material : Material
+    is_linear : bool
+        Small strain, to compare with.
+    tolerance : float
+        Change of the force from round to round, relative, at which a step is done.
+    """
+
+    def __init__(
+        self,
+        grid: LayerGrid,
+        thickness: float,
+        material: Material,
+        is_linear: bool = False,
+        tolerance: float = TOLERANCE,
+    ) -> None:
+        shear, lame = lame_constants(material)
+        column = Column.of(thickness, grid.pitch)
+        self.grid, self.material = grid, material
+        self._tolerance = tolerance
+        factors = (1.0, 1.0) if is_linear else (STIFFER_SHEAR, STIFFER_VOLUME)
+        self._kernel = LayerKernel(grid, column, factors[0] * shear, factors[1] * lame)
+        self._strain = LayerStrain(grid, column, shear, lame, is_linear)
+        self._points = TouchPoints.of(grid)
+        self._heights = np.zeros(grid.shape)
+        self._levels = len(column.slope[0])
+        self._weighing = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
+
+    def lowered(self, fall: Fall) -> Layer:
+        """The same layer under a surface that lies lower by metres (n,), of places x, y (n,), m.
+
+        Contact is looked for there; what is inside is as thick as before everywhere.
+        """
+        other = copy(self)
+        other._points = self._points.lowered(fall(*self._points.places[:, :2].T))
+        other._heights = self._heights - fall(*np.meshgrid(self.grid.x, self.grid.y))
+        return other
+
+    def at_rest(self, indenter: Indenter, pose: Array) -> PressState:
+        """Before the first touch, with the indenter lifted from ``pose`` along gel z until it is clear of the pad."""
+        clear, places = pose.copy(), self._points.places
+        gap = gaps(indenter, clear, places)
+        for _ in range(60):
+            if gap.min() >= -TOUCHED / 10:
+                break
+            clear[2, 3] -= gap.min()
+            gap = gaps(indenter, clear, places)
+        flat = np.zeros((3, self._levels, *self.grid.shape))
+        return PressState(flat, np.zeros_like(places), gap, places, clear, np.zeros(6))
+
+    def step(
+        self, indenter: Indenter, before: PressState, pose: Array, guess: Array | None = None, halvings: int = HALVINGS
+    ) -> PressState:
+        """The state with the indenter at ``pose`` (4, 4), reached from ``before`` in one small step.
+
+        Parameters
+        ----------
+        guess : (3, levels, rows, columns), m, optional
+            Displacements to begin with; those of ``before`` where not given.
+        halvings : int
+            How often a step that does not come to rest may be halved.
+        """
+        if gaps(indenter, pose, self._points.places).min() >= -TOUCHED:
+            return self.at_rest(indenter, pose)
+        if not before.is_touching:
+            before = self.at_rest(indenter, pose)
+        after = self._settled(indenter, before, pose, before.u if guess is None else guess)
+        if after.is_settled or halvings == 0:
+            return after
+        middle = self.step(indenter, before, _between(before.pose, pose), None, halvings - 1)
+        return self.step(indenter, middle, pose, None, halvings - 1)
+
+    def _settled(self, indenter: Indenter, before: PressState, pose: Array, u: Array) -> PressState:
+        near = np.flatnonzero((gaps(indenter, pose, self._points_at(u)) < REACH) | before.traction.any(axis=1))
+        surface = Surface(self._points.chosen(near), self._kernel.displace_surface, self.grid.shape)
+        grip = self._grip(before, pose, near)
+        mixing = Mixing()
+        values = before.traction[near]
+        force, total = surface.on_grid(values), np.full(3, np.inf)
+        for _ in range(ROUNDS):
+            load = -self._strain.forces(u)
+            relaxed = u[:, -1] + self._kernel.displace(load)[:, -1]
+            found = surface.settle(relaxed, values, force, grip, lambda at: gaps_and_normals(indenter, pose, at))
+            values, force = found.tractions, found.force
+            load[:, -1] += force
+            error = self._kernel.displace(load)
+            last, total = total, force.sum(axis=(1, 2))
+            moved, change = float(np.abs(error[:, -1]).max()), np.abs(total - last).max()
+            if not np.isfinite(moved):
+                return replace(before, pose=pose, is_settled=False)
+            enough = self._tolerance * np.abs(total).max() + LEAST_FORCE
+            if moved < MOVE_SHARE * self._tolerance and change <= enough:
+                break
+            u = mixing.next(u, error, load)
+        is_settled = moved < UNSETTLED and bool(change <= 10 * enough)
+        return self._state(u, found, near, pose, is_settled)
+
+    def _points_at(self, u: Array) -> Array:
+        return self._points.places + self._points.share @ u[:, -1].reshape(3, -1).T
+
+    def _grip(self, before: PressState, pose: Array, near: NDArray[np.intp]) -> Grip:
+        turn = pose[:3, :3] @ before.pose[:3, :3].T
+        carried = (before.points[near] - before.pose[:3, 3]) @ turn.T + pose[:3, 3]
+        held = before.traction[near] @ turn.T
+        fresh = before.gap[near] > TOUCHED
+        return Grip(SPRINGS * self._weighing, self._weighing, self.material.friction, held, carried, fresh)
+
+    def _state(self, u: Array, found: Touching, near: NDArray[np.intp], pose: Array, is_settled: bool) -> PressState:
+        points = self._points_at(u)
+        points[near] = found.points
+        traction = np.zeros_like(points)
+        traction[near] = found.tractions
+        gap = np.full(len(points), np.inf)
+        gap[near] = found.gap
+        places = np.stack([*np.meshgrid(self.grid.x, self.grid.y), self._heights]) + u[:, -1]
+        torque = np.cross(places, found.force, axis=0).sum(axis=(1, 2))
+        wrench = -np.concatenate([found.force.sum(axis=(1, 2)), torque])
+        return PressState(u, traction, gap, points, pose, wrench, found.is_slipping, is_settled)
+
+
+def _between(first: Array, second: Array) -> Array:
+    """The pose (4, 4) half way."""
+    middle = (first + second) / 2
+    middle[:3, :3] = Rotation.from_matrix([first[:3, :3], second[:3, :3]]).mean().as_matrix()
+    return middle
+
+
+def lame_constants(material: Material) -> tuple[float, float]:
+    """Shear modulus mu and Lamé's lambda, Pa."""
+    e, nu = material.youngs_modulus, material.poisson_ratio
+    return e / (2 * (1 + nu)), e * nu / ((1 + nu) * (1 - 2 * nu))

@@ -1,0 +1,1 @@
+"""What the instruments record, and the files that are written."""

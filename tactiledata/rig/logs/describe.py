@@ -1,0 +1,113 @@
+"""What a log says of itself: the description of ``schemas/log.json``, without anything that only the rig knows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from tactiledata import __version__
+from tactiledata.contract.description import LOG_FORMAT, LogDescription
+from tactiledata.rig.logs.ros2_messages import FRAMES
+from tactiledata.rig.play import Performance, Play, Stage
+from tactiledata.rig.scenario.scenario import Scenario, SensorSetup
+
+DECIMALS = 12
+"""Of numbers in descriptions: a picometre, and no digits of arithmetic."""
+
+
+def describe(stage: Stage, performance: Performance, serials: Sequence[str], tares: Sequence[int]) -> dict[str, Any]:
+    """The description of one log, checked."""
+    scenario = stage.scenario
+    robot = scenario.robot
+    used = dict.fromkeys(play.touch.indenter for play in performance.plays)
+    document = {
+        "format": LOG_FORMAT,
+        **({"title": scenario.title} if scenario.title else {}),
+        "sensors": {
+            serial: _sensor(scenario.sensors[serial], performance.start_ns - int(scenario.recordings.powered * 1e9))
+            for serial in serials
+        },
+        "indenters": {name: _indenter(stage, name) for name in used},
+        "robot": {
+            "model": "ur5e",
+            "tcp_from_gel": _rounded(robot.tcp_from_gel.document()),
+            "tcp_from_ft": _rounded(robot.tcp_from_ft.document()),
+            "tool": {"mass": robot.tool_mass, "centre_of_gravity": list(robot.centre_of_gravity)},
+        },
+        "wrench": {
+            "model": "robotiq_ft300s",
+            "frame": FRAMES["wrench"],
+            "sign": scenario.recordings.sign,
+            "gravity": "included",
+            "tare_ns": list(tares),
+        },
+        "clocks": _clocks(scenario),
+        "recorded_by": {"tool": "tactiledata rig", "version": __version__, "contact": "simulated"},
+    }
+    LogDescription.checked(document, "the rig's description")
+    return document
+
+
+def _sensor(setup: SensorSetup, power_on_ns: int) -> dict[str, Any]:
+    gel = setup.gel
+    return {
+        "model": "digit",
+        "background": f"backgrounds/{setup.serial}.png",
+        **({} if setup.shore_00 is None else {"shore_00": setup.shore_00}),
+        "gel": {
+            "outline": list(gel.outline),
+            "thickness": gel.thickness,
+            "edge_thickness": gel.thickness,
+            "sides": "free",
+            "backing": "bonded",
+        },
+        "power_on_ns": [power_on_ns],
+    }
+
+
+def _indenter(stage: Stage, name: str) -> dict[str, Any]:
+    entry = stage.scenario.indenters[name]
+    solid = dict(stage.indenters[name].document)
+    if "mesh" in entry:
+        solid = {"mesh": f"indenters/{name}.stl", "unit": entry["unit"]}
+    return {**solid, "base_from_indenter": _rounded(stage.mounted[name].document())}
+
+
+def _clocks(scenario: Scenario) -> dict[str, Any]:
+    clocks = {}
+    for stream in ("wrench", "tcp", "joints", "frames"):
+        setup = scenario.clock(stream)
+        clocks[stream] = {"offset_ns": setup.offset_ns if setup.known else 0, "known": setup.known}
+    return clocks
+
+
+def _rounded(document: dict[str, list[float]]) -> dict[str, list[float]]:
+    return {key: [round(value, DECIMALS) + 0.0 for value in values] for key, values in document.items()}
+
+
+def trajectory_rows(performance: Performance) -> Iterator[dict[str, Any]]:
+    """Rows of trajectories.csv; the free columns are what an operator knows: commands, not outcomes."""
+    for play in performance.plays:
+        yield {
+            "trajectory": play.touch.name,
+            "start_ns": play.start_ns,
+            "end_ns": play.end_ns,
+            "sensor": play.touch.sensor,
+            "indenter": play.touch.indenter,
+            **_commands(play),
+        }
+
+
+def _commands(play: Play) -> dict[str, Any]:
+    press = next((step for step in play.touch.steps if step.kind == "press"), None)
+    shear = next((step for step in play.touch.steps if step.kind == "shear"), None)
+    by = (0.0, 0.0) if shear is None else shear.by
+    return {
+        "touch": play.touch.group or play.touch.name,
+        "step_time_s": 0.0 if press is None else round(press.step / press.speed + press.settle, 6),
+        "speed_m_s": 0.0 if press is None else round(press.speed, 9),
+        "commanded_depth_m": round(float(play.path.positions[:, 2].max()), 9),
+        "commanded_shear_x_m": round(by[0], 9),
+        "commanded_shear_y_m": round(by[1], 9),
+        "mount": play.mount,
+    }

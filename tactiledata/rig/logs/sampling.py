@@ -1,0 +1,246 @@
+"""What the instruments make of a performance: streams with noise, clocks and losses, and pictures."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactiledata.contract.image_bytes import decode_rgb
+from tactiledata.contract.paths import path_inside
+from tactiledata.errors import BrokenLog, SchemaError
+from tactiledata.rig.contact.footprint import GelGrid
+from tactiledata.rig.hidden.sensing import hidden_loads, sensed_loads, told_readings, told_stamps
+from tactiledata.rig.logs import imperfections
+from tactiledata.rig.logs.describe import describe, trajectory_rows
+from tactiledata.rig.logs.reflectance import HEIGHT, WIDTH, Camera, Optics
+from tactiledata.rig.logs.tape import Samples, Shot, Tape
+from tactiledata.rig.motion import ur5e
+from tactiledata.rig.play import Performance, Play, Stage
+from tactiledata.rig.scenario.scenario import Scenario
+from tactiledata.sensors.backgrounds import load_background
+from tactiledata.transforms import matrix_poses, move_wrench
+
+Array = NDArray[np.floating[Any]]
+GRAVITY = 9.81
+"""m/s², along -z of the base frame."""
+TARE_DELAY_NS = 100_000_000
+"""ns after the start (of the log, of a trajectory) at which the force sensor is set to zero."""
+ARM_NOISE = 4.0
+"""Noise of the arm's own force sensor relative to the force sensor's."""
+SAMPLING, PICTURES = 6, 7
+"""Numbers of the random streams."""
+
+
+def sample(stage: Stage, name: str, index: int, performance: Performance) -> Tape:
+    """The tape of one log."""
+    scenario = stage.scenario
+    rng = np.random.default_rng([scenario.seed, SAMPLING, index])
+    tares = tare_times(scenario, performance)
+    signals = {
+        "tcp": _tcp(scenario, performance, rng),
+        "wrench": wrench_samples(scenario, performance, index, tares, rng),
+    }
+    if scenario.streams.joints > 0:
+        signals["joints"] = _joints(scenario, performance, rng)
+    if scenario.streams.arm_wrench > 0:
+        signals["arm_wrench"] = _arm_wrench(scenario, performance, rng)
+    serials = list(dict.fromkeys(play.touch.sensor for play in performance.plays))
+    backgrounds = {serial: background_of(scenario, serial) for serial in serials}
+    shots = _shots(scenario, performance, backgrounds, index, rng)
+    names_trajectories = scenario.recordings.name_trajectories
+    files = {
+        f"indenters/{key}.stl": path_inside(scenario.folder, entry["mesh"], f"indenters.{key}.mesh")
+        for key, entry in scenario.indenters.items()
+        if "mesh" in entry and any(play.touch.indenter == key for play in performance.plays)
+    }
+    return Tape(
+        name=name,
+        index=index,
+        scenario=scenario,
+        description=describe(stage, performance, serials, tares),
+        trajectories=tuple(trajectory_rows(performance)) if names_trajectories else (),
+        signals=signals,
+        shots=tuple(shots),
+        backgrounds={f"backgrounds/{serial}.png": picture for serial, picture in backgrounds.items()},
+        files=files,
+        truth={"performance": performance},
+    )
+
+
+def _tcp(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:
+    clock = scenario.clock("tcp")
+    host = _times(performance, scenario.streams.tcp, clock.jitter, rng)
+    poses = matrix_poses(performance.tcp(host))
+    poses[:, :3] += rng.normal(0.0, scenario.imperfections.tcp_noise, (len(host), 3))
+    return Samples(host, imperfections.stream_stamps(host, clock), poses)
+
+
+def _joints(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:
+    clock = scenario.clock("joints")
+    host = _times(performance, scenario.streams.joints, clock.jitter, rng)
+    base_from_flange = performance.tcp(host) @ scenario.robot.flange_from_tcp.inverse().matrix
+    return Samples(host, imperfections.stream_stamps(host, clock), ur5e.inverse(base_from_flange))
+
+
+def _times(performance: Performance, rate: float, jitter: float, rng: np.random.Generator) -> NDArray[np.int64]:
+    return imperfections.sampling_times(performance.start_ns, performance.end_ns, rate, jitter, rng)
+
+
+def tare_times(scenario: Scenario, performance: Performance) -> list[int]:
+    """When the force sensor is set to zero, ns of the host clock."""
+    setup = scenario.recordings.tare
+    if setup == "log":
+        return [performance.start_ns + TARE_DELAY_NS]
+    if setup == "trajectory":
+        return [play.start_ns + TARE_DELAY_NS for play in performance.plays]
+    return []
+
+
+def load_on_ft(scenario: Scenario, performance: Performance, host_ns: NDArray[np.int64]) -> Array:
+    """What the world exerts on the tool side (n, 6), in the force sensor's frame: contact and the tool's weight."""
+    robot = scenario.robot
+    ft_from_tcp = robot.tcp_from_ft.inverse().matrix
+    on_gel = -performance.wrench(host_ns)
+    contact = move_wrench(on_gel, ft_from_tcp @ robot.tcp_from_gel.matrix)
+    down = performance.tcp(host_ns)[:, 2, :3] * (-robot.tool_mass * GRAVITY)
+    weight = np.concatenate([down, np.cross(np.asarray(robot.centre_of_gravity), down)], axis=1)
+    return contact + move_wrench(weight, ft_from_tcp) + hidden_loads(scenario, performance, host_ns)
+
+
+def wrench_samples(
+    scenario: Scenario, performance: Performance, index: int, tares: list[int], rng: np.random.Generator
+) -> Samples:
+    """What the force sensor says (n, 6) over a whole log, N and N m, in its own frame."""
+    setup, streams, clock = scenario.imperfections, scenario.streams, scenario.clock("wrench")
+    host = _times(performance, streams.wrench, clock.jitter, rng)
+    seconds = (host - performance.start_ns) * 1e-9
+    moments = np.concatenate([host, np.asarray(tares, dtype=np.int64)])
+    order = np.argsort(moments, kind="stable")
+    loads = np.empty((len(moments), 6))
+    load = partial(load_on_ft, scenario, performance)
+    loads[order] = sensed_loads(scenario, performance, index, load, moments[order])
+    loads += imperfections.bias_over_time((moments - performance.start_ns) * 1e-9, setup, rng)
+    reading: Array = loads[: len(host)].copy()
+    for tare_ns, zero in zip(tares, loads[len(host) :], strict=True):
+        reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
+    scale = np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])
+    reading += imperfections.coloured_noise(len(host), scale, streams.wrench, setup, rng)
+    reading = told_readings(scenario.hidden, imperfections.quantised(reading, setup))
+    reading = imperfections.held(reading, seconds, streams.wrench_effective)
+    if scenario.recordings.sign == "reaction":
+        reading = -reading
+    reading[imperfections.chosen(len(host), setup.nan_wrench, rng)] = np.nan
+    stamps = told_stamps(scenario.hidden, "wrench", imperfections.stream_stamps(host, clock), seconds)
+    return Samples(host, stamps, reading)
+
+
+def _arm_wrench(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:
+    """The arm's own wrist sensor: the same load seen elsewhere, noisier, never set to zero. A decoy."""
+    setup = scenario.imperfections
+    host = _times(performance, scenario.streams.arm_wrench, 0.0, rng)
+    at_flange = move_wrench(
+        load_on_ft(scenario, performance, host), (scenario.robot.flange_from_tcp @ scenario.robot.tcp_from_ft).matrix
+    )
+    at_flange += imperfections.bias_over_time((host - performance.start_ns) * 1e-9, setup, rng)
+    scale = ARM_NOISE * np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])
+    noise = imperfections.coloured_noise(len(host), scale, scenario.streams.arm_wrench, setup, rng)
+    return Samples(host, imperfections.stream_stamps(host, scenario.clock("joints")), at_flange + noise)
+
+
+def _shots(
+    scenario: Scenario,
+    performance: Performance,
+    backgrounds: dict[str, NDArray[np.uint8]],
+    index: int,
+    rng: np.random.Generator,
+) -> list[Shot]:
+    cameras = {
+        serial: Camera(
+            Optics.of_unit(serial, scenario.seed, scenario.sensors[serial].optics),
+            background,
+            GelGrid.of(scenario.sensors[serial].gel),
+        )
+        for serial, background in backgrounds.items()
+    }
+    clock = scenario.clock("frames")
+    moments = sorted(_capture_moments(scenario, performance, clock.jitter, rng), key=lambda moment: moment[0])
+    dropped = imperfections.chosen(len(moments), scenario.imperfections.dropped_frames, rng)
+    shots = []
+    for number, ((host_ns, serial, play), lost) in enumerate(zip(moments, dropped, strict=True)):
+        inside = play is not None and scenario.recordings.name_trajectories
+        shots.append(
+            Shot(
+                host_ns,
+                host_ns - clock.offset_ns,
+                serial,
+                play.touch.name if inside and play is not None else "",
+                bool(lost),
+                partial(_draw, cameras[serial], play, host_ns, [scenario.seed, PICTURES, index, number]),
+            )
+        )
+    return shots
+
+
+def _draw(camera: Camera, play: Play | None, host_ns: int, seed: list[int]) -> NDArray[np.uint8]:
+    rng = np.random.default_rng(seed)
+    if play is None:
+        return camera.picture(camera.at_rest, rng)
+    return camera.picture(play.surface_at(host_ns), rng)
+
+
+def _capture_moments(
+    scenario: Scenario, performance: Performance, jitter: float, rng: np.random.Generator
+) -> list[tuple[int, str, Play | None]]:
+    """When which camera takes a picture, and of which touch; all cameras of a video run through the whole log."""
+    setup = scenario.images
+    moments: list[tuple[int, str, Play | None]] = []
+    if setup.capture in ("step", "both"):
+        for play in performance.plays:
+            late = np.abs(rng.normal(0.0, jitter, len(play.path.captures))) if jitter else 0.0
+            host = play.start_ns + np.rint((play.path.captures - late) * 1e9).astype(np.int64)
+            moments.extend((int(moment), play.touch.sensor, play) for moment in np.unique(host))
+    if setup.capture in ("video", "both"):
+        for serial in dict.fromkeys(play.touch.sensor for play in performance.plays):
+            host = _times(performance, setup.rate, jitter, rng)
+            for moment in host.tolist():
+                moments.append((moment, serial, _touching(performance, serial, moment)))
+    return moments
+
+
+def _touching(performance: Performance, serial: str, moment: int) -> Play | None:
+    for play in performance.plays:
+        if play.start_ns <= moment < play.end_ns:
+            return play if play.touch.sensor == serial else None
+    return None
+
+
+def background_of(scenario: Scenario, serial: str) -> NDArray[np.uint8]:
+    """The real picture (320, 240, 3) uint8 RGB that lies under a sensor's contacts.
+
+    Raises
+    ------
+    MissingFile
+        Neither a bundled background nor a file.
+    SchemaError
+        An image of another size.
+    """
+    name = scenario.sensors[serial].background
+    path = path_inside(scenario.folder, name, f"sensors.{serial}.background")
+    if not path.is_file():
+        return load_background(name)
+    try:
+        picture: Any = decode_rgb(path.read_bytes(), follow_orientation=True)
+    except BrokenLog:
+        picture = None
+    if picture is None or picture.shape != (HEIGHT, WIDTH, 3):
+        shape = "no image" if picture is None else f"an image of {picture.shape[0]} rows x {picture.shape[1]} columns"
+        raise SchemaError(
+            f"the background {path} of sensor {serial} is {shape}",
+            f"an image of {HEIGHT} rows x {WIDTH} columns, as a DIGIT takes it",
+            "Name another file or one of the bundled backgrounds.",
+            path=f"$.sensors.{serial}.background",
+        )
+    return picture

@@ -1,0 +1,1 @@
+"""How the arm and the indenter move."""

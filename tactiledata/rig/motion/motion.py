@@ -1,0 +1,265 @@
+"""How the indenter moves over the gel in one touch, and how the arm carries the sensor so that it does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from tactiledata.rig.motion.touch import Step, Touch
+from tactiledata.transforms import Transform
+
+Array = NDArray[np.floating[Any]]
+
+CLEARANCE = 2e-3
+"""m between gel and indenter before and after a touch."""
+APPROACH_SPEED = 5e-3
+"""m/s through free air."""
+FREE_AIR = 0.6
+"""s at rest in free air at the start of every trajectory: enough to see bias and noise before the touch."""
+FREE_AIR_AFTER = 0.4
+"""s at rest in free air at its end."""
+TURNING_CLEARANCE = 2e-2
+"""m between gel and indenter while the sensor turns."""
+TURNING_SPEED = 0.5
+"""rad/s back to the touch's own orientation."""
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where the indenter is against the gel over one trajectory.
+
+    Parameters
+    ----------
+    times : (k,) seconds from the trajectory's start
+        Ends of the moves; between two of them the position follows a smooth step.
+    positions : (k, 3) metres
+        x, y of the indenter's tip on the gel; depth of its lowest point below the undeformed surface (negative: air).
+    captures : (c,) seconds
+        When pictures are taken.
+    phases : tuple of (start, end, name)
+        Seconds; ``free``, ``press``, ``dwell``, ``shear``, ``reverse``, ``turn``, ``retreat``.
+    turns : (k, 3) rad
+        Rotation vectors, gel axes, of the indenter at the ends of the moves, beside that of the touch; zero wherever it
+        is near the gel.
+    """
+
+    times: Array
+    positions: Array
+    captures: Array
+    phases: tuple[tuple[float, float, str], ...]
+    turns: Array
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.times[-1])
+
+    def at(self, times: Array) -> Array:
+        """Positions (n, 3) at seconds (n,), held at both ends."""
+        index, share = self._progress(times)
+        return self.positions[index] + share[:, None] * (self.positions[index + 1] - self.positions[index])
+
+    def turned(self, times: Array) -> Array:
+        """Rotations (n, 3, 3) beside that of the touch at seconds (n,)."""
+        if not self.turns.any():
+            return np.broadcast_to(np.eye(3), (len(times), 3, 3))
+        index, share = self._progress(times)
+        vectors = self.turns[index] + share[:, None] * (self.turns[index + 1] - self.turns[index])
+        return Rotation.from_rotvec(vectors).as_matrix()
+
+    def travelled(self, times: Array) -> Array:
+        """Metres (n,) moved since the start at seconds (n,)."""
+        index, share = self._progress(times)
+        lengths = np.linalg.norm(np.diff(self.positions, axis=0), axis=1)
+        return (np.cumsum(lengths) - lengths)[index] + share * lengths[index]
+
+    def _progress(self, times: Array) -> tuple[NDArray[np.intp], Array]:
+        """Which move (n,), and how much of it is done (n,)."""
+        index = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
+        span = np.maximum(np.diff(self.times)[index], 1e-12)
+        share = np.clip((times - self.times[index]) / span, 0.0, 1.0)
+        # a smooth step has no jump of velocity, so joints and forces have none either
+        return index, share * share * (3.0 - 2.0 * share)
+
+
+class _Recorder:
+    """Builds a `Path` move by move."""
+
+    def __init__(self, start: Array) -> None:
+        self.times = [0.0]
+        self.positions: list[Array] = [start]
+        self.turns: list[Array] = [np.zeros(3)]
+        self.captures: list[float] = []
+        self.phases: list[tuple[float, float, str]] = []
+
+    def hold(self, seconds: float) -> None:
+        if seconds > 0:
+            self._append(seconds, self.positions[-1], self.turns[-1])
+
+    def move(self, to: Array, speed: float) -> None:
+        distance = float(np.linalg.norm(to - self.positions[-1]))
+        if distance > 1e-12:
+            self._append(distance / speed, to, self.turns[-1])
+
+    def turn(self, to: Array, speed: float) -> None:
+        angle = float(np.linalg.norm(to - self.turns[-1]))
+        if angle > 1e-12:
+            self._append(angle / speed, self.positions[-1], to)
+
+    def upright(self) -> None:
+        self.turn(np.zeros(3), TURNING_SPEED)
+
+    def _append(self, seconds: float, position: Array, turn: Array) -> None:
+        self.times.append(self.times[-1] + seconds)
+        self.positions.append(position)
+        self.turns.append(turn)
+
+    def capture(self, count: int, spacing: float = 1.0 / 30.0) -> None:
+        # the last picture comes at the end of the settling time, earlier ones a camera period apart
+        self.captures.extend(self.times[-1] - spacing * np.arange(count)[::-1])
+
+    def phase(self, name: str, since: float) -> None:
+        self.phases.append((since, self.times[-1], name))
+
+
+def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int = 1, free_air_frames: int = 1) -> Path:
+    """The path of one touch.
+
+    Parameters
+    ----------
+    touch : Touch
+    deepest : callable
+        Depth (m) at which the normal force reaches a limit (N): presses stop there.
+    frames_per_step, free_air_frames : int
+        Pictures after each step, and before the first contact.
+    """
+    recorder = _Recorder(np.array([*touch.position, -CLEARANCE]))
+    recorder.hold(FREE_AIR)
+    if free_air_frames:
+        recorder.capture(free_air_frames)
+    if touch.steps[0].kind != "turn":
+        recorder.move(np.array([*touch.position, 0.0]), APPROACH_SPEED)
+    recorder.phase("free", 0.0)
+    limit = deepest(touch.force_limit)
+    last_shear = (0.0, 0.0)
+    for step in touch.steps:
+        since = recorder.times[-1]
+        here = recorder.positions[-1]
+        if step.kind == "press":
+            recorder.upright()
+            if here[2] < 0:
+                # after a retreat: through the air at once, then step by step
+                here = np.array([here[0], here[1], 0.0])
+                recorder.move(here, APPROACH_SPEED)
+            to = np.array([here[0], here[1], min(step.depth, limit)])
+            _stepwise(recorder, to, step, frames_per_step)
+        elif step.kind == "shear":
+            last_shear = step.by
+            _stepwise(recorder, here + np.array([*step.by, 0.0]), step, frames_per_step)
+        elif step.kind == "reverse":
+            _stepwise(recorder, here - np.array([*last_shear, 0.0]), step, frames_per_step)
+        elif step.kind == "dwell":
+            _dwell(recorder, step)
+        elif step.kind == "turn":
+            _turn(recorder, step, frames_per_step)
+        else:
+            _retreat(recorder, step.speed)
+        recorder.phase(step.kind, since)
+    since = recorder.times[-1]
+    if recorder.positions[-1][2] != -CLEARANCE:
+        _retreat(recorder, APPROACH_SPEED)
+        recorder.phase("retreat", since)
+        since = recorder.times[-1]
+    recorder.hold(FREE_AIR_AFTER)
+    recorder.phase("free", since)
+    return Path(
+        np.array(recorder.times),
+        np.array(recorder.positions),
+        np.array(recorder.captures),
+        tuple(recorder.phases),
+        np.array(recorder.turns),
+    )
+
+
+def _stepwise(recorder: _Recorder, to: Array, step: Step, captures: int) -> None:
+    start = recorder.positions[-1]
+    total = float(np.linalg.norm(to - start))
+    if total < 1e-9:
+        return
+    # steps of the stated length, the last one whatever is left of it
+    marks = np.append(np.arange(step.step, total - 1e-9, step.step), total) / total
+    for mark in marks:
+        recorder.move(start + mark * (to - start), step.speed)
+        recorder.hold(step.settle)
+        recorder.capture(captures)
+
+
+def _dwell(recorder: _Recorder, step: Step) -> None:
+    for _ in range(max(step.captures, 1)):
+        recorder.hold(step.time / max(step.captures, 1))
+        if step.captures:
+            recorder.capture(1)
+
+
+def _turn(recorder: _Recorder, step: Step, captures: int) -> None:
+    if recorder.positions[-1][2] > -TURNING_CLEARANCE:
+        _retreat(recorder, APPROACH_SPEED, TURNING_CLEARANCE)
+    recorder.turn(np.array(step.to), step.speed)
+    recorder.hold(step.settle)
+    recorder.capture(captures)
+
+
+def _retreat(recorder: _Recorder, speed: float, clearance: float = CLEARANCE) -> None:
+    recorder.upright()
+    here = recorder.positions[-1]
+    if here[2] > 0:
+        recorder.move(np.array([here[0], here[1], 0.0]), speed)
+    recorder.move(np.array([here[0], here[1], -clearance]), APPROACH_SPEED)
+
+
+def gel_from_indenter_rotation(touch: Touch) -> Array:
+    """Rotation (3, 3) of the indenter against the gel: yaw about gel z, then tilt about gel x and y."""
+    tilt = Rotation.from_rotvec([touch.tilt[0], touch.tilt[1], 0.0])
+    return (tilt * Rotation.from_euler("z", touch.yaw)).as_matrix()
+
+
+def base_from_tcp(
+    path_positions: Array,
+    rotation: Array,
+    lowest: float,
+    base_from_indenter: Transform,
+    tcp_from_gel: Transform,
+) -> Array:
+    """Poses (n, 4, 4) of the tool centre point that bring the indenter where the path wants it on the gel.
+
+    Parameters
+    ----------
+    path_positions : (n, 3), metres
+        x, y of the indenter's tip over the gel and depth of its first-touching point.
+    rotation : (3, 3) or (n, 3, 3)
+        gel_from_indenter.
+    lowest : metres
+        Height of the first-touching point of the turned indenter over its tip, along gel z; at most 0.
+    """
+    count = len(path_positions)
+    gel_from_indenter = np.tile(np.eye(4), (count, 1, 1))
+    gel_from_indenter[:, :3, :3] = rotation
+    gel_from_indenter[:, :2, 3] = path_positions[:, :2]
+    gel_from_indenter[:, 2, 3] = -path_positions[:, 2] - lowest
+    indenter_from_gel = np.linalg.inv(gel_from_indenter)
+    return base_from_indenter.matrix @ indenter_from_gel @ tcp_from_gel.inverse().matrix
+
+
+def transit(start: Array, end: Array, share: Array, lift: float = 0.02) -> Array:
+    """Poses (n, 4, 4) between two touches, up from the table, over and down, at shares (n,) of the time."""
+    smooth = share * share * (3.0 - 2.0 * share)
+    poses = np.tile(np.eye(4), (len(share), 1, 1))
+    poses[:, :3, 3] = start[:3, 3] + smooth[:, None] * (end[:3, 3] - start[:3, 3])
+    poses[:, 2, 3] += lift * np.sin(np.pi * smooth)
+    poses[:, :3, :3] = Slerp([0.0, 1.0], Rotation.from_matrix([start[:3, :3], end[:3, :3]]))(smooth).as_matrix()
+    return poses

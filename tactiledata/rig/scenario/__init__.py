@@ -1,0 +1,1 @@
+"""What a recorded world consists of."""

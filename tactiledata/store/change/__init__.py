@@ -1,0 +1,1 @@
+"""A store that is merged, corrected or given a sensor."""

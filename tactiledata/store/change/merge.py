@@ -1,0 +1,183 @@
+"""Stores merged into one: each source becomes a take again and is committed as if it had been ingested there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from tactiledata.contract.records import Encoding, Finding, Image
+from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
+from tactiledata.errors import StoreError, UsageError
+from tactiledata.store.change.keep_sensors import keep_sensors
+from tactiledata.store.layout.lock import writing_lock
+from tactiledata.store.layout.manifest import settings_of
+from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST, staging_folder
+from tactiledata.store.read.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit_groups, create, recover
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import StagedTake, stage
+
+BLOCK = 64
+"""Images in memory at once."""
+
+
+def merge(
+    sources: Sequence[Store | Path | str], into: Path | str, progress: Callable[[int, int, str], None] | None = None
+) -> list[Finding]:
+    """What is worth saying after stores were merged into a new or existing one, as if all had been ingested there.
+
+    Sources go in the order of the call; one that several stores hold goes in once. Killed and run again, it goes on.
+    Memory: one recording's numbers at a time, images in blocks.
+
+    Parameters
+    ----------
+    sources : list of stores, paths or URLs
+    into : Path
+        A local store, made where there is none (with the first store's sizes of chunks).
+    progress : callable, optional
+        Called with how many recordings are done, how many there are, and the name of the last one.
+
+    Raises
+    ------
+    StoreError
+        An image of a source store is damaged and not marked as broken.
+    """
+    stores = [one if isinstance(one, Store) else Store.open(one) for one in sources]
+    if not stores:
+        raise UsageError("no store to merge", "one store or more")
+    target = Path(into)
+    if any(Path(store.location).resolve() == target.resolve() for store in stores):
+        raise UsageError(f"{into} is merged into itself", "another store to write into", "Name a new store.")
+    if not (target / MANIFEST).exists():
+        create(target, settings_of(stores[0].manifest))
+    with writing_lock(target, INTAKE_LOCK):
+        recover(target)
+        return _merge(stores, target, progress)
+
+
+def _merge(stores: Sequence[Store], target: Path, progress: Callable[[int, int, str], None] | None) -> list[Finding]:
+    n_before = len(Store.open(target).findings())
+    findings: list[Finding] = []
+    pieces = _plan([Origin.of(store) for store in stores], Store.open(target), findings)
+    starts = _starts(Store.open(target), pieces)
+
+    def takes() -> Iterator[StagedTake]:
+        for done, piece in enumerate(pieces, start=1):
+            yield _staged(target, piece, starts)
+            if progress is not None:
+                progress(done, len(pieces), piece.facts["key"])
+
+    commit_groups(target, takes())
+    _carry_sensors(stores, target)
+    for store in stores:
+        if names := store.split_names():
+            listed = ", ".join(names)
+            message = f"splits of {store.location} were not copied ({listed}): they belong to that store; split anew"
+            findings.append(Finding("merge-split", "info", message, count=len(names)))
+        if meshes := store.mesh_names:
+            message = f"meshes of {store.location} were not copied ({', '.join(meshes)}): replay the merged store"
+            findings.append(Finding("merge-mesh", "info", message, count=len(meshes)))
+    return [*findings, *_new_conflicts(Store.open(target), n_before)]
+
+
+def _carry_sensors(stores: Sequence[Store], target: Path) -> None:
+    """Sensors that were added by hand, which no recording carries."""
+    for store in stores:
+        known = Store.open(target).manifest
+        facts, references = store.sensors(), store.manifest["references"]
+        names = sorted({*facts, *references} - {*known["sensors"], *known["references"]})
+        if names:
+            pictures = {name: store.reference(name) for name in names if name in references}
+            keep_sensors(target, {name: facts.get(name, {}) for name in names}, pictures)
+
+
+def _plan(origins: Sequence[Origin], target: Store, findings: list[Finding]) -> list[Piece]:
+    """The sources that the target does not hold yet, each once, in order."""
+    held, chosen, twice = set(target.manifest["sources"]), [], 0
+    for origin in origins:
+        for piece in pieces_of(origin):
+            if piece.facts["sha256"] in held:
+                twice += 1
+                continue
+            held.add(piece.facts["sha256"])
+            chosen.append(piece)
+    if twice:
+        message = f"{twice} recordings are in more than one of the stores (or in the target already); each is kept once"
+        findings.append(Finding("merge-twice", "info", message, count=twice))
+    return chosen
+
+
+def _starts(target: Store, pieces: Sequence[Piece]) -> dict[str, int]:
+    """First frame of each source in the merged store."""
+    starts, row = {}, 0
+    for source in target.sources(["sha256", "frames"]).to_pylist():
+        starts[source["sha256"]] = row
+        row += source["frames"]
+    for piece in pieces:
+        starts[piece.facts["sha256"]] = row
+        row += piece.facts["frames"]
+    return starts
+
+
+def _new_conflicts(target: Store, n_before: int) -> list[Finding]:
+    rows = target.findings().slice(n_before).to_pylist()
+    wanted = ("sensor-conflict", "signal-variant")
+    return [
+        Finding(row["code"], row["severity"], row["message"], row["stream"]) for row in rows if row["code"] in wanted
+    ]
+
+
+def _staged(target: Path, piece: Piece, starts: Mapping[str, int]) -> StagedTake:
+    sha256 = piece.facts["sha256"]
+    largest = settings_of(piece.store.manifest).heap_chunk_bytes
+    with Spool(staging_folder(target, sha256), largest) as spool:
+        frames, lost = _frames(piece, spool, starts)
+        sensors = {name: facts for name, facts in piece.origin.sensors.items() if name in piece.contents["sensors"]}
+        take = take_of(piece, frames, rows_of(piece.origin.findings, piece.row), sensors)
+        return stage(target, spool, take, None if lost else piece.contents["content"])
+
+
+def _frames(piece: Piece, spool: Spool, starts: Mapping[str, int]) -> tuple[pa.Table, bool]:
+    """The frames table of the take, payloads in the spool; whether any image was lost."""
+    table = piece.origin.frames.slice(piece.first_frame, piece.facts["frames"])
+    rows = table.select(["camera", "encoding", "height", "width", "crc32c", "flags"]).to_pylist()
+    lost = False
+    for first in range(0, len(rows), BLOCK):
+        for row, frame in enumerate(rows[first : first + BLOCK], start=first):
+            payload = _payload(piece, piece.first_frame + row, frame)
+            encoding: Encoding = "missing" if payload is None else frame["encoding"]
+            lost |= encoding != frame["encoding"]
+            spool.add(Image(frame["camera"], payload or b"", encoding, frame["height"], frame["width"], log_ns=-1))
+    spooled = spool.columns()
+    trajectory = np.asarray(table["trajectory"])
+    gone = np.array([payload == "missing" for payload in spooled["encoding"].to_pylist()], dtype=bool)
+    changed: dict[str, Any] = {
+        "trajectory": pa.array(np.where(trajectory < 0, -1, trajectory - piece.first_trajectory)),
+        "source": pa.array(np.zeros(len(table))),
+        "parent_frame": pa.array(parents(piece, np.asarray(table["parent_frame"]), starts)),
+        "flags": pa.array(np.asarray(table["flags"]) | np.where(gone, FrameFlag.MISSING, 0).astype(np.uint32)),
+        **{name: spooled[name] for name in ("offset", "length", "crc32c", "encoding")},
+    }
+    columns = [changed.get(field.name, table[field.name]).cast(field.type) for field in FRAME_SCHEMA]
+    return pa.table(columns, schema=FRAME_SCHEMA), lost
+
+
+def _payload(piece: Piece, row: int, frame: Mapping[str, Any]) -> bytes | None:
+    """An image's bytes; ``None`` where there are none, or none that can be read and the store says so."""
+    broken = bool(frame["flags"] & FrameFlag.BROKEN)
+    try:
+        return piece.store.encoded([row], verify=not broken)[0]
+    except StoreError as error:
+        if broken:
+            return None
+        raise StoreError(
+            f"{error.found}, in {piece.store.location}",
+            "a store that `tactiledata check` passes",
+            "Run `tactiledata check --repair` on it, which marks damaged images, then merge again.",
+            row=row,
+        ) from error

@@ -1,0 +1,1 @@
+"""Whether a store is whole, and what of it can be mended."""

@@ -1,0 +1,134 @@
+"""Whether the numbers of a store are those of its sources."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection, Iterator
+from typing import Any
+
+import google_crc32c
+import numpy as np
+
+from tactiledata.contract.records import Finding
+from tactiledata.errors import TactileDataError
+from tactiledata.store.layout.places import (
+    ALIGNED_ARRAYS,
+    SIGNAL_ARRAYS,
+    aligned_path,
+    frame_values_path,
+    home_of,
+    signal_path,
+)
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.rows import Rows
+
+BLOCK_ROWS = 65_536
+
+
+def value_findings(
+    store: Store, said: Callable[[str], None], is_asked: Callable[[str], bool] = lambda path: True
+) -> Iterator[Finding]:
+    """Numbers that are not those of their sources, and times that run backwards.
+
+    Parameters
+    ----------
+    said : callable
+        Told the name of each source that was checked.
+    is_asked : callable
+        Of an array's path: whether it is checked.
+    """
+    first_frame = 0
+    rows: dict[str, Rows] = {}
+    for source in store.sources(["key", "frames", "contents"]).to_pylist():
+        frames = (first_frame, first_frame + source["frames"])
+        first_frame = frames[1]
+        yield from source_value_findings(store, source["key"], source["contents"], frames, rows, is_asked)
+        said(source["key"])
+
+
+def need_sound_values(store: Store, signals: Collection[str]) -> None:
+    """Nothing, where what frames tell, and these signals at their native rate, are the numbers of their sources.
+
+    A chunk that was lost reads as numbers that nobody recorded: whoever computes from a store asks this first.
+
+    Raises
+    ------
+    TactileDataError
+        They are not.
+    """
+    home = home_of(store.manifest)
+    needed = {signal_path(home, name, array) for name in signals for array in SIGNAL_ARRAYS}
+    needed |= {aligned_path(home, name, array) for name in store.aligned_names for array in ALIGNED_ARRAYS}
+    found = list(value_findings(store, lambda key: None, needed.__contains__))
+    if found:
+        raise TactileDataError(
+            f"a damaged store: {found[0].message}" + (f"; {len(found) - 1} more" if found[1:] else ""),
+            "the numbers that were ingested",
+            "`tactiledata check` lists all damage; ingest the recordings anew.",
+        )
+
+
+def source_value_findings(
+    store: Store,
+    key: str,
+    contents: str,
+    frames: tuple[int, int],
+    rows: dict[str, Rows] | None = None,
+    is_asked: Callable[[str], bool] = lambda path: True,
+) -> Iterator[Finding]:
+    """The same of one source.
+
+    Parameters
+    ----------
+    key, contents : str
+        Of its row in the table of sources.
+    frames : (first, stop)
+        Its rows in the table of frames.
+    rows : dict, optional
+        Arrays that are open already, by path.
+    is_asked : callable
+        See `value_findings`.
+    """
+    opened = {} if rows is None else rows
+    try:
+        spans = list(_spans(home_of(store.manifest), json.loads(contents), frames))
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        yield _damage(f"what the table of sources says of {key} cannot be read: {error}", "")
+        return
+    for path, start, stop, crc in spans:
+        if not is_asked(path):
+            continue
+        fault = _span_fault(store, opened, path, start, stop, crc)
+        if fault:
+            yield _damage(f"{path}, rows {start} to {stop} of {key}: {fault}", path)
+
+
+def _damage(message: str, stream: str) -> Finding:
+    return Finding("store-values", "damage", message, stream=stream)
+
+
+def _spans(home: str, contents: dict[str, Any], frames: tuple[int, int]) -> Iterator[tuple[str, int, int, int]]:
+    for name, facts in contents.get("signals", {}).items():
+        yield from ((signal_path(home, name, array), *facts["rows"], facts["crc32c"][array]) for array in SIGNAL_ARRAYS)
+    for name, facts in contents.get("aligned", {}).items():
+        yield from ((aligned_path(home, name, array), *frames, facts["crc32c"][array]) for array in ALIGNED_ARRAYS)
+    for name, facts in contents.get("frame_values", {}).items():
+        yield frame_values_path(home, name), *frames, facts["crc32c"]["value"]
+
+
+def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop: int, expected: int) -> str:
+    values = rows.setdefault(path, store.rows(path, max(stop, rows[path].length if path in rows else 0)))
+    if values.length < stop:
+        values = rows[path] = store.rows(path, stop)
+    crc, last = 0, None
+    try:
+        for first in range(start, stop, BLOCK_ROWS):
+            block = values.span(first, min(first + BLOCK_ROWS, stop))
+            crc = google_crc32c.extend(crc, np.ascontiguousarray(block).tobytes())
+            if path.endswith("/t_ns"):
+                if (np.diff(block) < 0).any() or (last is not None and block[0] < last):
+                    return "times run backwards"
+                last = block[-1]
+    except (TactileDataError, OSError) as error:
+        return str(error)
+    return "" if crc == expected else "the numbers do not fit their CRC-32C"

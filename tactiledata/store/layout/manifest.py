@@ -1,0 +1,163 @@
+"""The manifest: what it names exists, what it does not name does not; it is written last."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
+from tactiledata.contract.schema import check_document
+from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
+from tactiledata.errors import MissingFile, SchemaError, StoreError
+from tactiledata.store.layout.places import FORMAT, FORMAT_NAME, FORMAT_VERSION, MANIFEST, TABLES, Settings
+
+Manifest = dict[str, Any]
+
+
+def empty_manifest(settings: Settings) -> Manifest:
+    """The manifest of a store without sources."""
+    return {
+        "format": FORMAT,
+        "settings": settings.document(),
+        "rows": dict.fromkeys(TABLES, 0),
+        "cameras": {},
+        "signals": {},
+        "aligned": {},
+        "frame_values": {},
+        "index": {table: [] for table in TABLES},
+        "sources": [],
+        "sensors": {},
+        "references": {},
+        "digest": hashlib.sha256(FORMAT.encode()).hexdigest(),
+    }
+
+
+def extended_digest(digest: str, *additions: str) -> str:
+    """A store's digest after additions, in order; it does not depend on how additions were grouped into commits."""
+    for addition in additions:
+        digest = hashlib.sha256(f"{digest}\n{addition}".encode()).hexdigest()
+    return digest
+
+
+def settings_of(manifest: Mapping[str, Any]) -> Settings:
+    """The sizes that a store was created with."""
+    return Settings(**manifest["settings"])
+
+
+def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bool = False) -> Manifest:
+    """A manifest that fits ``schemas/store.json`` and its own digest, where it has one.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+    where : str
+        The file, as errors name it.
+    checked : bool
+        Whether it is held against the schema.
+    damaged : bool
+        Whether a manifest is taken that does not fit its own digest, to look for further damage.
+
+    Raises
+    ------
+    NotFetched
+        A Git LFS pointer.
+    StoreError
+        Not a manifest, changed since it was written, or of a version that this code does not know.
+    """
+    refuse_pointer_bytes(content, where)
+    try:
+        manifest = json.loads(content)
+    except ValueError as error:
+        raise StoreError(
+            f"{where} is not JSON: {error}",
+            "the manifest of a store",
+            "Restore it from a copy, or ingest the recordings again.",
+        ) from error
+    name, _, version = str(manifest.get("format", "") if isinstance(manifest, dict) else "").partition("/")
+    if name != FORMAT_NAME:
+        raise StoreError(f"{where} says format {name!r}", f"{FORMAT!r}", "Name the folder of a tactiledata store.")
+    if not version.isdigit() or int(version) > FORMAT_VERSION:
+        raise StoreError(
+            f"{where} has format version {version!r}",
+            f"at most {FORMAT_VERSION}",
+            "The store was written by a newer tactiledata; install that version to read it.",
+            version=version,
+        )
+    if not damaged and (fault := seal_fault(content, manifest)):
+        raise StoreError(
+            f"{where} {fault}",
+            "the file that was written",
+            "Restore it from a copy, or ingest the recordings into a new store; `tactiledata check` looks for further "
+            "damage.",
+        )
+    if checked:
+        _check(manifest, where)
+    return manifest
+
+
+def seal_fault(content: bytes, manifest: Mapping[str, Any]) -> str:
+    """How the bytes of a manifest differ from those that were written; empty where they fit, or nothing says."""
+    return "is damaged: it does not fit its own SHA-256" if SEAL in manifest and not fits_seal(content) else ""
+
+
+CHECKED_ENTRIES = 100
+"""Entries of the long lists that are held against the schema at every opening; `check` looks at all of them."""
+
+
+def _check(manifest: Manifest, where: str) -> None:
+    sources = manifest.get("sources")
+    shortened = {**manifest, "sources": sources[:CHECKED_ENTRIES] if isinstance(sources, list) else sources}
+    try:
+        check_document(shortened, "store", where)
+    except SchemaError as error:
+        raise StoreError(
+            error.found,
+            "a manifest that fits schemas/store.json",
+            "Run `tactiledata check` on the store.",
+            **error.facts,
+        ) from error
+
+
+def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:
+    """The manifest of a local store; ``checked`` and ``damaged`` are those of `parse_manifest`.
+
+    Raises
+    ------
+    MissingFile
+        There is no such folder.
+    StoreError
+        The folder is not a store, or of another version.
+    """
+    folder = Path(store_path)
+    try:
+        content = (folder / MANIFEST).read_bytes()
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise not_a_store(str(folder), folder.exists()) from error
+    return parse_manifest(content, str(folder / MANIFEST), checked, damaged)
+
+
+def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
+    """The error for a place without a manifest."""
+    if not exists:
+        return MissingFile(
+            f"there is no store at {location}",
+            "the folder or URL of a store",
+            "Check the name, or make the store with `tactiledata ingest`.",
+            path=location,
+        )
+    return StoreError(
+        f"{location} is not a store: it has no {MANIFEST}",
+        "a folder that `tactiledata ingest` wrote",
+        "Name the folder that holds manifest.json (its name usually ends in .zarr).",
+        path=location,
+    )
+
+
+def write_manifest(store_path: Path, manifest: Manifest) -> None:
+    """The manifest on disk, whole and with its own digest, after everything that it names."""
+    write_atomic(store_path / MANIFEST, sealed_json(manifest))

@@ -1,0 +1,157 @@
+"""Sensors of a store: their facts, their pictures without contact, and what happens when recordings disagree."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import google_crc32c
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from tactiledata.contract.atomic import readable_json
+from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import Reference
+from tactiledata.errors import StoreError
+from tactiledata.sensors.same_sensor import SAME_GEL_LEVELS, levels_apart
+from tactiledata.store.layout.arrays import open_rows, write_image
+from tactiledata.store.layout.batch import Batch
+from tactiledata.store.layout.manifest import Manifest
+from tactiledata.store.layout.places import home_of, reference_path, sensors_path
+
+if TYPE_CHECKING:
+    from tactiledata.store.write.writer import StagedTake
+
+PASSING = ("power_on_ns",)
+"""Facts that belong to a recording, not to a sensor; they stay in the source's description."""
+
+Facts = dict[str, dict[str, Any]]
+
+
+def merged_facts(
+    known: Mapping[str, Mapping[str, Any]], stated: Mapping[str, Mapping[str, Any]]
+) -> tuple[Facts, list[Finding]]:
+    """Facts of all sensors after a recording stated some: what was known stays, gaps are filled, conflicts are said."""
+    facts = {sensor: dict(values) for sensor, values in known.items()}
+    findings = []
+    for sensor, values in sorted(stated.items()):
+        mine = facts.setdefault(sensor, {})
+        for key, value in sorted(values.items()):
+            if key in PASSING or value in (None, "", {}, []):
+                continue
+            if key not in mine:
+                mine[key] = value
+            elif mine[key] != value:
+                findings.append(_conflict(sensor, f"{key} is {value!r} here and {mine[key]!r} in the store"))
+    return facts, findings
+
+
+def reference_conflict(sensor: str, known: NDArray[np.uint8], stated: NDArray[np.uint8]) -> Finding | None:
+    """A finding where two pictures without contact cannot be of the same sensor."""
+    if known.shape != stated.shape:
+        return _conflict(
+            sensor, f"the picture without contact is {stated.shape[:2]} here and {known.shape[:2]} in the store"
+        )
+    difference = levels_apart(known, stated)
+    if difference <= SAME_GEL_LEVELS:
+        return None
+    return _conflict(
+        sensor, f"the picture without contact differs from the store's by {difference:.1f} levels in the mean"
+    )
+
+
+def _conflict(sensor: str, what: str) -> Finding:
+    message = f"sensor {sensor}: {what}; the store keeps what came first. Two sensors with one serial?"
+    return Finding("sensor-conflict", "warning", message, stream=sensor)
+
+
+def image_crc(image: NDArray[np.uint8]) -> int:
+    """CRC-32C of a picture's bytes, as the manifest keeps it."""
+    return google_crc32c.value(np.ascontiguousarray(image).tobytes())
+
+
+def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str) -> Facts:
+    """Facts of the sensors that a manifest names, from the content of ``sensors.json``."""
+    if not manifest["sensors"]:
+        return {}
+    try:
+        facts = json.loads(content or b"")
+        return {sensor: facts[sensor] for sensor in manifest["sensors"]}
+    except (ValueError, KeyError, TypeError) as error:
+        raise StoreError(
+            f"{where} does not hold the sensors that the manifest names: {error}",
+            f"facts of {', '.join(sorted(manifest['sensors']))}",
+            "Restore the file from a copy of the store.",
+        ) from error
+
+
+def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
+    """Facts of the sensors of a local store."""
+    place = store_path / sensors_path(home_of(manifest))
+    return parse_sensors(place.read_bytes() if place.is_file() else None, manifest, str(place))
+
+
+def write_sensors(batch: Batch, manifest: Mapping[str, Any], facts: Facts) -> dict[str, str]:
+    """Facts in their file; returns their digests for the manifest."""
+    batch.write(sensors_path(home_of(manifest)), readable_json(facts))
+    return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}
+
+
+class SensorAppender:
+    """Adds the sensors of takes to a store's, whose facts and pictures stay as they came first.
+
+    Parameters
+    ----------
+    batch : Batch
+    root : zarr.Group
+        The store's group, to create arrays in.
+    manifest : dict
+        Changed in place.
+    """
+
+    def __init__(self, batch: Batch, root: zarr.Group, manifest: Manifest) -> None:
+        self._batch, self._root, self._manifest = batch, root, manifest
+        self._home = home_of(manifest)
+        self._facts = read_sensors(batch.root, manifest)
+        self._images: dict[str, NDArray[np.uint8]] = {}
+
+    def add(self, take: StagedTake) -> list[Finding]:
+        """One take; where it contradicts what is known."""
+        self._facts, findings = merged_facts(self._facts, take.document["sensors"])
+        known = self._manifest["references"]
+        for sensor, entry in take.document["references"].items():
+            image = np.asarray(take.array(entry["arrays"]["image"]))
+            if sensor not in known:
+                self._write(sensor, image, entry["attributes"])
+            elif conflict := reference_conflict(sensor, self._image(sensor), image):
+                findings.append(conflict)
+        return findings
+
+    def keep_pictures(self, pictures: Mapping[str, Reference]) -> None:
+        """Pictures that were added by hand, before any take is added: they stay."""
+        for sensor, reference in sorted(pictures.items()):
+            facts = {name: getattr(reference, name) for name in ("origin", "licence", "model")}
+            self._write(sensor, reference.image, facts)
+
+    def fill_facts(self, facts: Facts) -> None:
+        """What was said by hand and no take says."""
+        self._facts, _ = merged_facts(self._facts, facts)
+
+    def finish(self) -> None:
+        """Facts written."""
+        if self._facts:
+            self._manifest["sensors"] = write_sensors(self._batch, self._manifest, self._facts)
+
+    def _write(self, sensor: str, image: NDArray[np.uint8], attributes: Mapping[str, Any]) -> None:
+        write_image(self._root, reference_path(self._home, sensor), image, {"sensor": sensor, **attributes})
+        self._manifest["references"][sensor] = image_crc(image)
+        self._images[sensor] = image
+
+    def _image(self, sensor: str) -> NDArray[np.uint8]:
+        if sensor not in self._images:
+            self._images[sensor] = np.asarray(open_rows(self._batch, reference_path(self._home, sensor))[...], np.uint8)
+        return self._images[sensor]

@@ -1,0 +1,101 @@
+"""A store in numbers, for people who ask what is in it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from tactiledata.store.read.simulated import simulated_recordings
+
+if TYPE_CHECKING:
+    from tactiledata.store.read.reader import Store
+
+
+def overview(store: Store) -> dict[str, Any]:
+    """Counts by sensor and indenter, signals with their rates, statuses and findings of a store, as JSON values."""
+    trajectories = store.trajectories(["sensor", "indenter", "frame_start", "frame_stop"])
+    sources = store.sources(["status"])
+    return {
+        "sources": sources.num_rows,
+        "trajectories": trajectories.num_rows,
+        "frames": store.n_frames,
+        "simulated_recordings": simulated_recordings(store).document(),
+        "digest": store.digest,
+        "cameras": list(store.cameras),
+        "by_sensor": _by_sensor(store, trajectories),
+        "by_indenter": _by_indenter(trajectories),
+        "signals": {name: _signal(store, name) for name in store.signal_names},
+        "status": dict(Counter(sources["status"].to_pylist())),
+        "findings": _findings(store.findings()),
+        "splits": list(store.split_names()),
+        "meshes": {name: _mesh(store, name) for name in store.mesh_names},
+    }
+
+
+def _by_sensor(store: Store, trajectories: pa.Table) -> dict[str, dict[str, Any]]:
+    touched = Counter(trajectories["sensor"].to_pylist())
+    counts = store.frames(["sensor"])["sensor"].value_counts().to_pylist()
+    pictured = {entry["values"]: entry["counts"] for entry in counts}
+    facts = store.sensors()
+    return {
+        name: {
+            "model": facts.get(name, {}).get("model", ""),
+            "trajectories": touched.get(name, 0),
+            "frames": pictured.get(name, 0),
+        }
+        for name in sorted({*touched, *pictured, *facts} - {""})
+    }
+
+
+def _by_indenter(trajectories: pa.Table) -> dict[str, dict[str, int]]:
+    frames = trajectories["frame_stop"].to_numpy() - trajectories["frame_start"].to_numpy()
+    names, row = np.unique(
+        np.array(trajectories["indenter"].to_pylist(), dtype=object).astype(str), return_inverse=True
+    )
+    totals = np.bincount(row, weights=frames, minlength=len(names)).astype(int)
+    touches = np.bincount(row, minlength=len(names))
+    return {
+        str(name): {"trajectories": int(touch), "frames": int(total)}
+        for name, touch, total in zip(names, touches, totals, strict=True)
+    }
+
+
+def _signal(store: Store, name: str) -> dict[str, Any]:
+    signal = store.signal(name)
+    return {
+        "columns": list(signal.columns),
+        "units": list(signal.units),
+        "frame": signal.frame,
+        "samples": signal.n_rows,
+        "rate_hz": signal.attributes.get("rate_hz"),
+        "effective_rate_hz": signal.attributes.get("effective_rate_hz"),
+    }
+
+
+def _mesh(store: Store, name: str) -> dict[str, Any]:
+    mesh = store.mesh(name)
+    return {
+        "frames": mesh.facts["rows"],
+        "vertices": mesh.facts["sizes"]["vertices"],
+        "kept": mesh.facts["sizes"]["kept"],
+        "fidelity": mesh.settings["fidelity"],
+        "material": mesh.settings["material"],
+        "effects": [effect["effect"] for effect in mesh.settings.get("effects", [])],
+        "status": {mesh.statuses[int(code)]: count for code, count in sorted(mesh.facts["counts"].items())},
+    }
+
+
+def _findings(findings: pa.Table) -> dict[str, dict[str, Any]]:
+    rows = findings.select(["code", "severity", "count", "source"]).to_pylist()
+    codes: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        entry = codes.setdefault(row["code"], {"severity": row["severity"], "count": 0, "in": set()})
+        entry["count"] += row["count"]
+        entry["in"].add(row["source"])
+    return {
+        code: {"severity": entry["severity"], "count": entry["count"], "sources": len(entry["in"])}
+        for code, entry in sorted(codes.items())
+    }

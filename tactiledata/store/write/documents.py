@@ -1,0 +1,118 @@
+"""The documents of a store beside its manifest, and their digests in it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from tactiledata.contract.atomic import readable_json, write_atomic
+from tactiledata.errors import MissingFile, StoreError, TactileDataError
+from tactiledata.store.layout.manifest import Manifest, read_manifest
+from tactiledata.store.layout.places import CARD, home_of, sensors_path
+from tactiledata.store.layout.sensors_table import read_sensors
+from tactiledata.store.read.reader import Store
+from tactiledata.store.write.recover import array_lengths, array_paths, is_interrupted, sensors_before
+
+GROUP = "zarr.json"
+
+
+def document_paths(manifest: Mapping[str, Any]) -> list[str]:
+    """Paths of the documents that belong to what a manifest names: of all groups and arrays, and of the sensors."""
+    arrays = array_paths(manifest)
+    groups = {str(parent) for path in arrays for parent in PurePosixPath(path).parents} - {"."}
+    paths = [GROUP, *(f"{path}/{GROUP}" for path in sorted(arrays | groups))]
+    return [*paths, sensors_path(home_of(manifest))] if manifest["sensors"] else paths
+
+
+def record_documents(folder: Path, manifest: Manifest) -> None:
+    """The manifest names the digests of all documents as they are now; that of the card stays as it was.
+
+    Of the sensors' file only those count that the manifest names: `drop_other_sensors` takes out the others once the
+    manifest is there.
+    """
+    digests = {}
+    for path in document_paths(manifest):
+        if path == sensors_path(home_of(manifest)):
+            digests[path] = _sha256(readable_json(read_sensors(folder, manifest)))
+        elif (folder / path).is_file():
+            digests[path] = _sha256((folder / path).read_bytes())
+    if card := manifest.get("documents", {}).get(CARD):
+        digests[CARD] = card
+    manifest["documents"] = digests
+
+
+def drop_other_sensors(folder: Path, manifest: Mapping[str, Any]) -> None:
+    """The sensors' file holds those that the manifest names, and no others."""
+    place = folder / sensors_path(home_of(manifest))
+    content = readable_json(read_sensors(folder, manifest))
+    if place.is_file() and place.read_bytes() != content:
+        write_atomic(place, content)
+
+
+def document_faults(store: Store) -> Iterator[tuple[str, str]]:
+    """Path of each document that is not the one that its digest in the manifest is of, and what is wrong with it.
+
+    After a commit that was interrupted, or one that came while the store was looked at, documents may be ahead of the
+    manifest; they count as whole where cutting them to what it names gives what was recorded.
+    """
+    recorded = store.manifest.get("documents", {})
+    for path in sorted({*recorded, *document_paths(store.manifest)} if recorded else ()):
+        try:
+            content = store.read_file(path)
+        except (MissingFile, OSError):
+            yield path, "is missing"
+            continue
+        if path not in recorded:
+            yield path, "has no digest in the manifest"
+        elif _sha256(content) != recorded[path] and not _is_ahead(store, path, content):
+            yield path, "is not the file that was written: it does not fit its SHA-256 in the manifest"
+
+
+def _is_ahead(store: Store, path: str, content: bytes) -> bool:
+    """Whether a document only has more than the manifest names, and a writer is, or was, there since."""
+    folder = Path(store.location)
+    if not folder.is_dir():
+        return False
+    if not is_interrupted(folder) and read_manifest(folder, checked=False, damaged=True) == store.manifest:
+        return False
+    # the card is written after the manifest
+    recorded = store.manifest["documents"][path]
+    return path == CARD or _sha256(_cut(folder, store.manifest, path, content)) == recorded
+
+
+def _cut(folder: Path, manifest: Mapping[str, Any], path: str, content: bytes) -> bytes:
+    """A document as the next writer will leave it, after an interrupted commit."""
+    try:
+        if path == sensors_path(home_of(manifest)):
+            return readable_json(sensors_before(folder, manifest))
+        document = json.loads(content)
+        document["shape"][0] = array_lengths(manifest)[path.removesuffix(f"/{GROUP}")]
+        return json.dumps(document, indent=2).encode()
+    except (ValueError, TypeError, KeyError, IndexError, RecursionError, TactileDataError):
+        return content
+
+
+def need_whole_documents(folder: Path) -> None:
+    """Refuse documents that do not fit their digests: a writer would take damage over and give it a fitting digest.
+
+    Raises
+    ------
+    StoreError
+        One does not.
+    """
+    faults = [(path, fault) for path, fault in document_faults(Store.open(folder)) if path != CARD]
+    if faults:
+        path, fault = faults[0]
+        raise StoreError(
+            f"{folder / path} {fault}" + (f"; {len(faults) - 1} more" if faults[1:] else ""),
+            "the documents that the manifest names",
+            "`tactiledata check` lists all damage; restore those files from a copy, or ingest into a new store.",
+            path=path,
+        )
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
