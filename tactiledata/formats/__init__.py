@@ -5,8 +5,8 @@ from tactiledata.registry import Registry
 FORMATS = Registry(
     "log format",
     {
-        "mcap": "tactiledata.formats.mcap.format:McapFormat",
-        "folder": "tactiledata.formats.folder.format:FolderFormat",
+        "mcap": "tactiledata.formats.mcap.mcap:McapFormat",
+        "folder": "tactiledata.formats.folder.folder:FolderFormat",
         "rtde_csv": "tactiledata.formats.rtde_csv:RtdeCsvFormat",
         "gelsight_presses": "tactiledata.formats.gelsight_presses:GelsightPressesFormat",
         "ycb_slide": "tactiledata.formats.ycb_slide:YcbSlideFormat",

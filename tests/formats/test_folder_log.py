@@ -16,7 +16,7 @@ from tactiledata import errors
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import files_digest
 from tactiledata.formats.folder.files import TABLES, LogFolder
-from tactiledata.formats.folder.format import FolderFormat
+from tactiledata.formats.folder.folder import FolderFormat
 from tactiledata.formats.folder.signals import read_signals
 
 FORMAT = FolderFormat()

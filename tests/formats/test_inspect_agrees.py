@@ -8,7 +8,7 @@ from generators.collect import read
 from generators.mcap_files import START, STEP, TOPICS, Tape, numbers, picture, touch
 
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.mcap import McapFormat
 
 FORMAT = McapFormat()
 MAPPING = {"format": "tactiledata-mapping/1"}

@@ -12,7 +12,7 @@ from tactiledata.contract.lfs_pointer import is_lfs_pointer
 from tactiledata.contract.schema import read_document
 from tactiledata.diagnose.table_input.read import read_table
 from tactiledata.errors import BrokenLog, NotFetched
-from tactiledata.formats.folder.format import FolderFormat
+from tactiledata.formats.folder.folder import FolderFormat
 from tactiledata.formats.mcap.survey import survey
 from tactiledata.formats.reading.csv_tables import read_csv_table
 from tactiledata.formats.reading.npz_members import load_members

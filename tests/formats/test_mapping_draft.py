@@ -12,7 +12,7 @@ from generators.mcap_files import KINDS, START, TOPICS, Tape, numbers, picture, 
 
 from tactiledata.cli.main import run
 from tactiledata.contract.schema import check_document
-from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.mcap import McapFormat
 from tactiledata.formats.mcap.readers import UR_JOINTS
 
 FORMAT = McapFormat()

@@ -13,8 +13,8 @@ from generators.collect import codes, read
 from generators.mcap_files import START, STEP, TOPICS, Tape, description, numbers, touch
 
 from tactiledata.errors import BrokenLog, SchemaError, UnsafeContent
-from tactiledata.formats.mcap.format import McapFormat
 from tactiledata.formats.mcap.layout import MAGIC
+from tactiledata.formats.mcap.mcap import McapFormat
 
 FORMAT = McapFormat()
 

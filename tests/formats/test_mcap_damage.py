@@ -13,8 +13,8 @@ from mcap.reader import make_reader
 
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap import chunks as chunk_module
-from tactiledata.formats.mcap.format import McapFormat
 from tactiledata.formats.mcap.layout import CHUNK_RECORD, HEAD, MAGIC, MESSAGE_RECORD
+from tactiledata.formats.mcap.mcap import McapFormat
 
 COUNT = 6600
 FORMAT = McapFormat()

@@ -27,7 +27,7 @@ from generators.mcap_files import (
 )
 
 from tactiledata.errors import BrokenLog, SchemaError
-from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.mcap import McapFormat
 from tactiledata.formats.mcap.readers import UR_JOINTS
 from tactiledata.ingest.pipeline import source_digest
 from tactiledata.ingest.sources.discover import find_sources

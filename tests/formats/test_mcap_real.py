@@ -8,7 +8,7 @@ import pytest
 from generators.collect import read
 
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.mcap import McapFormat
 
 FOLDER = Path(__file__).parents[1] / "data" / "mcap"
 FORMAT = McapFormat()

@@ -29,8 +29,8 @@ from rosbags.typesys import get_types_from_msg
 from tactiledata.contract.schema import check_document, parse_document
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.contents import contents_of
-from tactiledata.formats.mcap.format import McapFormat
 from tactiledata.formats.mcap.likely_fields import proposal_for
+from tactiledata.formats.mcap.mcap import McapFormat
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.store.read.reader import Store

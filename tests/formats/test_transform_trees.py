@@ -10,7 +10,7 @@ from generators.collect import codes, read
 from generators.mcap_files import KINDS, START, STEP, Tape, tree_message
 from scipy.spatial.transform import Rotation
 
-from tactiledata.formats.mcap.format import McapFormat
+from tactiledata.formats.mcap.mcap import McapFormat
 from tactiledata.formats.mcap.transform_tree import composed, inverted
 from tactiledata.transforms import pose_matrices
 
