@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation, Slerp
 
+from tactiledata.arrays import Array
 from tactiledata.errors import SchemaError, UsageError
-
-Array = NDArray[np.float64]
 
 ORTHONORMAL_TOLERANCE = 1e-6
 """Largest deviation of R Rᵀ from identity that a stated rotation may have (printed decimals, not shear)."""

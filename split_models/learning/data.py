@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from split_models.networks.mesh_graph import Topology, topology_of
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import UsageError
 from tactiledata.loaders.numpy import TactileArrays
 
-Pictures = NDArray[np.uint8]
 KEPT_BYTES = 4 * 2**30
 """Pictures and displacements are read once and kept, each up to so many bytes; above, every batch is read anew."""
 CHUNK = 256
@@ -97,7 +97,7 @@ class TouchFrames:
         """The mesh that displacements are of."""
         return topology_of(self.arrays.store.mesh(self.mesh_name))
 
-    def pictures(self, numbers: Sequence[int] | NDArray[np.int64]) -> Pictures:
+    def pictures(self, numbers: Sequence[int] | NDArray[np.int64]) -> PictureArray:
         """Pictures (n, h, w, 3), uint8."""
         return self._get("pictures", self._read_pictures, numbers)
 
@@ -113,11 +113,11 @@ class TouchFrames:
         rows = self.rows if numbers is None else self.rows[np.asarray(numbers, np.int64)]
         return self.arrays.store.aligned(self.wrench, rows)[0][:, :3].astype(np.float32)
 
-    def background(self, sensor: str) -> Pictures:
+    def background(self, sensor: str) -> PictureArray:
         """The sensor's picture (h, w, 3) without contact."""
         return self._sized(self.arrays.store.reference(sensor).image[None])[0]
 
-    def backgrounds(self) -> dict[str, Pictures]:
+    def backgrounds(self) -> dict[str, PictureArray]:
         """Pictures (h, w, 3) without contact of the sensors that frames are of, where the store has them."""
         held = self.arrays.store.manifest["references"]
         return {name: self.background(name) for name in self.sensor_names if name in held}
@@ -134,10 +134,10 @@ class TouchFrames:
             raise UsageError("meshes of frames that were opened without", "mesh='' or a mesh's name")
         return self._mesh
 
-    def _read_pictures(self, rows: NDArray[np.int64]) -> Pictures:
+    def _read_pictures(self, rows: NDArray[np.int64]) -> PictureArray:
         return self._sized(np.asarray(self.arrays.store.images(rows)))
 
-    def _sized(self, pictures: Pictures) -> Pictures:
+    def _sized(self, pictures: PictureArray) -> PictureArray:
         if self.size is None or pictures.shape[1:3] == self.size:
             return pictures
         height, width = self.size

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 from tactiledata.sensors.same_sensor import is_same_sensor
 from tactiledata.store.read.reader import Store
 
-Picture = NDArray[np.uint8]
 
-
-def refuse_held_out(name: str, picture: Picture, store: Store, known: Collection[str], remedy: str) -> None:
+def refuse_held_out(name: str, picture: PictureArray, store: Store, known: Collection[str], remedy: str) -> None:
     """Nothing, where a background (h, w, 3) is of no sensor of the store beside those that may be learned from.
 
     A bundled picture that is a held-out sensor's own is found by its pixels, whatever it is called.

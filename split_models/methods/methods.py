@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from split_models.networks.latent import (
     AtRest,
     DirectMeshToImage,
@@ -16,10 +13,8 @@ from split_models.networks.latent import (
     SplitOnBackground,
 )
 from split_models.recipe.recipe_run import Workshop
+from tactiledata.arrays import PictureArray, SingleArray
 from tactiledata.registry import Registry
-
-Pictures = NDArray[np.uint8]
-Displacements = NDArray[np.float32]
 
 
 class MeshToImage(Protocol):
@@ -32,7 +27,7 @@ class MeshToImage(Protocol):
     def name(self) -> str:
         """Of its row."""
 
-    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+    def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
 
 
@@ -43,7 +38,7 @@ class ImageToMesh(Protocol):
     def name(self) -> str:
         """Of its row."""
 
-    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+    def predict(self, pictures: PictureArray, background: PictureArray) -> SingleArray:
         """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
 
 

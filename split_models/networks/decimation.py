@@ -5,10 +5,8 @@ from __future__ import annotations
 import heapq
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from tactiledata.arrays import Array, Indices
 
 SPREAD = 0.01
 """Weight of the squared distance to a vertex beside those to the planes of its faces.

@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from split_models.networks.end_to_end import EndToEnd
@@ -18,10 +17,9 @@ from split_models.networks.mesh_vae import MeshVae
 from split_models.networks.network import Network
 from split_models.networks.network_inputs import require_displacements, require_pictures
 from split_models.networks.projection import Projection
+from tactiledata.arrays import PictureArray, SingleArray
 from tactiledata.errors import CheckpointError
 
-Pictures = NDArray[np.uint8]
-Displacements = NDArray[np.float32]
 Latents = Literal["mean", "sample"]
 Steps = list[tuple[str, Callable[[Any], Any]]]
 """Named functions, each of what the one before gave."""
@@ -29,7 +27,7 @@ CHUNK = 64
 """Frames that go through a network together."""
 
 
-def encode_pictures(vae: ImageVae, pictures: Pictures, latents: Latents = "mean") -> Tensor:
+def encode_pictures(vae: ImageVae, pictures: PictureArray, latents: Latents = "mean") -> Tensor:
     """Latent vectors (n, d), on the CPU, of pictures (n, h, w, 3), uint8.
 
     Raises
@@ -41,7 +39,7 @@ def encode_pictures(vae: ImageVae, pictures: Pictures, latents: Latents = "mean"
     return _in_chunks(vae, pictures, lambda some: _chosen(vae.distribution(as_input(some)), latents))
 
 
-def encode_displacements(vae: MeshVae, displacements: Displacements, latents: Latents = "mean") -> Tensor:
+def encode_displacements(vae: MeshVae, displacements: SingleArray, latents: Latents = "mean") -> Tensor:
     """Latent vectors (n, d), on the CPU, of displacements (n, v, 3), m.
 
     Raises
@@ -53,12 +51,12 @@ def encode_displacements(vae: MeshVae, displacements: Displacements, latents: La
     return _in_chunks(vae, displacements, lambda some: _chosen(vae.distribution(some), latents))
 
 
-def decode_pictures(vae: ImageVae, latent: Tensor) -> Pictures:
+def decode_pictures(vae: ImageVae, latent: Tensor) -> PictureArray:
     """Pictures (n, h, w, 3), uint8, of latent vectors (n, d)."""
     return _in_chunks(vae, latent, lambda some: as_pictures(vae.decode(some))).numpy()
 
 
-def decode_displacements(vae: MeshVae, latent: Tensor) -> Displacements:
+def decode_displacements(vae: MeshVae, latent: Tensor) -> SingleArray:
     """Displacements (n, v, 3), m, of latent vectors (n, d)."""
     return _in_chunks(vae, latent, vae.decode).numpy()
 
@@ -98,14 +96,14 @@ class LatentMeshToImage:
     def __post_init__(self) -> None:
         _require_fit(self.projection, self.mesh_vae.latent, self.image_vae.latent)
 
-    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+    def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
         projected = project(self.projection, encode_displacements(self.mesh_vae, displacements, self.latents))
         if self.is_split:
             projected = add(projected, encode_pictures(self.image_vae, background[None]))
         return decode_pictures(self.image_vae, projected)
 
-    def steps(self, background: Pictures) -> Steps:
+    def steps(self, background: PictureArray) -> Steps:
         """What `predict` does, step by step; the background is encoded once for all frames."""
         base = encode_pictures(self.image_vae, background[None]) if self.is_split else torch.zeros(1)
         return [
@@ -125,7 +123,7 @@ class SplitOnBackground:
     name: str
     split: LatentMeshToImage
 
-    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+    def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
         vae = self.split.image_vae
         untouched = decode_pictures(vae, encode_pictures(vae, background[None])).astype(np.int16)
@@ -153,14 +151,14 @@ class LatentImageToMesh:
     def __post_init__(self) -> None:
         _require_fit(self.projection, self.image_vae.latent, self.mesh_vae.latent)
 
-    def latent(self, pictures: Pictures, background: Pictures) -> Tensor:
+    def latent(self, pictures: PictureArray, background: PictureArray) -> Tensor:
         """The mesh's latent vectors (n, d)."""
         found = encode_pictures(self.image_vae, pictures, self.latents)
         if self.is_split:
             found = subtract(found, encode_pictures(self.image_vae, background[None]))
         return project(self.projection, found)
 
-    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+    def predict(self, pictures: PictureArray, background: PictureArray) -> SingleArray:
         """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
         return decode_displacements(self.mesh_vae, self.latent(pictures, background))
 
@@ -172,7 +170,7 @@ class DirectMeshToImage:
     name: str
     network: EndToEnd
 
-    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+    def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m."""
         require_displacements(len(self.network.mean), displacements)
         return _in_chunks(self.network, displacements, lambda some: as_pictures(self.network(some))).numpy()
@@ -184,7 +182,7 @@ class NoContact:
 
     name: str = "no_contact"
 
-    def predict(self, displacements: Displacements, background: Pictures) -> Pictures:
+    def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """The background (h, w, 3), n times."""
         return np.broadcast_to(background, (len(displacements), *background.shape)).copy()
 
@@ -196,7 +194,7 @@ class AtRest:
     vertices: int
     name: str = "at_rest"
 
-    def predict(self, pictures: Pictures, background: Pictures) -> Displacements:
+    def predict(self, pictures: PictureArray, background: PictureArray) -> SingleArray:
         """No displacement, (n, v, 3)."""
         return np.zeros((len(pictures), self.vertices, 3), np.float32)
 

@@ -7,18 +7,18 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
-Picture = NDArray[np.uint8]
-Learned = tuple[tuple[str, Picture], ...]
+from tactiledata.arrays import PictureArray
+
+Learned = tuple[tuple[str, PictureArray], ...]
 """Names of sensors with their pictures without contact; empty where nobody said what a model was trained on."""
 PREFIX = "background/"
 LONG, SHORT = 40, 30
 """px of a kept picture: enough to tell one sensor from another (`tactiledata.sensors.same_sensor`)."""
 
 
-def kept_small(pictures: Sequence[tuple[str, Picture]]) -> Learned:
+def kept_small(pictures: Sequence[tuple[str, PictureArray]]) -> Learned:
     """The named pictures (h, w, 3), each scaled to 40 x 30 px, or 30 x 40 where it is wider than high."""
     return tuple((name, _small(picture)) for name, picture in pictures)
 
@@ -37,6 +37,6 @@ def of_extras(extras: Mapping[str, Tensor]) -> Learned:
     return tuple((key.split("/", 2)[2], extras[key].numpy()) for key in keys)
 
 
-def _small(picture: Picture) -> Picture:
+def _small(picture: PictureArray) -> PictureArray:
     size = (SHORT, LONG) if picture.shape[0] >= picture.shape[1] else (LONG, SHORT)
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)

@@ -16,13 +16,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from split_models.networks.decimation import decimate
+from tactiledata.arrays import Array, Indices
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.errors import StoreError
 from tactiledata.gel.elasticity.compliance import cache_folder
 from tactiledata.store.read.meshes import StoredMesh
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LAYOUT = 1
 """Of the files that are kept; a change makes new ones."""

@@ -23,13 +23,13 @@ from split_models.tables.paired_truth import PAIRED_SCORES, paired_values
 from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_evenly
 from split_models.transfer.methods import LATENT, TransferMethod, title_of, vae_transfer
 from split_models.transfer.pixels import PIXEL_TRANSFERS
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.gram_style import style_distances
 from tactiledata.scoring.chosen_scores import STYLE, chosen_scores
 
 Rows = list[dict[str, Any]]
-Pictures = NDArray[np.uint8]
 SET_SCORES = ("histogram_intersection", "histogram_correlation", STYLE)
 
 
@@ -69,7 +69,7 @@ class Alignment:
         """The one style distance that can be had."""
         return next(score for name, score in self.scores.items() if name.startswith(STYLE))
 
-    def moved(self, name: str, pictures: Pictures, source: str, target: str) -> Pictures:
+    def moved(self, name: str, pictures: PictureArray, source: str, target: str) -> PictureArray:
         """Pictures of a source as a method gives them to a target; as they are for `AS_RECORDED`."""
         if name == AS_RECORDED:
             return pictures
@@ -167,7 +167,7 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
 class _Sample:
     """Some frames of a unit; masks are of the recorded pictures: no method has a say in where it is judged."""
 
-    pictures: Pictures
+    pictures: PictureArray
     masks: NDArray[np.bool_]
     touches: NDArray[np.object_]
 
@@ -178,7 +178,9 @@ def _sample(unit: UnitFrames, most: int) -> _Sample:
     return _Sample(pictures, contact_region(pictures, unit.background), unit.touches[numbers])
 
 
-def _set_values(table: Alignment, sample: _Sample, moved: Mapping[str, Pictures], real: _Sample) -> dict[str, Values]:
+def _set_values(
+    table: Alignment, sample: _Sample, moved: Mapping[str, PictureArray], real: _Sample
+) -> dict[str, Values]:
     """By method: scores of its pictures, all methods at once, so that the target is looked at once."""
     pictures, masks = np.concatenate(list(moved.values())), np.concatenate([sample.masks] * len(moved))
     both = {"": (None, None), MASKED: (masks, real.masks)}

@@ -14,13 +14,12 @@ from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from split_models.networks.force_head import Forces
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 
-Array = NDArray[np.float64]
 LEVEL = 0.9
 FLOOR = 0.05
 """Disagreement of heads below this share of the forces' spread over the train part counts as so much."""

@@ -17,10 +17,10 @@ from split_models.tables.recorded_title import recorded_title
 from split_models.tables.recorded_touches import recorded_touches
 from split_models.tables.simulated_frames import simulate
 from split_models.tables.step_race import Contender, Simulated, contenders, race, weigh
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
-Pictures = NDArray[np.uint8]
 SHOWN = 5
 """Frames of the picture of both resolutions."""
 
@@ -90,8 +90,8 @@ def cost_rows(runners: Sequence[Contender], simulated: Simulated) -> list[dict[s
 
 
 def resolution_figure(
-    runners: Sequence[Contender], recorded: Pictures, title: str
-) -> tuple[list[list[Pictures]], list[str]]:
+    runners: Sequence[Contender], recorded: PictureArray, title: str
+) -> tuple[list[list[PictureArray]], list[str]]:
     """Return a row for each of some frames: the recorded picture, then each contender's; and the titles of the columns.
 
     Parameters

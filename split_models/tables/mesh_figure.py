@@ -6,20 +6,18 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.learning.data import TouchFrames
 from split_models.methods.methods import for_sensor, title_of
 from split_models.tables.mesh_picture import MeshPictures
+from tactiledata.arrays import PictureArray
 from tactiledata.metrics.mesh_distance import rmse
 from tactiledata.optics.surface import GelSurface
-
-Picture = NDArray[np.uint8]
 
 
 def mesh_figure(
     methods: Mapping[str, Any], frames: TouchFrames, surface: GelSurface, recorded: str = "recorded", count: int = 6
-) -> tuple[list[list[Picture]], list[str], list[str]]:
+) -> tuple[list[list[PictureArray]], list[str], list[str]]:
     """For some frames, evenly spaced, a row of pictures; titles of columns and of rows.
 
     Colours of a row are as deep as its simulated mesh; titles of rows say how deep, and each method's RMSE.

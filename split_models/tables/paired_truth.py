@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from split_models.learning.contact_region import contact_region
 from split_models.tables.evaluate import MASKED, Values
+from tactiledata.arrays import PictureArray
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
-Pictures = NDArray[np.uint8]
 Masks = NDArray[np.bool_]
 
 
@@ -30,7 +30,11 @@ PAIRED_SCORES = {
 
 
 def paired_values(
-    pictures: Pictures, truth: Pictures, background: Pictures, untouched: Pictures, style: Score | None = None
+    pictures: PictureArray,
+    truth: PictureArray,
+    background: PictureArray,
+    untouched: PictureArray,
+    style: Score | None = None,
 ) -> Values:
     """Scores (n,) of transferred pictures beside the true ones.
 

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.atomic import write_atomic
 
-Picture = NDArray[np.uint8]
 LEAST_WIDTH = 150
 """Pixels: narrower pictures are enlarged by a whole number, so that words fit over them."""
 GAP = 4
@@ -23,7 +22,7 @@ BACKDROP, INK = 255, 30
 
 def write_grid(
     path: Path,
-    rows: Sequence[Sequence[Picture]],
+    rows: Sequence[Sequence[PictureArray]],
     columns: Sequence[str] = (),
     labels: Sequence[str] = (),
 ) -> None:
@@ -52,7 +51,7 @@ def write_grid(
     write_atomic(path, encoded.tobytes())
 
 
-def _joined(pictures: Sequence[Picture], axis: int) -> Picture:
+def _joined(pictures: Sequence[PictureArray], axis: int) -> PictureArray:
     """Pictures one after the other, with a gap between."""
     shape = list(pictures[0].shape)
     shape[axis] = GAP
@@ -61,7 +60,7 @@ def _joined(pictures: Sequence[Picture], axis: int) -> Picture:
     return np.concatenate(parts[:-1], axis=axis)
 
 
-def _worded(text: str, width: int, height: int) -> Picture:
+def _worded(text: str, width: int, height: int) -> PictureArray:
     """Words on a plain picture (height, width, 3), from the top."""
     plain = np.full((height, width, 3), BACKDROP, np.uint8)
     for number, line in enumerate(_lines(text, width)):

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.learning.data import TouchFrames
 from split_models.recipe.prepare import replay_options
@@ -20,8 +19,6 @@ from tactiledata.replay.plan import PlannedTouch, plan_replay
 from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.rig.scenario.worlds import find_scenario
 from tactiledata.store.read.reader import Store
-
-Pictures = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,14 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.methods.methods import for_sensor, title_of
 from split_models.methods.optical_method import OpticalMethod
 from split_models.tables.peak_memory import peak_memory
 from split_models.tables.simulated_frames import SimulatedFrames
+from tactiledata.arrays import PictureArray
 from tactiledata.gel.mesh.structured_pad import Resolution
 
-Pictures = NDArray[np.uint8]
 Simulated = Mapping[Resolution, SimulatedFrames]
 Steps = list[tuple[str, Callable[[Any], Any]]]
 WARM_UP = 3
@@ -44,7 +43,7 @@ class Contender:
     method: Any
     resolution: Resolution
     seconds: dict[str, list[float]] = field(default_factory=dict)
-    pictures: list[Pictures] = field(default_factory=list)
+    pictures: list[PictureArray] = field(default_factory=list)
     memory: float = float("nan")
 
     @property
@@ -82,7 +81,7 @@ def race(
     runners: Sequence[Contender],
     simulated: Simulated,
     frames: Sequence[tuple[int, str]],
-    backgrounds: Mapping[str, Pictures],
+    backgrounds: Mapping[str, PictureArray],
     tell: Callable[..., None] | None = None,
 ) -> None:
     """Each contender draws each frame, taking turns, so that whatever else the machine does falls on all alike.
@@ -116,7 +115,7 @@ def race(
 
 
 def weigh(
-    runners: Sequence[Contender], simulated: Simulated, frame: tuple[int, str], backgrounds: Mapping[str, Pictures]
+    runners: Sequence[Contender], simulated: Simulated, frame: tuple[int, str], backgrounds: Mapping[str, PictureArray]
 ) -> None:
     """Each contender's memory while it draws a frame, (number, sensor) as in `race`, in a process of its own."""
     number, sensor = frame
@@ -125,7 +124,7 @@ def weigh(
         one.memory = peak_memory(_drawn, one.of_unit(sensor, simulated), moved, backgrounds[sensor])
 
 
-def steps_of(method: Any, background: Pictures) -> Steps:
+def steps_of(method: Any, background: PictureArray) -> Steps:
     """What a method does with a displacement (1, k, 3), step by step; a method that does not tell has one step."""
     if hasattr(method, "steps"):
         steps: Steps = method.steps(background)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from split_models.learning.data import TouchFrames
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UnknownName
 
-Pictures = NDArray[np.uint8]
 Numbers = NDArray[np.int64]
 
 
@@ -54,11 +54,11 @@ class UnitFrames:
         return len(self._inside)
 
     @property
-    def background(self) -> Pictures:
+    def background(self) -> PictureArray:
         """The unit's picture (h, w, 3) without contact."""
         return self._parts[0].background(self.sensor)
 
-    def pictures(self, numbers: Numbers) -> Pictures:
+    def pictures(self, numbers: Numbers) -> PictureArray:
         """Pictures (n, h, w, 3), uint8."""
         found = np.empty((len(numbers), *self.background.shape), np.uint8)
         for part, frames in enumerate(self._parts):

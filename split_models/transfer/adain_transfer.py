@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from split_models.networks.image_vae import ImageVae, as_input
@@ -20,8 +19,7 @@ from split_models.networks.latent import CHUNK, decode_pictures
 from split_models.networks.learned_backgrounds import Learned
 from split_models.transfer.adaptive_instance_norm import adaptive_instance_norm
 from split_models.transfer.latent_transfer import scaled
-
-Pictures = NDArray[np.uint8]
+from tactiledata.arrays import PictureArray
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,9 @@ class AdainTransfer:
         """Sensors that the VAE was trained on, with their pictures without contact; empty where that is not known."""
         return self.vae.learned_from
 
-    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+    def transfer(
+        self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
+    ) -> PictureArray:
         """The touches (n, H, W, 3) uint8 with the target background's statistics, in that background's size."""
         size = target_background.shape[:2]
         if not len(images):
@@ -63,14 +63,14 @@ class AdainTransfer:
         return scaled(decode_pictures(self.vae, latent), size)
 
     @torch.no_grad()
-    def _latent(self, images: Pictures, target_background: Pictures) -> Iterator[Tensor]:
+    def _latent(self, images: PictureArray, target_background: PictureArray) -> Iterator[Tensor]:
         self.vae.eval()
         style = self._features(target_background[None])
         for start in range(0, len(images), CHUNK):
             features = self._features(images[start : start + CHUNK])
             yield self.vae.to_mean(adaptive_instance_norm(features, style).flatten(1)).cpu()
 
-    def _features(self, pictures: Pictures) -> Tensor:
+    def _features(self, pictures: PictureArray) -> Tensor:
         given = as_input(torch.from_numpy(scaled(pictures, self.vae.size)).to(self.vae.device))
         features: Tensor = self.vae.encoder(given)
         return features

@@ -8,16 +8,15 @@ from typing import Literal
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.learning.checkpoint import load_checkpoint
 from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent import add, decode_pictures, encode_pictures, subtract
 from split_models.networks.learned_backgrounds import Learned
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import CheckpointError
 
-Pictures = NDArray[np.uint8]
 Laid = Literal["", "change", "ratio"]
 LAID: dict[str, Laid] = {"latent": "", "latent_on_background": "change", "latent_ratio_on_background": "ratio"}
 """What each method lays on the target's own background; empty: nothing, the picture is the decoder's."""
@@ -55,7 +54,9 @@ class LatentTransfer:
         """Sensors that the VAE was trained on, with their pictures without contact; empty where that is not known."""
         return self.vae.learned_from
 
-    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+    def transfer(
+        self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
+    ) -> PictureArray:
         """The touches (n, H, W, 3) uint8 as the target sensor might have seen them, in its background's size."""
         size = target_background.shape[:2]
         if not len(images):
@@ -71,7 +72,7 @@ class LatentTransfer:
         return laid_on(target_background, drawn, scaled(decode_pictures(self.vae, target), size), self.laid)
 
 
-def laid_on(background: Pictures, drawn: Pictures, untouched: Pictures, laid: Laid) -> Pictures:
+def laid_on(background: PictureArray, drawn: PictureArray, untouched: PictureArray, laid: Laid) -> PictureArray:
     """What tells drawn pictures (n, H, W, 3) from an untouched one (1, H, W, 3), laid on a background (H, W, 3)."""
     if laid == "change":
         whole = background + (drawn.astype(np.float32) - untouched)
@@ -80,7 +81,7 @@ def laid_on(background: Pictures, drawn: Pictures, untouched: Pictures, laid: La
     return np.clip(np.rint(whole), 0, 255).astype(np.uint8)
 
 
-def scaled(pictures: Pictures, size: tuple[int, int]) -> Pictures:
+def scaled(pictures: PictureArray, size: tuple[int, int]) -> PictureArray:
     """Pictures (n, *size, 3): averaged where they shrink, interpolated where they grow; as they are where they fit.
 
     Where pictures lie and the size is upright they are turned a quarter, and back the other way round.

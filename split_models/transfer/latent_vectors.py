@@ -9,13 +9,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Pictures = NDArray[np.uint8]
+from tactiledata.arrays import PictureArray
+
 Vectors = dict[str, NDArray[np.float32]]
 SIZE = (20, 15)
 """Rows and columns of a picture as a vector."""
 
 
-def picture_vectors(pictures: Pictures, background: Pictures | None) -> Vectors:
+def picture_vectors(pictures: PictureArray, background: PictureArray | None) -> Vectors:
     """Pictures (n, H, W, 3) shrunk to 20 x 15, as vectors, and their difference to the background's.
 
     The stand-in for latent vectors where there is no model: ``pixels`` for Z_image, ``pixels - background`` for
@@ -28,12 +29,12 @@ def picture_vectors(pictures: Pictures, background: Pictures | None) -> Vectors:
     return found
 
 
-def _small(pictures: Pictures) -> NDArray[np.float32]:
+def _small(pictures: PictureArray) -> NDArray[np.float32]:
     shrunk = [cv2.resize(one.astype(np.float32), SIZE[::-1], interpolation=cv2.INTER_AREA) for one in pictures]
     return np.stack(shrunk).reshape(len(pictures), -1)
 
 
-def vectors_by_model(path: Path) -> Callable[[Pictures, Pictures | None], Vectors]:
+def vectors_by_model(path: Path) -> Callable[[PictureArray, PictureArray | None], Vectors]:
     """Z_image, and Z_deform where the sensor has a background, by the image VAE in a checkpoint.
 
     Raises
@@ -46,7 +47,7 @@ def vectors_by_model(path: Path) -> Callable[[Pictures, Pictures | None], Vector
 
     vae, _, _ = load_image_vae(path)
 
-    def encode(pictures: Pictures, background: Pictures | None) -> Vectors:
+    def encode(pictures: PictureArray, background: PictureArray | None) -> Vectors:
         image = encode_pictures(vae, scaled(pictures, vae.size))
         found = {"Z_image": image.numpy()}
         if background is not None:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from split_models.transfer.pixels import PIXEL_TRANSFERS
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import MissingFile, UnknownName, UsageError
 
 if TYPE_CHECKING:
     from split_models.networks.image_vae import ImageVae
 
-Pictures = NDArray[np.uint8]
 LATENT = {
     "latent": "latent arithmetic",
     "latent_on_background": "latent arithmetic, its change on the target background",
@@ -33,7 +30,9 @@ class TransferMethod(Protocol):
     def name(self) -> str:
         """As on the command line."""
 
-    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+    def transfer(
+        self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
+    ) -> PictureArray:
         """Pictures (n, H, W, 3) uint8 of a source sensor, as the target might have seen them."""
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.transfer.transfer_take import PARENT
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.store.read.reader import Store
 
@@ -19,10 +19,9 @@ HEIGHT = 320
 """px of one picture."""
 MARGIN = 8
 CAPTION = 22
-Picture = NDArray[np.uint8]
 
 
-def write_transfer_picture(source: Store, made: Store, target_background: Picture, path: Path) -> Path:
+def write_transfer_picture(source: Store, made: Store, target_background: PictureArray, path: Path) -> Path:
     """A PNG with a row for each of a few touches: its background, the touch, the transferred touch, the target.
 
     Each row is the frame of largest force of one trajectory; trajectories are spread over the store.
@@ -54,14 +53,14 @@ def write_transfer_picture(source: Store, made: Store, target_background: Pictur
     return path
 
 
-def sheet(rows: Sequence[Sequence[tuple[str, Picture]]]) -> Picture:
+def sheet(rows: Sequence[Sequence[tuple[str, PictureArray]]]) -> PictureArray:
     """Captioned pictures of one height in rows, on white; pictures may differ in size."""
     drawn = [np.hstack([_captioned(*cell) for cell in cells]) for cells in rows]
     width = max(one.shape[1] for one in drawn)
     return np.vstack([cv2.copyMakeBorder(o, 0, 0, 0, width - o.shape[1], 0, value=(255,) * 3) for o in drawn])
 
 
-def _captioned(words: str, picture: Picture) -> Picture:
+def _captioned(words: str, picture: PictureArray) -> PictureArray:
     scale = HEIGHT / picture.shape[0]
     shown = cv2.resize(picture, (round(picture.shape[1] * scale), HEIGHT), interpolation=cv2.INTER_AREA)
     framed = cv2.copyMakeBorder(shown, CAPTION, MARGIN, MARGIN, MARGIN, cv2.BORDER_CONSTANT, value=(255,) * 3)

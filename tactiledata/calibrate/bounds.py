@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UnknownName
 
-Array = NDArray[np.float64]
 NAMES = ("youngs_modulus", "poisson_ratio", "friction")
 SYMBOLS = {"youngs_modulus": "E", "poisson_ratio": "nu", "friction": "mu"}
 

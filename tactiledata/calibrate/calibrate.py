@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.calibrate.experiment import Experiment, assemble
 from tactiledata.calibrate.fit import Fit, fit
@@ -22,7 +22,6 @@ from tactiledata.errors import TactileDataError
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_trajectories
 
-Array = NDArray[np.float64]
 Tell = Callable[..., None]
 
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.intervals import intervals_hold
 from tactiledata.calibrate.least_squares import polish
 from tactiledata.calibrate.losses import VectorLoss
 from tactiledata.nuisance.tare import tare_variance
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

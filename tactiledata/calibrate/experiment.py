@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.response import Response
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.gel.contact.history import FrameStatus
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 FEWEST_FRAMES = 3
 KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.experiment import Experiment
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
@@ -17,9 +17,6 @@ from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.search import search
 from tactiledata.calibrate.simulation_error import SimulationError, simulation_error
 from tactiledata.nuisance.noise import WrenchNoise
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

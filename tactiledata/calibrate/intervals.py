@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.least_squares import Optimum, Spread, polish, spread
 from tactiledata.calibrate.losses import NormLoss, VectorLoss
 from tactiledata.calibrate.search import descend
-
-Array = NDArray[np.float64]
 
 RISE = 3.841
 """Of the deviance at the ends of a 95 % interval: the 0.95 quantile of chi-square with one degree of freedom."""

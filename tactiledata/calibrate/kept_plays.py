@@ -15,11 +15,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.compliance import cache_folder
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.losses import VectorLoss
-
-Array = NDArray[np.float64]
 
 STEP = 1e-4
 """Share of the box, of differences."""

@@ -7,16 +7,14 @@ from functools import cached_property
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.calibrate.response import Response
 from tactiledata.nuisance.noise import WrenchNoise
 from tactiledata.nuisance.numerical import frame_weights, profile_shapes
 from tactiledata.nuisance.offsets import PRIOR, OffsetSeries
 from tactiledata.nuisance.tare import tare_variance, without_tare
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 LossName = Literal["vector", "norm"]
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import UnknownName
@@ -25,7 +26,6 @@ from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
 from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
 
-Array = NDArray[np.float64]
 WRENCH = "contact_wrench"
 LEAST_FORCE = 1.0
 """N: a touch that the sensor felt less says nothing of the gel (the SPLIT paper's lower limit, too)."""

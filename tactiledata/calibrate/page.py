@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import NAMES, SYMBOLS
 from tactiledata.calibrate.calibrate import Calibration
@@ -16,7 +15,6 @@ from tactiledata.report.calibration_plots import LossSurface, Overlay, draw_over
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 
-Array = NDArray[np.float64]
 MOST_OVERLAYS = 12
 LABELS = {"youngs_modulus": "E, kPa", "poisson_ratio": "nu", "friction": "mu"}
 

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tactiledata.arrays import Array
 from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_path
 from tactiledata.calibrate.plan import Node
 from tactiledata.calibrate.play_progress import PlayProgress
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
     from tactiledata.gel.engines.fem import FemEngine
     from tactiledata.gel.flex.engine import FlexEngine
 
-Array = NDArray[np.float64]
 Tell = Callable[..., None]
 
 

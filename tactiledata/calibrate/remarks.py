@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import SYMBOLS, Bounds
 from tactiledata.calibrate.fit import Fit
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
-
-Array = NDArray[np.float64]
 
 AT_BOUND = 0.01
 """Share of the box: a parameter this near its bound stands there."""

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.nuisance.offsets import OffsetSeries
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import nlopt
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.losses import Loss
-
-Array = NDArray[np.float64]
 
 GLOBAL_EVALUATIONS = 300
 LOCAL_EVALUATIONS = 1500

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.least_squares import polish
 from tactiledata.calibrate.losses import NormLoss, VectorLoss
 from tactiledata.calibrate.search import descend
 from tactiledata.nuisance.numerical import FORCE_ERROR, LAW_ERROR, with_law_error
-
-Array = NDArray[np.float64]
 
 QUANTILE = 1.96
 

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tactiledata.arrays import Array
 from tactiledata.gel.contact.history import GelTouch
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

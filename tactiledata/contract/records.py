@@ -14,10 +14,10 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Times
 from tactiledata.contract.description import LogDescription
 from tactiledata.units import signal_units
 
-Times = NDArray[np.int64]
 Values = NDArray[np.float64]
 Severity = Literal["info", "warning", "damage"]
 Encoding = Literal["jpeg", "png", "raw", "missing"]

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import radius_of, swept_distance
 from tactiledata.indenters.base.surface import circle, prism_mesh
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import radius_of
 from tactiledata.indenters.base.surface import revolved_mesh
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

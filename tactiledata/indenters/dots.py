@@ -6,14 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import swept_distance
 from tactiledata.indenters.base.surface import circle, lofted_faces, sealed
-
-Array = NDArray[np.float64]
-
 
 GRID = np.array([[column, row] for row in (-1, 0, 1) for column in (-1, 0, 1)], dtype=float)
 """Places of the pins, in pitches."""

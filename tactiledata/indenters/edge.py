@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import (
     polygon_distance,
@@ -17,8 +17,6 @@ from tactiledata.indenters.base.planar import (
     swept_distance,
 )
 from tactiledata.indenters.base.surface import prism_mesh
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

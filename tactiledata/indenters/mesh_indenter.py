@@ -14,13 +14,12 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.paths import path_inside
 from tactiledata.errors import LostFile, SchemaError
 from tactiledata.indenters.base import LARGEST_PART, SMALLEST_PART, Indenter
 from tactiledata.units import metres
-
-Array = NDArray[np.float64]
 
 UNITS = ("m", "mm")
 """Units that a document may state for a mesh, as in ``schemas/log.json``."""

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.sensors.base import ForceSpecification
-
-Array = NDArray[np.float64]
 
 FEWEST_SAMPLES = 60
 """Samples at rest that a covariance of six components is taken from, at least."""

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.nuisance.offsets import OffsetSeries, profile_offsets
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 ROUNDS = 4
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from tactiledata.arrays import Array, Indices
 
 MEDIAN_LOSS = np.pi / 2
 """Variance of a median over that of a mean, of Gaussian samples."""

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.optics.height_map import CONTACT_DEPTH, Indentation
 from tactiledata.optics.surface import GelSurface
@@ -28,8 +29,6 @@ from tactiledata.optics.view_search import (
     residual_of,
     shape_features,
 )
-
-Array = NDArray[np.float64]
 
 LEAST_TOUCHES = {"shift": 2, "affine": 6, "projective": 8}
 LEAST_SPREAD = 7e-4

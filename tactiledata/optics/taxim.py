@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import MissingFile, SchemaError, UsageError
-
-Array = NDArray[np.float64]
 
 TERMS = 6
 """u², v², u v, u, v, 1."""

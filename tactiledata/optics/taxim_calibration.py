@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, distance_transform_edt
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.optics.taxim import TERMS, TaximTable, place_terms, slope_bins
-
-Array = NDArray[np.float64]
 
 BINS = 125
 """Of angle and direction, as in the published tables."""

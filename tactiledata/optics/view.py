@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.sensors.base import Sensor
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

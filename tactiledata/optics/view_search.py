@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.optics.height_map import slopes
 from tactiledata.optics.view import View
 
-Array = NDArray[np.float64]
 Kind = Literal["shift", "affine", "projective"]
 
 PARAMETERS = {"shift": 2, "affine": 6, "projective": 8}

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.simulate.balance import Balance
 from tactiledata.effects.simulate.simulator import as_read, in_contact, unbalanced
 from tactiledata.effects.touch.state import TouchState
@@ -18,8 +18,6 @@ from tactiledata.gel.engines.embedded import EmbeddedEngine
 from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.replay.effect_touches import EffectTouch
 from tactiledata.replay.played_answer import PlayedAnswer
-
-Array = NDArray[np.float64]
 
 MOST_ROUNDS = 15
 STILL = 1e-7

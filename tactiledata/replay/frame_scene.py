@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.description import LogDescription
 from tactiledata.errors import TactileDataError, UnknownName, UsageError
 from tactiledata.gel.mesh.pad import PadMesh
@@ -21,8 +21,6 @@ from tactiledata.indenters import make_indenter
 from tactiledata.replay.geometry import gel_geometry
 from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform, pose_matrices
-
-Array = NDArray[np.float64]
 
 POSITION_AGREES, ROTATION_AGREES = 1e-3, 5e-3
 """m and rad: a rigid tool leaves less than this between joints and poses of one moment."""

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import json_bytes
 from tactiledata.effects.touch.response import GelVariant
@@ -27,7 +27,6 @@ from tactiledata.replay.status import STATUSES, ReplayStatus
 from tactiledata.sensors.base import GelGeometry
 from tactiledata.store.read.reader import Store
 
-Array = NDArray[np.float64]
 MakePad = Callable[[str, GelGeometry], PadMesh]
 """The pad of a sensor model of this name and geometry."""
 

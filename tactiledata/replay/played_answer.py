@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Mask
 from tactiledata.effects.touch.gel_variants import surface_height
 from tactiledata.effects.touch.response import ContactResponse, GelVariant
 from tactiledata.effects.touch.shear_stiffness import shear_stiffness
@@ -14,9 +14,6 @@ from tactiledata.effects.touch.state import wrench_at
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.mesh.pad import PadMesh
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 SLIDES = 0.95
 """Share of Coulomb's limit from which the whole contact is taken to slide."""
@@ -43,7 +40,7 @@ class PlayedAnswer:
     tips: Array
 
     @staticmethod
-    def of(history: GelHistory, rows: Flags, poses: Array, mesh: PadMesh, areas: Array, touch: Touch) -> PlayedAnswer:
+    def of(history: GelHistory, rows: Mask, poses: Array, mesh: PadMesh, areas: Array, touch: Touch) -> PlayedAnswer:
         """Of some of the frames that were played.
 
         Parameters

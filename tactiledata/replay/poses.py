@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.transforms import pose_matrices
-
-Array = NDArray[np.float64]
 
 
 def gel_from_indenter(base_from_tcp: Array, tcp_from_gel: Array, base_from_indenter: Array, offset: float) -> Array:

@@ -9,16 +9,13 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.contract.description import LogDescription
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
 from tactiledata.store.read.reader import Store
 from tactiledata.transforms import pose_matrices
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """m/s^2, base frame, of an arm that stands upright."""

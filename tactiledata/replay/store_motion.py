@@ -6,16 +6,13 @@ import json
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.contract.description import LogDescription
 from tactiledata.effects.touch.moved_until import moved_until
 from tactiledata.replay.plan import PlannedTouch
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.store.read.reader import Store
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class StoreMotion:

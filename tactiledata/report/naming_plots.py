@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.report.diagnosis_plots import AFTER, BEFORE, EventPicture, MapPicture, event_panel, map_panel
 from tactiledata.report.plots import AXIS_COLOURS
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 GREY = "#8a929a"
 FAR = 10.0

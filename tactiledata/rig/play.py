@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray, Times
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact.by_layer import touch_layer
@@ -23,9 +24,6 @@ from tactiledata.rig.motion import motion
 from tactiledata.rig.motion.touch import Touch
 from tactiledata.rig.scenario.scenario import Gel, Scenario
 from tactiledata.transforms import Transform
-
-Array = NDArray[np.floating[Any]]
-Times = NDArray[np.int64]
 
 TRAVEL_SPEED = 0.15
 """m/s between indenters."""
@@ -61,7 +59,7 @@ class Play:
     touch: Touch
     start_ns: int
     lowest: float
-    offset: Array
+    offset: RealArray
     contact: Contact
     mount: int
 
@@ -75,12 +73,12 @@ class Play:
         """End of the half-open interval of the host clock."""
         return self.start_ns + int(np.ceil(self.path.duration * 1e9))
 
-    def true_positions(self, host_ns: Times) -> Array:
+    def true_positions(self, host_ns: Times) -> RealArray:
         """Where the indenter really is over the gel (n, 3): x, y of the tip, depth, metres."""
         seconds = (host_ns - self.start_ns) * 1e-9
         return self.path.at(seconds) + self.offset + missed_at(self.contact.missed, seconds)
 
-    def wrench(self, host_ns: Times) -> Array:
+    def wrench(self, host_ns: Times) -> RealArray:
         """Contact wrench (n, 6) on the indenter, gel frame: N, N m."""
         ticks = (host_ns - self.start_ns) * 1e-9 * CONTACT_RATE
         columns = self.contact.wrench.T
@@ -96,13 +94,13 @@ class Performance:
     """All trajectories of one log in time, and the ways between them."""
 
     plays: tuple[Play, ...]
-    poses: tuple[tuple[Array, Transform], ...]
+    poses: tuple[tuple[RealArray, Transform], ...]
     """Per play: gel_from_indenter rotation (3, 3), and the mounted ``base_from_indenter`` as the log states it."""
     tcp_from_gel: Transform
     start_ns: int
     end_ns: int
 
-    def tcp(self, host_ns: Times) -> Array:
+    def tcp(self, host_ns: Times) -> RealArray:
         """Commanded poses (n, 4, 4) base_from_tcp at sorted moments of the host clock."""
         out = np.empty((len(host_ns), 4, 4))
         ends = [self._end_poses(index) for index in range(len(self.plays))]
@@ -121,15 +119,15 @@ class Performance:
                     out[last:after] = motion.transit(ends[index][1], ends[index + 1][0], share)
         return out
 
-    def _poses(self, index: int, seconds: Array) -> Array:
+    def _poses(self, index: int, seconds: RealArray) -> RealArray:
         play, (rotation, mounted) = self.plays[index], self.poses[index]
         turned = play.path.turned(seconds) @ rotation
         return motion.base_from_tcp(play.path.at(seconds), turned, play.lowest, mounted, self.tcp_from_gel)
 
-    def _end_poses(self, index: int) -> Array:
+    def _end_poses(self, index: int) -> RealArray:
         return self._poses(index, self.plays[index].path.times[[0, -1]])
 
-    def wrench(self, host_ns: Times) -> Array:
+    def wrench(self, host_ns: Times) -> RealArray:
         """Contact wrench (n, 6) on the indenter, gel frame, at sorted moments; zero between trajectories."""
         out = np.zeros((len(host_ns), 6))
         for play in self.plays:
@@ -139,7 +137,7 @@ class Performance:
         return out
 
 
-Solve = Callable[[Gel, TouchSetup, motion.Path | None, Array | None], Contact]
+Solve = Callable[[Gel, TouchSetup, motion.Path | None, RealArray | None], Contact]
 """A touch of a gel, played along a path that may be planned already, and missed by (n, 3) m."""
 
 
@@ -174,7 +172,7 @@ class Stage:
         robot, setup = self.scenario.robot, self.scenario.recordings
         rng = np.random.default_rng([self.scenario.seed, MOUNTS, log_index])
         plays: list[Play] = []
-        poses: list[tuple[Array, Transform]] = []
+        poses: list[tuple[RealArray, Transform]] = []
         cursor = start_ns + int(0.25e9)
         mount, remount = 0, np.zeros(3)
         visits: dict[str, list[Visit]] = {}
@@ -200,7 +198,7 @@ class Stage:
             cursor = play.end_ns + int(max(setup.pause, way / TRAVEL_SPEED) * 1e9)
         return Performance(tuple(plays), tuple(poses), robot.tcp_from_gel, start_ns, plays[-1].end_ns + int(0.25e9))
 
-    def _play(self, facts: TouchFacts, start_ns: int, remount: Array) -> Play:
+    def _play(self, facts: TouchFacts, start_ns: int, remount: RealArray) -> Play:
         scenario, touch = self.scenario, facts.touch
         gel = scenario.sensors[touch.sensor].gel
         indenter = self.indenters[touch.indenter]
@@ -225,7 +223,7 @@ class Stage:
             return partial(self._own_solve, gel)
         return analytic if self.scenario.contact == "analytic" else partial(self._on_layer, gel)
 
-    def _on_layer(self, gel: Gel, setup: TouchSetup, path: motion.Path | None, missed: Array | None) -> Contact:
+    def _on_layer(self, gel: Gel, setup: TouchSetup, path: motion.Path | None, missed: RealArray | None) -> Contact:
         real = replace(gel, thickness=setup.thickness)
         if real not in self._layers:
             grid = LayerGrid.of(gel.outline, self.scenario.contact_pitch)

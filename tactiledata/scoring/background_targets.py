@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
@@ -18,7 +19,6 @@ from tactiledata.sensors.image_checks import CONTACT_BLUR
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.targets import Target
 
-Picture = NDArray[np.uint8]
 KIND = "picture without contact"
 OUTSIDE = "outside the contact"
 FRINGE = 3.0
@@ -81,7 +81,7 @@ def score_backgrounds(
                 yield PairScore(metric, score, one.name, target.name, one.kind, KIND, OUTSIDE, interval)
 
 
-def _compared(background: Picture, outside: NDArray[np.bool_]) -> tuple[Picture, NDArray[np.bool_]]:
+def _compared(background: PictureArray, outside: NDArray[np.bool_]) -> tuple[PictureArray, NDArray[np.bool_]]:
     """A background as the other set, and its masks: where the pictures are free of touch, if sizes let them be laid."""
     if background.shape[:2] == outside.shape[1:]:
         return np.repeat(background[None], len(outside), axis=0), outside

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.bootstrap import Interval, bootstrap
 from tactiledata.scoring.sensor_sets import SensorSet, background_of, contact_masks, load_pictures
 from tactiledata.store.read.reader import Store
 
-Pictures = NDArray[np.uint8]
 Vectors = Mapping[str, NDArray[np.floating]]
-Encode = Callable[[Pictures, Pictures | None], Vectors]
+Encode = Callable[[PictureArray, PictureArray | None], Vectors]
 """Latent vectors (n, d) by name, of pictures (n, H, W, 3) of a sensor and its picture without contact, if there is."""
 Progress = Callable[..., None]
 
@@ -26,7 +26,7 @@ Progress = Callable[..., None]
 class Touches:
     """What a set is scored by."""
 
-    pictures: Pictures
+    pictures: PictureArray
     masks: NDArray[np.bool_] | None
     vectors: Vectors
 

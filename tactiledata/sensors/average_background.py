@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 from tactiledata.sensors.image_checks import channel_order, shows_contact
 
-Image = NDArray[np.uint8]
 
-
-def average_background(frames: Sequence[Image], names: Sequence[str]) -> Image:
+def average_background(frames: Sequence[PictureArray], names: Sequence[str]) -> PictureArray:
     """The mean of frames of an untouched sensor (H, W, 3), rounded: its noise is that of one frame over √n.
 
     Each of three and more frames is held against the median of all, two against each other. A touch stands out there,
@@ -44,7 +42,7 @@ def average_background(frames: Sequence[Image], names: Sequence[str]) -> Image:
     return np.rint(np.mean(frames, axis=0, dtype=np.float64)).astype(np.uint8)
 
 
-def _refuse_touched(frames: Sequence[Image], names: Sequence[str]) -> None:
+def _refuse_touched(frames: Sequence[PictureArray], names: Sequence[str]) -> None:
     middle = np.rint(np.median(frames, axis=0)).astype(np.uint8) if len(frames) > 2 else frames[0]
     touched = [name for frame, name in zip(frames, names, strict=True) if shows_contact(frame, middle).is_contact]
     if not touched:
@@ -61,7 +59,7 @@ def _refuse_touched(frames: Sequence[Image], names: Sequence[str]) -> None:
     )
 
 
-def refuse_swapped_channels(image: Image, name: str, reference: Image | None = None) -> None:
+def refuse_swapped_channels(image: PictureArray, name: str, reference: PictureArray | None = None) -> None:
     """Nothing, where a DIGIT's picture is not clearly BGR.
 
     Parameters
@@ -88,5 +86,5 @@ def refuse_swapped_channels(image: Image, name: str, reference: Image | None = N
         )
 
 
-def _size(image: Image) -> str:
+def _size(image: PictureArray) -> str:
     return f"{image.shape[0]} rows x {image.shape[1]} columns"

@@ -10,11 +10,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
 from tactiledata.sensors.base import Sensor
-
-Image = NDArray[np.uint8]
 
 LAYOUT_CELLS = (8, 6)
 """Rows and columns of the coarse map of colours; 4 x 3 already separates all units but one, 16 x 12 no better."""
@@ -31,7 +30,7 @@ CONTACT_BLUR = 1 / 100
 """Width of the blur, of the picture's longer side: takes camera noise and JPEG blocks off, keeps a 1 mm contact."""
 
 
-def orientation_of(image: Image, sensor: Sensor) -> Literal["ok", "swapped", "other size"]:
+def orientation_of(image: PictureArray, sensor: Sensor) -> Literal["ok", "swapped", "other size"]:
     """Whether a picture has the sensor's rows and columns, those two swapped, or another size.
 
     Examples
@@ -60,7 +59,7 @@ class ChannelOrder:
     score: float
 
 
-def channel_order(image: Image, reference: Image | None = None) -> ChannelOrder:
+def channel_order(image: PictureArray, reference: PictureArray | None = None) -> ChannelOrder:
     """Whether a picture is RGB, as it should be, or BGR.
 
     The coarse map of red minus blue changes its sign when the channels are swapped. It is correlated with the map of
@@ -87,7 +86,7 @@ def channel_order(image: Image, reference: Image | None = None) -> ChannelOrder:
     return ChannelOrder("rgb" if score > 0 else "bgr", score)
 
 
-def _layout(image: Image) -> NDArray[np.float32] | None:
+def _layout(image: PictureArray) -> NDArray[np.float32] | None:
     """The coarse map of red minus blue, mean 0 and norm 1; ``None`` for a picture without colours."""
     if image.ndim != 3 or image.shape[2] != 3:
         return None
@@ -98,7 +97,7 @@ def _layout(image: Image) -> NDArray[np.float32] | None:
     return None if norm < LAYOUT_COLOURLESS * np.sqrt(difference.size) else difference / norm
 
 
-def mean_layout(images: list[Image]) -> NDArray[np.float32]:
+def mean_layout(images: list[PictureArray]) -> NDArray[np.float32]:
     """The mean map of red minus blue of pictures known to be RGB, norm 1."""
     mean = np.mean([layout for image in images if (layout := _layout(image)) is not None], axis=0)
     return mean / np.linalg.norm(mean)
@@ -123,7 +122,7 @@ class Contact:
     mask: NDArray[np.bool_]
 
 
-def shows_contact(image: Image, background: Image) -> Contact:
+def shows_contact(image: PictureArray, background: PictureArray) -> Contact:
     """Whether a picture differs from its sensor's untouched picture as a touch makes it differ.
 
     Per channel the brightness is matched by the medians (LEDs warm up, exposure moves), the difference is blurred, and

@@ -19,9 +19,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.splits.fingerprints import LUMA
-
-Picture = NDArray[np.uint8]
 
 MARGIN = 16
 """Pixels; crops keep to the grid of compression blocks (8, or 16 with subsampled colour)."""
@@ -78,7 +77,7 @@ class Comparison:
 class Portrait:
     """An image (H, W, 3) uint8 RGB with what comparing it needs, found once."""
 
-    def __init__(self, image: Picture) -> None:
+    def __init__(self, image: PictureArray) -> None:
         self.shape = image.shape
         self.middle = middle_of(image)
 
@@ -97,7 +96,7 @@ class Portrait:
         return np.ravel(blurred[::3, ::3]).astype(np.float32)
 
 
-def noise_between(one: Picture, other: Picture) -> float:
+def noise_between(one: PictureArray, other: PictureArray) -> float:
     """Standard deviation, grey levels, of the noise of each colour, from two recordings by one sensor.
 
     Their difference has no fixed pattern (markers, dust, pixels). Its fine grain is taken by the median, so that a
@@ -110,7 +109,7 @@ def noise_between(one: Picture, other: Picture) -> float:
     return float(GRAIN_OF_COLOUR * 1.4826 * np.median(np.abs(fine)) / np.sqrt(2))
 
 
-def sensor_noise(pictures: Iterable[Picture]) -> float:
+def sensor_noise(pictures: Iterable[PictureArray]) -> float:
     """Noise of each colour, grey levels, from pictures of different touches; 0 where there is one only."""
     pairs = [noise_between(one, other) for one, other in pairwise(pictures)]
     return float(np.median(pairs)) if pairs else 0.0
@@ -133,14 +132,14 @@ def compare_images(one: Portrait, other: Portrait, noise: float) -> Comparison:
     return min(forth, _compare(other, one, noise), key=lambda found: found.ratio)
 
 
-def middle_of(image: Picture) -> Picture:
+def middle_of(image: PictureArray) -> PictureArray:
     """The middle (h, w, 3) of an image, on the grid of compression blocks."""
     top, left = (max(0, (size - most) // 2) // MARGIN * MARGIN for size, most in zip(image.shape, CROP, strict=False))
     # a copy: a view would keep the whole image in memory
     return np.array(image[top : top + CROP[0], left : left + CROP[1]], order="C")
 
 
-def compress(picture: Picture, quality: int) -> Picture:
+def compress(picture: PictureArray, quality: int) -> PictureArray:
     """A picture, (h, w, 3) or grey (h, w), after JPEG at a quality; as it came where quality is 0."""
     if not quality:
         return picture
@@ -150,7 +149,7 @@ def compress(picture: Picture, quality: int) -> Picture:
     return np.asarray(cv2.imdecode(payload, mode), np.uint8)
 
 
-def adjusted(picture: NDArray[np.generic], gain: float, offset: float) -> Picture:
+def adjusted(picture: NDArray[np.generic], gain: float, offset: float) -> PictureArray:
     """A picture with another brightness, rounded as software rounds it."""
     return np.clip(np.rint(picture.astype(np.float32) * gain + offset), 0, 255).astype(np.uint8)
 
@@ -167,7 +166,7 @@ def brightness_fit(original: NDArray[np.float32], other: NDArray[np.float32]) ->
     return float(gain), float(offset)
 
 
-def difference(one: Picture, other: Picture) -> float:
+def difference(one: PictureArray, other: PictureArray) -> float:
     """Root-mean-square difference of two pictures' luma, grey levels."""
     return float(np.sqrt(np.mean(((one.astype(np.float32) - other) @ LUMA) ** 2)))
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.transfer.pixels.base import PixelTransfer
+from tactiledata.arrays import SingleArray
 
-Floats = NDArray[np.float32]
 DARKEST = 8.0
 """Grey levels; a ratio of darker pixels is one of noise, and counts as if they were so bright."""
 
 
-def relight(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+def relight(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
     """Target background plus the picture's change, scaled by how much brighter the target is.
 
     Where both backgrounds are brighter than `DARKEST` that is picture times target background over source background.

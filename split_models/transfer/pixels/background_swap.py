@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from split_models.transfer.pixels.base import PixelTransfer
+from tactiledata.arrays import SingleArray
 
-Floats = NDArray[np.float32]
 
-
-def swap(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+def swap(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
     """Picture minus source background plus target background."""
     return images - source_background + target_background
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 
-Pictures = NDArray[np.uint8]
 LEVELS = 256
 
 
@@ -35,7 +35,9 @@ class PixelTransfer:
     source: str
     change: Callable[[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]], NDArray[np.float32]]
 
-    def transfer(self, images: Pictures, source_background: Pictures, target_background: Pictures) -> Pictures:
+    def transfer(
+        self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
+    ) -> PictureArray:
         """The touches as the target sensor might have seen them.
 
         Parameters
@@ -61,7 +63,7 @@ class PixelTransfer:
         return np.clip(np.rint(changed), 0, LEVELS - 1).astype(np.uint8)
 
 
-def check_pictures(images: Pictures, source_background: Pictures, target_background: Pictures) -> None:
+def check_pictures(images: PictureArray, source_background: PictureArray, target_background: PictureArray) -> None:
     """Nothing, where pictures and both backgrounds are uint8 RGB of one size.
 
     Raises

@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from split_models.transfer.pixels.base import PixelTransfer
+from tactiledata.arrays import SingleArray
 
-Floats = NDArray[np.float32]
 WINDOW = 0.01
 """beta of the source: half the side of the square of exchanged frequencies, as a share of the picture's shorter side;
 the smallest of those that the source tries (0.01, 0.05, 0.09), as larger ones leave ringing."""
 
 
-def swap_amplitude(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+def swap_amplitude(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
     """Pictures with the target's amplitude where frequencies are low; the source background is not used."""
     goal = np.abs(fft.rfft2(target_background, axes=(0, 1)))
     spectrum = fft.rfft2(images, axes=(1, 2))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.transfer.pixels.base import LEVELS, PixelTransfer
+from tactiledata.arrays import SingleArray
 
-Floats = NDArray[np.float32]
 
-
-def match(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+def match(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
     """Each channel through the map that takes one background's histogram to the other's."""
     changed = np.empty_like(images)
     for channel in range(3):
@@ -19,7 +17,7 @@ def match(images: Floats, source_background: Floats, target_background: Floats) 
     return changed
 
 
-def level_map(source: Floats, target: Floats) -> Floats:
+def level_map(source: SingleArray, target: SingleArray) -> SingleArray:
     """New level (256,) of each old one.
 
     The map comes from the two backgrounds, not from each picture: a touch is what is to be kept, and must not be

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.transfer.pixels.base import PixelTransfer
+from tactiledata.arrays import SingleArray
 
-Floats = NDArray[np.float32]
 
-
-def target_alone(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+def target_alone(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
     """The target background, once for each picture."""
     return np.broadcast_to(target_background, images.shape)
 

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from split_models.transfer.pixels.base import LEVELS, PixelTransfer
+from tactiledata.arrays import SingleArray
 
-Floats = NDArray[np.float32]
 LEAST_SPREAD = 1e-3
 """Spread, in units of CIELAB, below which a background has none to scale by."""
 
 
-def transfer_colour(images: Floats, source_background: Floats, target_background: Floats) -> Floats:
+def transfer_colour(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
     """Pictures whose CIELAB axes are shifted and scaled as the two backgrounds say."""
     mean, spread = statistics(source_background)
     goal_mean, goal_spread = statistics(target_background)
@@ -21,17 +20,17 @@ def transfer_colour(images: Floats, source_background: Floats, target_background
     return np.stack([_rgb((_lab(image) - mean) * scale + goal_mean) for image in images])
 
 
-def statistics(picture: Floats) -> tuple[Floats, Floats]:
+def statistics(picture: SingleArray) -> tuple[SingleArray, SingleArray]:
     """Mean and standard deviation (3,) of a picture (H, W, 3) in CIELAB."""
     lab = _lab(picture).reshape(-1, 3)
     return lab.mean(axis=0), lab.std(axis=0)
 
 
-def _lab(picture: Floats) -> Floats:
+def _lab(picture: SingleArray) -> SingleArray:
     return np.asarray(cv2.cvtColor(picture / np.float32(LEVELS - 1), cv2.COLOR_RGB2LAB))
 
 
-def _rgb(lab: Floats) -> Floats:
+def _rgb(lab: SingleArray) -> SingleArray:
     return np.asarray(cv2.cvtColor(lab.astype(np.float32), cv2.COLOR_LAB2RGB)) * np.float32(LEVELS - 1)
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.event_locked import EventLocked
 from tactiledata.diagnose.locate.locate import LEVEL, Located
@@ -120,8 +120,6 @@ def _by_locator(located: Located) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     yield "the map", [{"p": one.p, "words": one.words, "parameter": one.parameter} for one in located.maps]
     yield "the tree", [{"p": one.p, "words": one.words, "component": one.component} for one in located.leaves]
 
-
-Array = NDArray[np.float64]
 
 BINS = 7
 

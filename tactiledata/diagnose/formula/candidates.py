@@ -9,13 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.formula.terms import Atom, Since
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import Contributions, along, joined_refits
 from tactiledata.diagnose.residuals.wording import quantity, with_interval
-
-Array = NDArray[np.float64]
 
 CONSTANT = "1"
 """The term of a carrier that is alone."""

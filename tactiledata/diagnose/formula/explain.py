@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.formula.candidates import carriers
 from tactiledata.diagnose.formula.open_form import OpenForm, corrected_words, find_candidates, open_form
 from tactiledata.diagnose.formula.shifted import shift_carriers
@@ -22,7 +22,6 @@ from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import gap_words, growth_words, percent
 
-Array = NDArray[np.float64]
 Tell = Callable[..., None]
 Answer = Literal[
     "nothing found", "calibration", "structured, not named", "explained", "partly explained", "not explained"

@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import Projection
-
-Array = NDArray[np.float64]
 
 NEAR = 0.9
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.formula.candidates import Candidates, Carrier, carriers
 from tactiledata.diagnose.formula.likeness import Likeness, likenesses
 from tactiledata.diagnose.formula.select import Accepted, choose
@@ -16,8 +16,6 @@ from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.slopes import Change, refitted
 from tactiledata.diagnose.residuals.wording import percent, rounded
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.formula.candidates import Candidates
 from tactiledata.diagnose.residuals.projection import Projection, project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import p_value, signs
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 PAIRS = 50
 PICKS = 3

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.formula.candidates import Carrier
 from tactiledata.diagnose.formula.open_form import SCALE_OF
 from tactiledata.diagnose.residuals.dimensions import find_unit
 from tactiledata.diagnose.residuals.residuals import Residuals
-
-Array = NDArray[np.float64]
 
 FEWEST_PLACES = 5
 """Different values of a covariate in a group, from which a slope is read."""

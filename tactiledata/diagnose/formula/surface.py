@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.learners import folds, need_learning_library
 from tactiledata.diagnose.residuals.projection import Projection
-
-Array = NDArray[np.float64]
 
 LABEL = "not explained, do not extrapolate"
 MOST_POINTS = 250

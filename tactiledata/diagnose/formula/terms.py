@@ -7,15 +7,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.dimensions import NONE, Unit, find_unit
 from tactiledata.diagnose.residuals.history import fading_memory, largest_so_far
 from tactiledata.diagnose.residuals.instruments import is_logarithmic
 from tactiledata.diagnose.residuals.residuals import Covariate, Residuals
 from tactiledata.diagnose.residuals.wording import quantity, rounded
-
-Array = NDArray[np.float64]
 
 FADINGS = (0.1, 1.0, 10.0, 100.0)
 """s: a decade apart, as relaxation spectra are wide."""

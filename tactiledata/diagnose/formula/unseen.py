@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.formula.candidates import Candidates
 from tactiledata.diagnose.formula.select import choose
 from tactiledata.diagnose.residuals.learners import folds
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

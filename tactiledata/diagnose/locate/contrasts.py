@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.drifts import alike_words, look_alikes
 from tactiledata.diagnose.locate.event_effects import SHAPES, directions_of, shapes_after
 from tactiledata.diagnose.locate.events import find_events
@@ -26,8 +27,6 @@ from tactiledata.diagnose.residuals.residuals import Residuals, joined_names
 from tactiledata.diagnose.residuals.scores import along
 from tactiledata.diagnose.residuals.slopes import over
 from tactiledata.diagnose.residuals.wording import departs, p_words, signed_change
-
-Array = NDArray[np.float64]
 
 LEVEL = 0.05
 MOST = 3

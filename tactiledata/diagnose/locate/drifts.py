@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import rankdata
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.instruments import cuts, levels, slope, steps
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals, joined_names
@@ -24,8 +24,6 @@ from tactiledata.diagnose.residuals.scores import Contributions, contributions
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.residuals.slopes import Change, change, over
 from tactiledata.diagnose.residuals.wording import p_words, quantity
-
-Array = NDArray[np.float64]
 
 ALIKE = 0.9
 """Rank correlation from which on two covariates tell the same story."""

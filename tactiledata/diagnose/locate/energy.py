@@ -9,15 +9,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Mask
 from tactiledata.diagnose.residuals.instruments import MOST_LEVELS
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import percent, quantity
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 MOST_CONDITIONS = 3
 FEWEST_GAIN = 0.03

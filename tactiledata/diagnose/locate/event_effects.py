@@ -10,16 +10,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.events import Events
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import along
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.residuals.wording import departs, p_words
-
-Array = NDArray[np.float64]
 
 SHAPES = ("stays", "rises", "fades")
 GOES_ON = {"stays": "stays so", "rises": "more and more so", "fades": "fades"}

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.events import Events, stretch
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, signs
 from tactiledata.diagnose.residuals.wording import p_words, rounded
-
-Array = NDArray[np.float64]
 
 BEFORE, AFTER = 4, 8
 """Frames about the event."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Indices
 from tactiledata.diagnose.residuals.residuals import Residuals
-
-Indices = NDArray[np.int64]
 
 KNOWN = {
     ("phase", "free air", "approach"): "approach",

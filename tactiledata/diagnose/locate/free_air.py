@@ -28,8 +28,6 @@ def with_zeros(residuals: Residuals) -> Residuals:
     )
 
 
-Array = NDArray[np.float64]
-
 PHASE, FREE_AIR = "phase", "free air"
 NOT_IN_CONTACT = (FREE_AIR, "approach")
 

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import p_words, rounded
-
-Array = NDArray[np.float64]
 
 DRAWS = 399
 CHUNK = 16

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.drifts import ALL_ALONG, Drift, about_mean, alike_words, look_alikes
 from tactiledata.diagnose.locate.free_air import in_contact
 from tactiledata.diagnose.residuals.instruments import levels, slope
@@ -25,8 +26,6 @@ from tactiledata.diagnose.residuals.scores import FEWEST_EFFECTIVE
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise
 from tactiledata.diagnose.residuals.slopes import Change, over
 from tactiledata.diagnose.residuals.wording import p_words
-
-Array = NDArray[np.float64]
 
 BETWEEN = 0.8
 """Share of a covariate's variance that must lie between units of exchange: others tell of frames, not of units."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.scores import contributions
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.residuals.slopes import Change, change
 from tactiledata.diagnose.residuals.wording import p_words, quantity
-
-Array = NDArray[np.float64]
 
 ACROSS = 14
 """Places along the longer side of the map."""

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, Parameter, Residuals
 from tactiledata.diagnose.residuals.slopes import Change
 from tactiledata.diagnose.residuals.wording import p_words, quantity
-
-Array = NDArray[np.float64]
 
 DRAWS = 499
 SHORTEST = 3

@@ -8,16 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import Contributions
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.residuals.wording import p_words, quantity, with_interval
-
-Array = NDArray[np.float64]
 
 DEPTH = 3
 SMALLEST = 0.05

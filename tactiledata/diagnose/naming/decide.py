@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.evidence import Judged, error_of_sum
 from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation, cosines
 from tactiledata.diagnose.naming.remaining_structure import LeftOver
 from tactiledata.diagnose.naming.thresholds import EvidenceScale
-
-Array = NDArray[np.float64]
 
 Verdict = Literal["nothing is missing", "below detection", "named", "one of a set", "none of the known effects"]
 NONE, OTHER = "none", "other"

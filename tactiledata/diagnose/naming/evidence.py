@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.held_out import HeldOut
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.naming.thresholds import EvidenceScale
 from tactiledata.diagnose.residuals.wording import quantity
-
-Array = NDArray[np.float64]
 
 MOST_ALONE = 0.98
 """Of what all tell, that one trajectory is taken to tell at most: one alone agrees with nobody."""

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.linearise import bounded_change
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.touches.whitened import WhitenedCases
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 FOLDS = 5
 

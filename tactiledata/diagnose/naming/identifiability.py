@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.metric import RandomEffects, cosines
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, nuisance, playable
 from tactiledata.diagnose.naming.strength import Strength
@@ -15,8 +15,6 @@ from tactiledata.diagnose.naming.thresholds import ESTIMATED
 from tactiledata.diagnose.touches.touch_case import CaseSet
 from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
 from tactiledata.gel.elasticity.material import GelMaterial
-
-Array = NDArray[np.float64]
 
 VISIBLE = ESTIMATED.visible
 """Signal over noise, after all that a refit imitates, from which an effect can be claimed."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.intervals import RISE
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.touches.whitened import WhitenedCases
-
-Array = NDArray[np.float64]
 
 TURNS = 3
 ROUNDS = 3

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.linearise import Linearised, Slopes, Weighed, inverse_of
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel, joint_model
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.offsets import PRIOR
-
-Array = NDArray[np.float64]
 
 ROUNDS = 8
 STILL = 0.05

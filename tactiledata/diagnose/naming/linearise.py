@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.naming.signatures import material_fields, material_precision, own_field
@@ -14,8 +15,6 @@ from tactiledata.diagnose.touches.touch_case import Played
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.errors import UsageError
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
-
-Array = NDArray[np.float64]
 
 DIFFERENCE = 0.2
 """Of a coordinate's scale, of the differences over it."""

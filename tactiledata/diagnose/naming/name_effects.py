@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision
 from tactiledata.diagnose.naming.evidence import Judged
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
@@ -20,8 +20,6 @@ from tactiledata.diagnose.naming.signatures import effect_signatures, playable
 from tactiledata.diagnose.touches.touch_case import CaseSet
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.gel.elasticity.material import GelMaterial
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,14 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.diagnose.naming.signatures import deviation_of
 from tactiledata.diagnose.naming.strength import Strength, strength_of
 from tactiledata.effects.parameter import Parameter
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision, decide, ties_of_two
 from tactiledata.diagnose.naming.evidence import Judged, judge, range_checks
 from tactiledata.diagnose.naming.held_out import HeldOut, held_out
@@ -21,8 +21,6 @@ from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

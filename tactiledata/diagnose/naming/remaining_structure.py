@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.evidence import BEST
 from tactiledata.diagnose.naming.thresholds import EvidenceScale
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

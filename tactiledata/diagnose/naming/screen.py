@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.signatures import Signature, looks
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.strength import Strength, set_at
@@ -21,8 +22,6 @@ from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.offsets import PRIOR
-
-Array = NDArray[np.float64]
 
 OWN_STEP = 2e-5
 """m, of the differences over a trajectory's offset."""

@@ -19,7 +19,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tactiledata.arrays import Array
+
 Number = TypeVar("Number", float, Array)
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.touches.touch_case import BaseFamily, CaseSet
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.closed_form.punch_on_layer import PunchOnLayer
@@ -44,7 +44,6 @@ def _respond(touch: Touch) -> BaseResponse:
     return SHAPES[shape](touch)
 
 
-Array = NDArray[np.float64]
 Place = tuple[float, float]
 
 FORCE_LIMIT = 13.0

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.path import FREE_AIR, TrialPath, trial_path
 from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch
@@ -12,8 +12,6 @@ from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
 from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch.touch import Touch
-
-Array = NDArray[np.float64]
 
 DOWN = (0.0, 0.0, -9.81)
 """m/s^2, gel frame, where no recording tells it."""

@@ -9,14 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.linearise import bounded_change
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.touches.touch_case import CaseSet
 from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
-
-Array = NDArray[np.float64]
 
 NEAR = np.array([0.03, 0.005, 0.05])
 """Of ln E, nu and mu: so near to those of the truth a refit begins where the recorded data leave them open, as slopes

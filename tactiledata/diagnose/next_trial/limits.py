@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
 from tactiledata.gel.elasticity.material import GelMaterial
-
-Array = NDArray[np.float64]
 
 STILL = 1e-5
 """m: a tip that moves less from one frame to the next dwells."""

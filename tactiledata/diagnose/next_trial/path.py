@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.next_trial.trial import TrialTouch
-
-Array = NDArray[np.float64]
 
 FREE_AIR, FREE_AIR_AFTER = 0.6, 0.4
 """s at rest before and after each touch."""

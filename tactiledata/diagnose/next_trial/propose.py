@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.name_effects import Naming
 from tactiledata.diagnose.naming.rivals import Pair, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.bench import TrialBench
@@ -19,7 +19,6 @@ from tactiledata.diagnose.touches.touch_case import BaseFamily
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.errors import UsageError
 
-Array = NDArray[np.float64]
 Way = tuple[int, int]
 
 SEPARATED = 0.05

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.learners import folds, need_learning_library
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Residuals
-
-Array = NDArray[np.float64]
 
 
 def features(residuals: Residuals) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-Array = NDArray[np.float64]
+from tactiledata.arrays import Array
 
 BOOTSTRAPS = 2000
 

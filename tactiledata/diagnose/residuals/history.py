@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from tactiledata.arrays import Array, Indices
 
 
 def largest_so_far(values: Array, starts: Indices) -> Array:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Names
-
-Array = NDArray[np.float64]
 
 DECILES = np.arange(1, 10) / 10
 WIDE = 5.0

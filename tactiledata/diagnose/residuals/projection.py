@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Residuals
-
-Array = NDArray[np.float64]
 
 ANY = 1e6
 """Standard deviations of noise that a parameter without prior may move a frame by."""

@@ -9,10 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.errors import TactileDataError, UsageError
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Names = NDArray[np.str_]
 
 FEWEST_UNITS = 8

@@ -9,9 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import Projection
-
-Array = NDArray[np.float64]
 
 FEWEST_EFFECTIVE = 5.0
 """Units of exchange that an alternative rests on, counted by their information."""

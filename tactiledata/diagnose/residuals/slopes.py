@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import Projection
 from tactiledata.diagnose.residuals.residuals import Parameter
 from tactiledata.diagnose.residuals.scores import IMITATED
 from tactiledata.diagnose.residuals.wording import TOO, quantity, signed_change, with_interval
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.dimensions import find_unit
 from tactiledata.diagnose.residuals.residuals import Covariate, Indices
-
-Array = NDArray[np.float64]
 
 TIME_EXPONENTS = (0.0, 0.0, 1.0, *[0.0] * 4)
 BEYOND = 8.0

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.wording import counted
 from tactiledata.diagnose.locate.free_air import in_contact
 from tactiledata.diagnose.residuals.instruments import MOST_LEVELS
@@ -17,8 +18,6 @@ from tactiledata.diagnose.residuals.wording import quantity
 from tactiledata.diagnose.table_input.columns import Columns, columns_of, is_text
 from tactiledata.diagnose.table_input.held_steps import times_since_steps
 from tactiledata.errors import TactileDataError
-
-Array = NDArray[np.float64]
 
 FAR = 30.0
 """Times the median distance from the median: 20 standard deviations of a normal distribution."""

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Covariate, Names
 from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.effects.simulate.simulator import with_effects
 from tactiledata.effects.touch.response import ContactResponse
 from tactiledata.gel.elasticity.material import GelMaterial
-
-Array = NDArray[np.float64]
 
 STILL = 0.1
 """Of a trajectory's median step: a tip that moves less dwells."""

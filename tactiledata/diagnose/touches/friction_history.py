@@ -11,9 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.touches.played_columns import cubics_at
-
-Array = NDArray[np.float64]
 
 BEGINS_TO_SLIDE, ALL_SLIDES = 0.8, 0.95
 """Shares of the limit between which shear forgets: what slides on a curved gel is a little off the limit."""

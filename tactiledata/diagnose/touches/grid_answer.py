@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
 from tactiledata.diagnose.touches.friction_history import CubicsOverFriction, Sliders, own_sliders
@@ -17,7 +18,6 @@ from tactiledata.diagnose.touches.played_columns import AREA, LEAST_FORCE
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.shear_stiffness import shear_stiffness
 
-Array = NDArray[np.float64]
 Bend = tuple[Array, Array, Array]
 """What depends on the offset z as a parabola: level, slope and curvature."""
 

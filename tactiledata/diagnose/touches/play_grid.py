@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.kept_plays import Play, play_path
 from tactiledata.calibrate.plan import Node, ResponsePlan
@@ -79,7 +79,6 @@ def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
     return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)
 
 
-Array = NDArray[np.float64]
 Tell = Callable[..., None]
 
 SHIFT = 5e-5

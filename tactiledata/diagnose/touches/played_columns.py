@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tactiledata.arrays import Array
 
 AREA = 6
 """Column of the contact's area; the wrench stands before it."""

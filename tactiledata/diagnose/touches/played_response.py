@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.touches.friction_history import remembered_shear, shear_change
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.played_columns import pressed, wrench_at_height
@@ -17,8 +17,6 @@ from tactiledata.effects.touch.shear_stiffness import shear_stiffness
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
-
-Array = NDArray[np.float64]
 
 SLIDES = 0.95
 """Share of the sliding force from which the whole contact is taken to slide."""

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
@@ -29,7 +28,6 @@ from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.sensors.base import GelGeometry
 from tactiledata.store.read.reader import Store
 
-Array = NDArray[np.float64]
 Tell = Callable[..., None]
 
 FREE_AIR = 1e-4

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.effects.simulate.balance import Balance
 from tactiledata.effects.simulate.setting import EffectSetting
@@ -20,9 +21,6 @@ from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 FEWEST_FRAMES = 3
 FEWEST_CASES = 8

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.residuals.history import largest_so_far
 from tactiledata.diagnose.touches.touch_case import CaseSet
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -20,9 +21,6 @@ from tactiledata.nuisance.numerical import (
     scatter_covariance,
 )
 from tactiledata.nuisance.tare import tare_variance, zero_power
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LAW_PRIOR = 0.06
 """Standard deviation of the force law's factor where it is fitted beside effects: somewhat less than ``LAW_ERROR``,

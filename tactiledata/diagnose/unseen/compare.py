@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.locate import LEVEL, Located
@@ -17,8 +16,6 @@ from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
 from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.unseen.errors import FORCE, HeldOutErrors, held_out_errors
 from tactiledata.diagnose.unseen.touch_residuals import known_rows, locate_touches
-
-Array = NDArray[np.float64]
 
 STRETCHED = 3.0
 """Standard deviations of its prior, from which on an error of the simulation itself is no usual one."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.held_out import LinearRefits, folds_of
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.linearise import offset_steps
@@ -17,8 +18,6 @@ from tactiledata.diagnose.residuals.gap import Gap, gap_closed
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.diagnose.unseen.touch_residuals import known_rows
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
-
-Array = NDArray[np.float64]
 
 ROUNDS = 2
 

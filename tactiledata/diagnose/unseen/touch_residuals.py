@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.gate import NoiseModel
 from tactiledata.diagnose.locate.locate import Located, LocateOptions, locate
 from tactiledata.diagnose.naming.joint_fit import JointFit
@@ -18,8 +19,6 @@ from tactiledata.diagnose.touches.covariates import case_covariates, contacts, p
 from tactiledata.diagnose.touches.whitened import WhitenedCases
 from tactiledata.effects import EFFECTS
 from tactiledata.nuisance.offsets import PRIOR
-
-Array = NDArray[np.float64]
 
 OF_THE_GEL: Mapping[str, float] = {
     "fx": 0.011, "fy": 0.011, "fz": 0.25, "tx": 0.0, "ty": 0.0, "tz": 0.038,

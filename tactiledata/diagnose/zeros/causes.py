@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.wording import counted
 from tactiledata.diagnose.residuals.wording import p_words, percent
 from tactiledata.diagnose.zeros.readings import ForceZeros
-
-Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 """m/s^2"""

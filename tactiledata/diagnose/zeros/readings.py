@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
@@ -20,9 +20,6 @@ from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_t
 from tactiledata.ingest.forces.tare_events import locate_tares, without_steps
 from tactiledata.store.read.reader import SignalRows, Store
 from tactiledata.transforms import pose_matrices
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 PIECES = 8
 """Most pieces that a stretch of free air is cut into, each with the mean of its readings."""

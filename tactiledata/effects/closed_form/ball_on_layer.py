@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.closed_form.on_layer import OnLayer
 from tactiledata.effects.touch.response import ContactResponse, GelVariant
 from tactiledata.effects.touch.state import wrench_at
-
-Array = NDArray[np.float64]
 
 DIMITRIADIS = (0.0975, 0.769, 1.283, 1.133, 1.0)
 """Of chi, highest power first: a ball on an incompressible bonded layer (Biophys. J. 82, 2002, eq. 12)."""

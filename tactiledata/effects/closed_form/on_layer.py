@@ -6,12 +6,10 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.touch.response import ContactResponse, GelVariant
 from tactiledata.effects.touch.touch import Touch
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

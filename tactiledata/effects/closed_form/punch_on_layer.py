@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.closed_form.ball_on_layer import stick_and_slip
 from tactiledata.effects.closed_form.on_layer import OnLayer
 from tactiledata.effects.touch.response import ContactResponse, GelVariant
 from tactiledata.effects.touch.state import wrench_at
-
-Array = NDArray[np.float64]
 
 GARCIA = (-0.291, 0.598, 1.283, 1.133, 1.0)
 """Of a / h, highest power first: a flat punch on an incompressible bonded layer (Biophys. J. 114, 2018)."""

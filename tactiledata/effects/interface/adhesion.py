@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import strength
 from tactiledata.effects.touch.response import ContactResponse
 from tactiledata.effects.touch.state import TouchState, wrench_at
 from tactiledata.indenters.base import Indenter
-
-Array = NDArray[np.float64]
 
 AFTER_SHEAR = 0.12
 """Of the work of adhesion, what is left once the contact has slid."""

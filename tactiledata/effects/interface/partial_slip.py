@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import strength
 from tactiledata.effects.touch.state import TouchState
-
-Array = NDArray[np.float64]
 
 ELEMENTS = 8
 """Contacts in parallel that stand for one; the knee is then within 1 % of Mindlin's curve."""

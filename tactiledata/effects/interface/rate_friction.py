@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.last_move import SLOWEST as STANDING
 from tactiledata.effects.touch.state import TouchState
-
-Array = NDArray[np.float64]
 
 SLOWEST = 1e-3
 """Of the reference speed: slower, the law is not followed further down."""

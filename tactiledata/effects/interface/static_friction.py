@@ -7,15 +7,13 @@ from math import exp, hypot, log10
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.last_move import WAYS
 from tactiledata.effects.touch.state import TouchState
 from tactiledata.effects.touch.touch import Touch
-
-Array = NDArray[np.float64]
 
 
 class StaticFriction(Effect):

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.normal_density import normal_density
 from tactiledata.effects.touch.state import TouchState
 
-Array = NDArray[np.float64]
 FARTHEST = 2.0
 """Standard deviations outside the range from which on no frame was chosen, so that none is biased."""
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.felt_acceleration import FREQUENCIES, felt_at
 from tactiledata.effects.touch.state import TouchState
 from tactiledata.effects.touch.touch import Touch
-
-Array = NDArray[np.float64]
 
 
 class Inertia(Effect):

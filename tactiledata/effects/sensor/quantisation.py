@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.normal_density import normal_density
 from tactiledata.effects.touch.state import TouchState
-
-Array = NDArray[np.float64]
 
 
 class Quantisation(Effect):

@@ -5,10 +5,8 @@ from __future__ import annotations
 from copy import copy
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from tactiledata.arrays import Array, Mask
 
 LEAST_STEP, LARGEST_STEP = 0.02, 2.0
 
@@ -64,7 +62,7 @@ class Balance:
         self.felt = bridged(self.felt + self._step * self._miss, self._known)
 
 
-def bridged(wrench: Array, known: Flags) -> Array:
+def bridged(wrench: Array, known: Mask) -> Array:
     """A wrench (n, 6) with what is unknown taken from its neighbours, as what is not simulated bends the arm, too."""
     frames = np.arange(len(wrench))
     columns = [

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import CONTACT_SLOTS
 from tactiledata.effects.simulate.balance import Balance
 from tactiledata.effects.simulate.setting import EffectSetting, in_order
@@ -15,8 +15,6 @@ from tactiledata.effects.touch.response import BaseResponse, GelVariant
 from tactiledata.effects.touch.state import TouchState
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UsageError
-
-Array = NDArray[np.float64]
 
 EDGE = 1e-5
 """m about the surface, within which contact comes and goes."""

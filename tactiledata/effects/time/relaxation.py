@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.relaxing_shear import relaxing_shear
 from tactiledata.effects.touch.state import TouchState, wrench_at
 from tactiledata.effects.touch.time_operators import fading_memory
-
-Array = NDArray[np.float64]
 
 
 class Relaxation(Effect):

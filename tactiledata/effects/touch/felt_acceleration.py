@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
-Array = NDArray[np.float64]
+from tactiledata.arrays import Array
 
 FREQUENCIES = tuple(float(f) for f in np.geomspace(6.0, 40.0, 39).round(2))
 """Hz of modes, a twentieth apart: an arm's lowest ones lie between 10 and 25 Hz."""

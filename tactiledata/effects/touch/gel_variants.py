@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
+from tactiledata.arrays import Array
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.gel.elasticity.stiffening import Stiffening
 from tactiledata.gel.engines.fem import FemEngine, Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
-
-Array = NDArray[np.float64]
 
 
 def variant_engine(mesh: PadMesh, poisson_ratio: float, fidelity: Fidelity, variant: GelVariant) -> FemEngine:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import Indenter
-
-Array = NDArray[np.float64]
 
 SPREAD = 1.5e-3
 """m: standard deviation of the bell by which an earlier press counts at another place; about a contact's radius."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tactiledata.arrays import Array
 
 WINDOW = 0.04
 """s before a moment over which its speed is taken."""

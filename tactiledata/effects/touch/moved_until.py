@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tactiledata.arrays import Array
 from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.effects.touch.last_move import last_move, last_ways
-
-Array = NDArray[np.float64]
 
 
 def moved_until(frames: Array, seconds: Array, places: Array) -> dict[str, Array]:

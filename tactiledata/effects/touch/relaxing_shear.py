@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.touch.time_operators import fading_steps
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
 """Of the limit, by which shear may be beyond it."""

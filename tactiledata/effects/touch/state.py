@@ -7,13 +7,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.touch.response import BaseResponse, ContactResponse
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UsageError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

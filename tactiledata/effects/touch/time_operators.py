@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tactiledata.arrays import Array
 
 
 def fading_memory(seconds: Array, wrench: Array, time: float) -> Array:

@@ -8,14 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.effects.touch.felt_acceleration import FREQUENCIES
 from tactiledata.effects.touch.last_move import WAYS
 from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.base import Indenter
 from tactiledata.sensors.base import GelGeometry
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

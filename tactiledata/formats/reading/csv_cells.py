@@ -14,12 +14,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Mask
 from tactiledata.contract.records import Finding, Times, Values
 from tactiledata.errors import BrokenLog
-
-Mask = NDArray[np.bool_]
 
 SHOWN = 5
 """Faulty lines that a message names."""

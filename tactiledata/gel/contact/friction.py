@@ -6,9 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
+from tactiledata.arrays import Array, Indices
 
 PARTIAL_LOAD = 1.2
 """Added compliance of a patch of which the share c lies under the indenter, over that of the whole: this times

@@ -6,11 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.relief import PITCH, IndenterRelief
 from tactiledata.gel.mesh.surface import ContactSurface
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LEAST_COVER = 0.1
 """Share of a patch that must lie under the indenter for the patch to take part."""

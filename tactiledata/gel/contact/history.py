@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.indenters.base import Indenter
-
-Array = NDArray[np.float64]
 
 
 class FrameStatus(IntEnum):

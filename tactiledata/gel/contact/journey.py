@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tactiledata.arrays import Array
 from tactiledata.gel.contact.history import FrameStatus, GelTouch
 from tactiledata.gel.contact.path import judge_pose, load_steps
 from tactiledata.gel.contact.recorder import FrameRecorder
 from tactiledata.gel.contact.walker import ContactState, ContactWalk
-
-Array = NDArray[np.float64]
 
 FINEST = 4
 """A load step that fails is tried in 2 and at last this many parts."""

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tactiledata.arrays import Array
 from tactiledata.gel.contact.gap import APART, height_above
 from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.gel.contact.relief import IndenterRelief
 from tactiledata.gel.contact.walker import LARGEST_STEP, way_points
-
-Array = NDArray[np.float64]
 
 DEEPEST = 0.5
 """Share of the pad's thickness beyond which nothing is solved: cells would be crushed."""

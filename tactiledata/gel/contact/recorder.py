@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.gel.contact.history import FrameStatus, GelHistory
 from tactiledata.gel.contact.walker import ContactWalk
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
 
-Array = NDArray[np.float64]
 Keep = Literal["all", "surface", "none"]
 
 

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.indenters.base import Indenter
-
-Array = NDArray[np.float64]
 
 PITCH = 2e-5
 """m: a ball of 2 mm radius is met within 0.03 micrometres between grid points."""

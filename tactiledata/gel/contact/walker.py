@@ -8,13 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.friction import solve_contact
 from tactiledata.gel.contact.gap import APART, height_above, patch_gaps
 from tactiledata.gel.contact.relief import IndenterRelief
 from tactiledata.gel.mesh.surface import ContactSurface
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LOOK_AROUND = 4e-4
 """m: faces this near the indenter are searched for contact during a step."""

@@ -17,14 +17,13 @@ from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import SuperLU, splu
 from threadpoolctl import ThreadpoolController
 
+from tactiledata.arrays import Array
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.gel.elasticity.stiffness import linear_stiffness
 from tactiledata.gel.elasticity.triangular import BlockFactor
 from tactiledata.gel.mesh.cells import CellQuadrature
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
-
-Array = NDArray[np.float64]
 
 BATCH = 96
 """Right-hand sides solved at once: the factor is read from memory once for all of them."""

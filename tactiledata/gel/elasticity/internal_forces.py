@@ -9,14 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.elasticity.stiffening import Stiffening
 from tactiledata.gel.mesh.cells import CellQuadrature
 from tactiledata.gel.mesh.pad import PadMesh
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 NEO_HOOKEAN = Stiffening()
 LEAST_VOLUME_RATIO = 1e-3

@@ -15,9 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Single = NDArray[np.float32]
+from tactiledata.arrays import Array, Indices, SingleArray
 
 LANES = 8
 """Right-hand sides solved together on a thread; always so many, with zeros among them, so that none depends on how many
@@ -48,11 +46,11 @@ class BlockFactor:
     starts: Indices
     rows: Indices
     row_starts: Indices
-    below: Single
+    below: SingleArray
     below_starts: Indices
-    corners: Single
+    corners: SingleArray
     corner_starts: Indices
-    inverse_diagonal: Single
+    inverse_diagonal: SingleArray
 
     @staticmethod
     def of(factor: SuperLU) -> BlockFactor:
@@ -128,12 +126,12 @@ def _solve(
     starts: Indices,
     rows: Indices,
     row_starts: Indices,
-    below: Single,
+    below: SingleArray,
     below_starts: Indices,
-    corners: Single,
+    corners: SingleArray,
     corner_starts: Indices,
-    inverse_diagonal: Single,
-    values: Single,
+    inverse_diagonal: SingleArray,
+    values: SingleArray,
 ) -> None:
     """Replace right-hand sides (n, lanes) by solutions."""
     blocks = len(starts) - 1

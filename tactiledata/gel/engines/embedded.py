@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, kron
 
+from tactiledata.arrays import Array
 from tactiledata.gel.contact.history import GelHistory, GelTouch
 from tactiledata.gel.contact.recorder import Keep
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -16,8 +17,6 @@ from tactiledata.gel.engines.fem import WIDTH, FemEngine, Fidelity
 from tactiledata.gel.mesh.structured_pad import PLANS, grid_lines, pad_mesh
 from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.sensors.base import GelGeometry
-
-Array = NDArray[np.float64]
 
 
 class EmbeddedEngine:

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.gel.contact.gap import APART
 from tactiledata.gel.contact.history import GelHistory, GelTouch
@@ -27,7 +27,6 @@ from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.indenters.base import Indenter
 
-Array = NDArray[np.float64]
 Fidelity = Literal["finite-strain", "linear"]
 
 WIDTH = 16

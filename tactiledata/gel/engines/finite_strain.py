@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.contact.journey import Journey
 from tactiledata.gel.elasticity.compliance import FactorisedPad
@@ -18,9 +18,6 @@ from tactiledata.gel.elasticity.mixing import SecantMixer
 from tactiledata.gel.elasticity.stiffening import Stiffening
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 TOLERANCE = 2e-6
 """m: a step is solved when no node moves further in an iteration."""

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
+from tactiledata.arrays import Array
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.contact.journey import Journey
 from tactiledata.gel.elasticity.compliance import BATCH, FactorisedPad
 from tactiledata.gel.mesh.surface import ContactSurface
-
-Array = NDArray[np.float64]
 
 FORCE_TOLERANCE = 1e-4
 """A step is solved when no patch force changes by more than this share of the largest."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.gel.contact.gap import height_above
 from tactiledata.gel.contact.history import FrameStatus, GelHistory, GelTouch
@@ -19,8 +19,6 @@ from tactiledata.gel.flex.model import FlexModel, require_convex, tetrahedra_of
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.gel.scene.mujoco_package import load_mujoco
-
-Array = NDArray[np.float64]
 
 MOVES = 2
 """Time steps for each part of the way to a frame."""

@@ -9,16 +9,14 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.gel.mesh.pad import Indices, PadMesh
 from tactiledata.gel.scene.mujoco_package import load_mujoco
 from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.sphere import Sphere
-
-Array = NDArray[np.float64]
 
 MILLIMETRES = 1e3
 """The model is in mm and N/mm^2 with Young's modulus 1: MuJoCo's tolerances are made for numbers near one."""

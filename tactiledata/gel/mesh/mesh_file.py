@@ -7,16 +7,14 @@ from pathlib import Path
 
 import meshio
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import MissingFile, SchemaError
 from tactiledata.gel.mesh.mesh_frame import gel_axes
 from tactiledata.gel.mesh.pad import Indices, PadMesh
 from tactiledata.gel.mesh.tetrahedra import boundary_of, ten_node_cells
 from tactiledata.units import TO_METRES, metres
-
-Array = NDArray[np.float64]
 
 READERS = {".mesh": meshio.medit.read, ".msh": meshio.gmsh.read, ".vtk": meshio.vtk.read}
 MAX_MESH_BYTES = 256 * 2**20

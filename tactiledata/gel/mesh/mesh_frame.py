@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from tactiledata.arrays import Array
 from tactiledata.errors import SchemaError, UsageError
 from tactiledata.gel.mesh.pad import Indices
-
-Array = NDArray[np.float64]
 
 AXES = {f"{sign}{name}": float(f"{sign}1") * np.eye(3)[row] for row, name in enumerate("xyz") for sign in "+-"}
 CANDIDATES = 300

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from tactiledata.arrays import Array, Indices
+
 CellKind = Literal["hexahedron8", "tetrahedron10"]
 
 

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 from tactiledata.gel.mesh.pad import Indices, PadMesh
 from tactiledata.sensors.base import GelGeometry
 
-Array = NDArray[np.float64]
 Resolution = Literal["low", "high"]
 
 

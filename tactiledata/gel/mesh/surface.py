@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.mesh.pad import PadMesh
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 POINTS_A_SIDE = 6
 """Contact is looked for at this many points squared in each face: finer than the nodes, so that edges are found."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.gel.mesh.pad import Indices
-
-Array = NDArray[np.float64]
 
 EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))

@@ -11,12 +11,11 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Array
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.scene.arm import UR5E_LINKS
 from tactiledata.gel.scene.mujoco_package import load_mujoco
 from tactiledata.transforms import matrix_poses
-
-Array = NDArray[np.float64]
 
 ARM_RADIUS = 0.045
 TOOL_RADIUS = 0.012

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from tactiledata.contract.records import Finding, Times, Trajectory
 from tactiledata.contract.take import TRAJECTORY_SCHEMA, StoredSignal
 
-Rows = NDArray[np.int64]
-
 
 @dataclass(frozen=True)
 class Checked:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.errors import UsageError
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.bank.own_springs import OwnSprings, own_springs
@@ -31,8 +32,6 @@ from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion.motion import Path
 from tactiledata.rig.scenario.scenario import Gel, Material
-
-Array = NDArray[np.floating[Any]]
 
 MODULUS = 1e6
 """Pa, with which is solved."""
@@ -50,8 +49,8 @@ class BankedContact:
     """See `Contact`; it has no surface."""
 
     path: Path
-    missed: Array | None
-    wrench: Array
+    missed: RealArray | None
+    wrench: RealArray
     slipping: NDArray[np.bool_]
     unsettled: int
 
@@ -86,7 +85,7 @@ class ContactBank:
     _layers: dict[tuple[Gel, Material], Layer] = field(default_factory=dict)
 
     def contact(
-        self, gel: Gel, setup: TouchSetup, path: Path | None = None, missed: Array | None = None
+        self, gel: Gel, setup: TouchSetup, path: Path | None = None, missed: RealArray | None = None
     ) -> BankedContact:
         """The contact of a touch, as `tactiledata.rig.play.Stage` asks for it.
 
@@ -124,7 +123,7 @@ class ContactBank:
         wrench = _placed(setup, path, missed, wrench, springs)
         return BankedContact(path, missed, wrench, nearest.slipping, nearest.unsettled)
 
-    def _at(self, gel: Gel, setup: TouchSetup, path: Path, deeper: Array) -> tuple[Array, Solution]:
+    def _at(self, gel: Gel, setup: TouchSetup, path: Path, deeper: RealArray) -> tuple[RealArray, Solution]:
         """Wrench (n, 6) over the modulus at offsets (n,), and the solution nearest to their mean."""
         weights = _cubic_weights(deeper, OFFSETS)
         used = weights.any(axis=0)
@@ -190,7 +189,7 @@ def _between(value: float, nodes: Sequence[float], what: str) -> list[tuple[floa
     return [(part, node) for part, node in ((1.0 - share, low), (share, high)) if node != 1.0 and part != 0.0]
 
 
-def _cubic_weights(values: Array, nodes: Sequence[float]) -> Array:
+def _cubic_weights(values: RealArray, nodes: Sequence[float]) -> RealArray:
     """Weights (n, k) of ascending nodes in the cubic through the four about each value (n,)."""
     at = np.asarray(nodes)
     room = BEYOND * float(at[1] - at[0])
@@ -211,7 +210,9 @@ def _cubic_weights(values: Array, nodes: Sequence[float]) -> Array:
     return weights
 
 
-def _placed(setup: TouchSetup, path: Path, missed: Array | None, wrench: Array, springs: OwnSprings) -> Array:
+def _placed(
+    setup: TouchSetup, path: Path, missed: RealArray | None, wrench: RealArray, springs: OwnSprings
+) -> RealArray:
     """The wrench where the indenter really is along the gel."""
     beside = np.zeros((len(wrench), 3))
     beside[:, :2] = setup.offset[:2]

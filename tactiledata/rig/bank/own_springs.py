@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import CONTACT_RATE
-from tactiledata.rig.hidden.base import Array
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden.slider import slide
 
@@ -34,7 +34,7 @@ class OwnSprings(NamedTuple):
     factor: float = 1.0
     spread: float = 0.0
 
-    def pull(self, path: Array, normal: Array, stiffness: Array, friction: float) -> Array:
+    def pull(self, path: RealArray, normal: RealArray, stiffness: RealArray, friction: float) -> RealArray:
         """Pull (n, 2), N, on the gel; see `slide`."""
         told = np.column_stack([path, normal, stiffness])
         changes = np.append(True, (np.diff(told, axis=0) != 0).any(axis=1))
@@ -44,7 +44,9 @@ class OwnSprings(NamedTuple):
         return pull[np.cumsum(changes) - 1]
 
 
-def own_springs(path: Array, normal: Array, stiffness: Array, friction: float, pull: Array) -> OwnSprings:
+def own_springs(
+    path: RealArray, normal: RealArray, stiffness: RealArray, friction: float, pull: RealArray
+) -> OwnSprings:
     """Those nearest to a contact's own pull (n, 2), N; those of the closed form where it hardly pulls.
 
     Parameters
@@ -63,7 +65,7 @@ def own_springs(path: Array, normal: Array, stiffness: Array, friction: float, p
         return OwnSprings()
     reached = limit * beyond_coulomb(pull[rows], limit) / friction
 
-    def missing(values: Array) -> Array:
+    def missing(values: RealArray) -> RealArray:
         springs = OwnSprings(float(np.exp(values[0])), float(values[1]))
         found = springs.pull(path[rows, :2], reached, stiffness[rows], friction)
         return (found - pull[rows]).ravel()

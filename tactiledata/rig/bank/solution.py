@@ -10,24 +10,22 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path as FilePath
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.rig.contact.contact import TouchSetup
 from tactiledata.rig.motion.motion import Path
 from tactiledata.rig.scenario.scenario import Gel, Material
-
-Array = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
 class Solution:
     """A touch at `CONTACT_RATE`: wrench (n, 6) over the modulus, m² and m³, whether all slides, steps not solved."""
 
-    wrench: Array
+    wrench: RealArray
     slipping: NDArray[np.bool_]
     unsettled: int
 

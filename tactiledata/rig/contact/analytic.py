@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.closed_form import ContactHistory, contact_law, press_along
 from tactiledata.rig.contact.contact import CONTACT_RATE, DEEPEST, Contact, TouchSetup, contact_times, missed_at
 from tactiledata.rig.contact.inclined import touch_inclined
 from tactiledata.rig.contact.membrane import surface
 from tactiledata.rig.motion.motion import Path
-
-Array = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -24,10 +22,10 @@ class AnalyticContact:
     setup: TouchSetup
     path: Path
     history: ContactHistory
-    missed: Array | None = None
+    missed: RealArray | None = None
 
     @property
-    def wrench(self) -> Array:
+    def wrench(self) -> RealArray:
         """See `Contact.wrench`."""
         return self.history.wrench
 
@@ -52,7 +50,7 @@ class AnalyticContact:
         return surface(print_, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
 
 
-def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: Array | None = None) -> Contact:
+def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: RealArray | None = None) -> Contact:
     """A touch, played.
 
     Parameters

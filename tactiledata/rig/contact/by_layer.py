@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times, missed_at
 from tactiledata.rig.contact.layer_picture import drawn_surface
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.press import led_on
 from tactiledata.rig.layer.solver import Layer, PressState
 from tactiledata.rig.motion.motion import Path
-
-Array = NDArray[np.floating[Any]]
 
 STEP, STEP_OUT = 1e-4, 2e-4
 """m: longest step of the solver, and on the way out of the gel."""
@@ -40,12 +38,12 @@ class LayerContact:
     setup: TouchSetup
     grid: LayerGrid
     path: Path
-    wrench: Array
+    wrench: RealArray
     slipping: NDArray[np.bool_]
-    marks: Array
+    marks: RealArray
     surfaces: NDArray[np.float32]
     unsettled: int
-    missed: Array | None = None
+    missed: RealArray | None = None
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """See `Contact.surface`."""
@@ -61,7 +59,9 @@ class LayerContact:
         return drawn_surface(displacement, self.grid, setup.print_, moved, float(depth), fall)
 
 
-def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, missed: Array | None = None) -> LayerContact:
+def touch_layer(
+    setup: TouchSetup, layer: Layer, path: Path | None = None, missed: RealArray | None = None
+) -> LayerContact:
     """A touch, played on a pad.
 
     Parameters
@@ -100,7 +100,7 @@ def touch_layer(setup: TouchSetup, layer: Layer, path: Path | None = None, misse
     )
 
 
-def solver_steps(path: Path, offset: Array) -> tuple[Array, Array]:
+def solver_steps(path: Path, offset: RealArray) -> tuple[RealArray, RealArray]:
     """Where the solver stops on a path: metres travelled (k,), strictly rising, and true positions (k, 3).
 
     Ends of moves, first and last touch, and between those so many that no step is longer than ``STEP``.
@@ -133,13 +133,13 @@ class _Walk:
 
     def __init__(self, setup: TouchSetup, layer: Layer) -> None:
         self._setup, self._layer = setup, layer
-        self._trail: list[tuple[Array, PressState]] = []
+        self._trail: list[tuple[RealArray, PressState]] = []
 
-    def along(self, positions: Array) -> list[PressState]:
+    def along(self, positions: RealArray) -> list[PressState]:
         """States at positions (k, 3): x, y of the tip, depth."""
         return [self.at(positions, index) for index in range(len(positions))]
 
-    def at(self, positions: Array, index: int) -> PressState:
+    def at(self, positions: RealArray, index: int) -> PressState:
         """The state at one of the positions, those before it having been visited."""
         if index < len(self._trail) and np.array_equal(self._trail[index][0], positions[index]):
             return self._trail[index][1]
@@ -154,7 +154,7 @@ class _Walk:
         self._trail.append((positions[index], state))
         return state
 
-    def _pose(self, position: Array) -> Array:
+    def _pose(self, position: RealArray) -> RealArray:
         pose = np.eye(4)
         pose[:3, :3] = self._setup.rotation
         pose[:3, 3] = position[0], position[1], -position[2] - self._setup.print_.lowest
@@ -177,7 +177,7 @@ def _deepest(setup: TouchSetup, walk: _Walk) -> float:
     return allowed
 
 
-def _between_steps(marks: Array, values: Array, at: Array) -> Array:
+def _between_steps(marks: RealArray, values: RealArray, at: RealArray) -> RealArray:
     """Values (n, 6) at metres ``at`` (n,) from those at the steps: smooth within each contact, zero outside."""
     out = np.zeros((len(at), values.shape[1]))
     touching = values.any(axis=1)

@@ -15,16 +15,14 @@ Assumptions: small strain, no adhesion, no rolling or twisting, indenter inside 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact.footprint import CEILING, Footprint
 from tactiledata.rig.scenario.scenario import Material
-
-Array = NDArray[np.floating[Any]]
 
 TABLE = 601
 """Depths at which the law of one contact is tabulated, from 0 to ``CEILING``: every 5 µm."""
@@ -40,7 +38,7 @@ def _bonded_coefficients(poisson_ratio: float) -> tuple[float, float]:
     return alpha, beta
 
 
-def _thickness_factor(chi: Array, alpha: float, beta: float, third: float, fourth: float) -> Array:
+def _thickness_factor(chi: RealArray, alpha: float, beta: float, third: float, fourth: float) -> RealArray:
     """How much stiffer a layer is than a half-space, at contact size over thickness ``chi`` (n,).
 
     A series of fourth order, whose last two terms differ by shape in the weights of ``beta``; beyond ``WIDEST``, where
@@ -59,7 +57,7 @@ def _thickness_factor(chi: Array, alpha: float, beta: float, third: float, fourt
     return series(inside) + series.deriv()(WIDEST) * (chi - inside)
 
 
-def sphere_force(depth: Array, radius: float, thickness: float, material: Material) -> Array:
+def sphere_force(depth: RealArray, radius: float, thickness: float, material: Material) -> RealArray:
     """Normal force (n,), N, of a ball on a bonded layer; Hertz's law times a series in sqrt(R d) / h."""
     alpha, beta = _bonded_coefficients(material.poisson_ratio)
     chi = np.sqrt(radius * depth) / thickness
@@ -68,14 +66,14 @@ def sphere_force(depth: Array, radius: float, thickness: float, material: Materi
     return 4 / 3 * modulus * np.sqrt(radius) * depth**1.5 * factor
 
 
-def punch_stiffness(radius: Array, thickness: float, material: Material) -> Array:
+def punch_stiffness(radius: RealArray, thickness: float, material: Material) -> RealArray:
     """Normal stiffness (n,), N/m, of a flat round punch of radius (n,) on a bonded layer."""
     alpha, beta = _bonded_coefficients(material.poisson_ratio)
     factor = _thickness_factor(radius / thickness, alpha, beta, np.pi**2 / 3, 2 * np.pi**2 / 3)
     return 2 * material.youngs_modulus / (1 - material.poisson_ratio**2) * radius * factor
 
 
-def shear_stiffness(radius: Array, thickness: float, material: Material) -> Array:
+def shear_stiffness(radius: RealArray, thickness: float, material: Material) -> RealArray:
     """Tangential stiffness (n,), N/m: half-space and thin layer side by side, each right in its own limit."""
     shear_modulus = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
     half_space = 8 * shear_modulus * radius / (2 - material.poisson_ratio)
@@ -97,18 +95,18 @@ class ContactLaw:
         Of the round contact of equal area.
     """
 
-    depth: Array
-    force: Array
-    stiffness: Array
-    centre: Array
+    depth: RealArray
+    force: RealArray
+    stiffness: RealArray
+    centre: RealArray
     friction: float
-    radius: Array
+    radius: RealArray
 
     def depth_at(self, force: float) -> float:
         """The depth at which the normal force reaches a value; the deepest tabulated one where it never does."""
         return float(np.interp(force, self.force, self.depth))
 
-    def columns_at(self, depth: Array) -> tuple[Array, Array, Array]:
+    def columns_at(self, depth: RealArray) -> tuple[RealArray, RealArray, RealArray]:
         """Force (n,), tangential stiffness (n,) and centre (n, 3) at depths (n,); zero without contact."""
         inside = np.clip(depth, 0.0, self.depth[-1])
         centre = np.stack([np.interp(inside, self.depth, self.centre[:, axis]) for axis in range(3)], axis=1)
@@ -144,7 +142,7 @@ def _face_area(print_: Footprint) -> float:
     return float(np.count_nonzero(face) * (grid.x[1] - grid.x[0]) * (grid.y[1] - grid.y[0]))
 
 
-def _foundation(print_: Footprint, depth: Array) -> tuple[Array, Array, list[Array]]:
+def _foundation(print_: Footprint, depth: RealArray) -> tuple[RealArray, RealArray, list[RealArray]]:
     """Sums over the pad of s = max(d - height, 0): of s, of s², and of s x and s y about the tip, each (k,).
 
     Sorted heights and running sums give every depth at once.
@@ -158,13 +156,13 @@ def _foundation(print_: Footprint, depth: Array) -> tuple[Array, Array, list[Arr
     cell = float(grid.x[1] - grid.x[0]) * float(grid.y[1] - grid.y[0])
     count = np.searchsorted(heights, depth, side="left")
 
-    def running(values: Array) -> Array:
+    def running(values: RealArray) -> RealArray:
         return np.concatenate([[0.0], np.cumsum(values)])[count] * cell
 
     ones = running(np.ones(len(heights)))
     volume = np.maximum(depth * ones - running(heights), 0.0)
     square = np.maximum(depth**2 * ones - 2 * depth * running(heights) + running(heights**2), 0.0)
-    moments: list[Array] = []
+    moments: list[RealArray] = []
     for coordinate in (x[near][order], y[near][order]):
         moments.append(depth * running(coordinate) - running(coordinate * heights))
     return volume, square, moments
@@ -183,12 +181,12 @@ class ContactHistory:
     slipping : (n,) bool
     """
 
-    wrench: Array
-    drag: Array
+    wrench: RealArray
+    drag: RealArray
     slipping: NDArray[np.bool_]
 
 
-def press_along(law: ContactLaw, positions: Array) -> ContactHistory:
+def press_along(law: ContactLaw, positions: RealArray) -> ContactHistory:
     """The contact along a path of the indenter.
 
     Parameters
@@ -208,7 +206,9 @@ def press_along(law: ContactLaw, positions: Array) -> ContactHistory:
     return ContactHistory(wrench, drag, slipping)
 
 
-def stick_slip(path: Array, normal: Array, stiffness: Array, friction: float) -> tuple[Array, NDArray[np.bool_]]:
+def stick_slip(
+    path: RealArray, normal: RealArray, stiffness: RealArray, friction: float
+) -> tuple[RealArray, NDArray[np.bool_]]:
     """Pull (n, 2), N, of a moving indenter on the gel, and whether it slips (n,).
 
     The spring is loaded by increments, so that area gained under load starts free of stress (Mindlin); the pull never

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact.footprint import Footprint
 from tactiledata.rig.contact.gel_cap import Cap
 from tactiledata.rig.motion.motion import Path
 from tactiledata.rig.motion.touch import Touch
 from tactiledata.rig.scenario.scenario import Material
-
-Array = NDArray[np.floating[Any]]
 
 CONTACT_RATE = 500.0
 """Hz at which the history of a contact is told."""
@@ -47,9 +46,9 @@ class TouchSetup:
 
     touch: Touch
     indenter: Indenter
-    rotation: Array
+    rotation: RealArray
     print_: Footprint
-    offset: Array
+    offset: RealArray
     thickness: float
     material: Material
     plan: Callable[[Callable[[float], float]], Path]
@@ -70,11 +69,11 @@ class Contact(Protocol):
         """As commanded."""
 
     @property
-    def missed(self) -> Array | None:
+    def missed(self) -> RealArray | None:
         """What the arm really adds to the path besides the offset, (n, 3) m at ``CONTACT_RATE``: x, y, depth."""
 
     @property
-    def wrench(self) -> Array:
+    def wrench(self) -> RealArray:
         """What the gel exerts on the indenter (n, 6) at ``CONTACT_RATE``, gel frame, about its origin: N, N m."""
 
     @property
@@ -89,11 +88,11 @@ class Contact(Protocol):
         """Height (n_y, n_x), m, of the gel's outer surface on the footprint's grid; zero where it is at rest."""
 
 
-Played = Callable[[TouchSetup, Path | None, Array | None], Contact]
+Played = Callable[[TouchSetup, Path | None, RealArray | None], Contact]
 """A touch, played along a path that may be planned already, and missed by (n, 3) m."""
 
 
-def missed_at(missed: Array | None, seconds: Array) -> Array:
+def missed_at(missed: RealArray | None, seconds: RealArray) -> RealArray:
     """What the arm adds (n, 3), m, at seconds (n,), from its history at ``CONTACT_RATE``; zero without one."""
     if missed is None:
         return np.zeros((len(seconds), 3))
@@ -101,6 +100,6 @@ def missed_at(missed: Array | None, seconds: Array) -> Array:
     return np.stack([np.interp(seconds, ticks, column) for column in missed.T], axis=1)
 
 
-def contact_times(path: Path) -> Array:
+def contact_times(path: Path) -> RealArray:
     """Seconds (n,) of the history's samples."""
     return np.arange(0.0, path.duration + 1.0 / CONTACT_RATE, 1.0 / CONTACT_RATE)

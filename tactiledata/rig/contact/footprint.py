@@ -9,10 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.scenario.scenario import Gel
-
-Array = NDArray[np.floating[Any]]
 
 PITCH = 8e-5
 """m between points of the grid; about a pixel and a half of the picture."""
@@ -33,8 +32,8 @@ COARSE = 4
 class GelGrid:
     """Points of the pad's undeformed surface: x (n_x,) and y (n_y,), metres, gel frame; maps are (n_y, n_x)."""
 
-    x: Array
-    y: Array
+    x: RealArray
+    y: RealArray
     outline: tuple[float, float]
 
     @classmethod
@@ -65,15 +64,15 @@ class Footprint:
     """
 
     grid: GelGrid
-    heights: Array
+    heights: RealArray
     position: tuple[float, float]
     lowest: float
 
 
-def footprint(indenter: Indenter, rotation: Array, position: tuple[float, float], grid: GelGrid) -> Footprint:
+def footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, float], grid: GelGrid) -> Footprint:
     """The footprint of an indenter with ``rotation`` (3, 3), gel_from_indenter, its tip over ``position``."""
     x, y = np.meshgrid(grid.x - position[0], grid.y - position[1])
-    heights: Array
+    heights: RealArray
     if rotation[2, 2] > 1.0 - 1e-12:
         # head-on: turned about the common axis only
         heights = indenter.height(rotation[0, 0] * x + rotation[1, 0] * y, rotation[0, 1] * x + rotation[1, 1] * y)
@@ -100,7 +99,7 @@ def shifted(values: NDArray[Any], offset: tuple[float, float], pitch: float) -> 
     return cv2.warpAffine(values, move, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
-def _march(indenter: Indenter, rotation: Array, x: Array, y: Array, lowest: float) -> Array:
+def _march(indenter: Indenter, rotation: RealArray, x: RealArray, y: RealArray, lowest: float) -> RealArray:
     """Lowest z (n_y, n_x) of the turned body above each point, by sphere tracing along gel z; ``inf`` where none.
 
     Every ``COARSE``-th ray is first led to where its neighbours could meet the body; they start from there.
@@ -119,7 +118,9 @@ def _march(indenter: Indenter, rotation: Array, x: Array, y: Array, lowest: floa
     return heights.reshape(x.shape)
 
 
-def _trace(indenter: Indenter, rotation: Array, x: Array, y: Array, start: Array, lowest: float, reach: float) -> Array:
+def _trace(
+    indenter: Indenter, rotation: RealArray, x: RealArray, y: RealArray, start: RealArray, lowest: float, reach: float
+) -> RealArray:
     """Height (n,) from ``start`` (n,) at which each ray is first within ``reach`` of the body; ``inf`` where never."""
     heights = np.full(len(x), np.inf)
     alive = np.arange(len(x))

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from tactiledata.arrays import RealArray
 
 STEEPEST = 0.9
 """Square of the ball's radius beyond which the surface falls no further, relative."""
@@ -26,23 +24,23 @@ class Cap:
 
     curvature: float = 0.0
 
-    def fall(self, x: Array | float, y: Array | float) -> Array:
+    def fall(self, x: RealArray | float, y: RealArray | float) -> RealArray:
         """Metres below the middle at places x, y, m, of one shape."""
         if self.curvature == 0:
             return np.zeros(np.broadcast(x, y).shape)
         return np.asarray(1 / self.curvature - self._height(x, y))
 
-    def fall_from(self, place: tuple[float, float], x: Array | float, y: Array | float) -> Array:
+    def fall_from(self, place: tuple[float, float], x: RealArray | float, y: RealArray | float) -> RealArray:
         """Metres below the surface at ``place`` (2,), m."""
         return self.fall(x, y) - self.fall(*place)
 
-    def downhill(self, place: tuple[float, float]) -> Array:
+    def downhill(self, place: tuple[float, float]) -> RealArray:
         """How much the surface falls along x and y (2,) at a place (2,), m; m/m."""
         if self.curvature == 0:
             return np.zeros(2)
         return np.asarray(place) / self._height(*place)
 
-    def _height(self, x: Array | float, y: Array | float) -> Array:
+    def _height(self, x: RealArray | float, y: RealArray | float) -> RealArray:
         """Over the ball's centre, m."""
         radius = 1 / self.curvature
         return np.sqrt(radius**2 - np.minimum(np.square(x) + np.square(y), STEEPEST * radius**2))

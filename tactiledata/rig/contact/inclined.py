@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import Contact, Played, TouchSetup
 from tactiledata.rig.contact.footprint import CEILING, footprint
 from tactiledata.rig.contact.gel_cap import Cap
 from tactiledata.rig.motion.motion import Path
-
-Array = NDArray[np.floating[Any]]
 
 DEEPENING = np.array([1.0, 1.0, -1.0])
 """Turns x, y, depth into x, y, z, and back."""
@@ -30,8 +29,8 @@ class InclinedContact:
 
     inner: Contact
     path: Path
-    missed: Array | None
-    wrench: Array
+    missed: RealArray | None
+    wrench: RealArray
 
     @property
     def slipping(self) -> NDArray[np.bool_]:
@@ -48,7 +47,7 @@ class InclinedContact:
         return self.inner.surface(seconds)
 
 
-def touch_inclined(setup: TouchSetup, path: Path | None, missed: Array | None, play: Played) -> InclinedContact:
+def touch_inclined(setup: TouchSetup, path: Path | None, missed: RealArray | None, play: Played) -> InclinedContact:
     """A touch of a domed gel.
 
     Pressed straight down, the indenter slides along the surface, and what presses on it is not vertical. The plane is
@@ -64,7 +63,7 @@ def touch_inclined(setup: TouchSetup, path: Path | None, missed: Array | None, p
     return InclinedContact(found, path, missed, _in_gel(found.wrench, setup, gel_from_plane))
 
 
-def _turn(downhill: Array) -> Array:
+def _turn(downhill: RealArray) -> RealArray:
     """Rotation (3, 3), gel_from_plane, by the shortest way from gel z to the surface's normal."""
     normal = np.array([*downhill, 1.0]) / np.sqrt(1.0 + downhill @ downhill)
     axis = np.cross([0.0, 0.0, 1.0], normal)
@@ -73,7 +72,7 @@ def _turn(downhill: Array) -> Array:
 
 
 def _in_plane(
-    setup: TouchSetup, level: TouchSetup, path: Path, gel_from_plane: Array, moves: Array
+    setup: TouchSetup, level: TouchSetup, path: Path, gel_from_plane: RealArray, moves: RealArray
 ) -> tuple[TouchSetup, Path]:
     """The touch and its path over the tangent plane, which meets the gel's surface at the touch's position.
 
@@ -97,7 +96,7 @@ def _in_plane(
     return flat, replace(path, positions=positions + place)
 
 
-def _in_gel(wrench: Array, setup: TouchSetup, gel_from_plane: Array) -> Array:
+def _in_gel(wrench: RealArray, setup: TouchSetup, gel_from_plane: RealArray) -> RealArray:
     """Wrench (n, 6), gel frame about its origin, from that in the plane's."""
     place = np.array([*setup.touch.position, 0.0])
     low = place - np.array([0.0, 0.0, setup.cap.fall(*setup.touch.position)])

@@ -8,8 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.closed_form import punch_stiffness
-from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
 
 FINE = 6001
 """States of the border that are told apart: every half micrometre of depth."""
@@ -46,7 +47,7 @@ class PinnedEdge(HiddenEffect):
     LEFT_AFTER_SHEAR: ClassVar[float] = 0.15
     SHEARED: ClassVar[float] = 5e-5
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         depth = np.linspace(0.0, felt.law.depth[-1], FINE)
         radius = np.maximum(np.interp(depth, felt.law.depth, felt.law.radius), 1e-6)
@@ -67,7 +68,7 @@ class PinnedEdge(HiddenEffect):
         out[held] += sticky - plain
         return out
 
-    def _energies(self, felt: Felt) -> Array:
+    def _energies(self, felt: Felt) -> RealArray:
         """Advancing and receding energy at each moment (n, 2)."""
         sideways = np.linalg.norm(np.diff(felt.positions[:, :2], axis=0, prepend=felt.positions[:1, :2]), axis=1)
         sheared = np.cumsum(np.where(felt.positions[:, 2] > 0, sideways, 0.0)) > self.SHEARED
@@ -75,7 +76,7 @@ class PinnedEdge(HiddenEffect):
         return factor[:, None] * np.array([self.advancing, self.receding])
 
 
-def _border(sunk: Array, depth: Array, release: Array, energies: Array) -> Array:
+def _border(sunk: RealArray, depth: RealArray, release: RealArray, energies: RealArray) -> RealArray:
     """Index (n,) into the states of the border at each moment; -1 without contact.
 
     Parameters

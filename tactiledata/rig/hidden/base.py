@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.contact.closed_form import ContactLaw
 from tactiledata.rig.contact.contact import CONTACT_RATE, TouchSetup
 from tactiledata.rig.motion.motion import Path
@@ -19,8 +19,6 @@ from tactiledata.transforms import Transform
 if TYPE_CHECKING:
     from tactiledata.rig.play import Performance
 
-Array = NDArray[np.floating[Any]]
-Times = NDArray[np.int64]
 Parameters = Mapping[str, float]
 
 HIDDEN = 11
@@ -97,20 +95,20 @@ class Felt:
     setup: TouchSetup
     law: ContactLaw
     path: Path
-    positions: Array
+    positions: RealArray
 
     @property
-    def times(self) -> Array:
+    def times(self) -> RealArray:
         """Seconds (n,) from the touch's start."""
         return np.arange(len(self.positions)) / CONTACT_RATE
 
     @property
-    def depth(self) -> Array:
+    def depth(self) -> RealArray:
         """Metres (n,), at least 0."""
         return np.maximum(self.positions[:, 2], 0.0)
 
     @property
-    def radius(self) -> Array:
+    def radius(self) -> RealArray:
         """Radius (n,), m, of the round contact of equal area; 0 without contact."""
         return np.where(self.depth > 0, np.interp(self.depth, self.law.depth, self.law.radius), 0.0)
 
@@ -150,19 +148,19 @@ class HiddenEffect:
         """The touch as it really is: geometry and offsets."""
         return setup
 
-    def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+    def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
         """What the path really misses (n, 3) at ``CONTACT_RATE``: x, y, depth, m."""
         return None
 
-    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
         """Move (3, 3), m/N, of the indenter over the gel by the force on it: gel frame."""
         return None
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """Normal force (n,), N, from that without the effect."""
         return force
 
-    def tangential_stiffness(self, stiffness: Array, felt: Felt) -> Array:
+    def tangential_stiffness(self, stiffness: RealArray, felt: Felt) -> RealArray:
         """Stiffness (n,), N/m, from that without the effect."""
         return stiffness
 
@@ -174,27 +172,27 @@ class HiddenEffect:
         """Spread of the limits of parts of the contact, relative: 0 for one slider."""
         return 0.0
 
-    def memory(self, felt: Felt) -> Array | None:
+    def memory(self, felt: Felt) -> RealArray | None:
         """Share (n,) of a tangential pull that the gel still holds after so many samples, 1 at once."""
         return None
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
         """A further load (n, 6) on the force sensor, in its frame, at sorted moments of the host clock."""
         return None
 
-    def sensed(self, values: Array, seconds: Array, rng: np.random.Generator) -> Array:
+    def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
         """What the sensor makes of loads (n, 6) at sorted seconds (n,) since the log's start, before it is tared."""
         return values
 
-    def delayed(self, values: Array, rate: float) -> Array | None:
+    def delayed(self, values: RealArray, rate: float) -> RealArray | None:
         """What a slow sensor shows of evenly sampled loads (n, 6); None where it is not slow."""
         return None
 
-    def told(self, reading: Array) -> Array:
+    def told(self, reading: RealArray) -> RealArray:
         """The numbers (n, 6) that leave the sensor."""
         return reading
 
-    def stamped(self, stream: str, stamps: Times, seconds: Array) -> Times:
+    def stamped(self, stream: str, stamps: Times, seconds: RealArray) -> Times:
         """Stamps (n,) of a stream, ns, from those without the effect; seconds (n,) since the log's start."""
         return stamps
 

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters, Times
+from tactiledata.arrays import RealArray
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, Times
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class ClockSkew(HiddenEffect):
     jump: float = 0.0
     every: float = 60.0
 
-    def stamped(self, stream: str, stamps: Times, seconds: Array) -> Times:
+    def stamped(self, stream: str, stamps: Times, seconds: RealArray) -> Times:
         """See `HiddenEffect.stamped`."""
         if stream != "wrench":
             return stamps

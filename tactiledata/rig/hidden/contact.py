@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.analytic import touch_analytic
 from tactiledata.rig.contact.closed_form import contact_law, stick_slip
 from tactiledata.rig.contact.contact import CONTACT_RATE, Contact, Played, TouchSetup, contact_times
-from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, TouchFacts, Visit
+from tactiledata.rig.hidden.base import Felt, HiddenEffect, TouchFacts, Visit
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden.history import elastic_work
 from tactiledata.rig.hidden.slider import areas_of, slide
@@ -33,7 +34,7 @@ class HiddenContact:
     """
 
     inner: Contact
-    wrench: Array
+    wrench: RealArray
     slipping: NDArray[np.bool_]
     unbalanced: float
 
@@ -43,7 +44,7 @@ class HiddenContact:
         return self.inner.path
 
     @property
-    def missed(self) -> Array | None:
+    def missed(self) -> RealArray | None:
         """See `Contact.missed`."""
         return self.inner.missed
 
@@ -89,7 +90,7 @@ class _Touch:
         gives = [give for effect in self._effects if (give := effect.compliance(*args)) is not None]
         if not shifts and not gives:
             return self._changed(plain)
-        fixed: Array = sum(shifts, np.zeros((len(contact_times(self._path)), 3)))
+        fixed: RealArray = sum(shifts, np.zeros((len(contact_times(self._path)), 3)))
         if not gives:
             return self._changed(play(self._setup, self._path, fixed))
         give, given = np.sum(gives, axis=0), np.zeros_like(fixed)
@@ -100,7 +101,7 @@ class _Touch:
             given = given + self._damped(missing, give, found)
         return HiddenContact(found.inner, found.wrench, found.slipping, float(np.abs(missing).max()))
 
-    def _damped(self, missing: Array, give: Array, found: HiddenContact) -> Array:
+    def _damped(self, missing: RealArray, give: RealArray, found: HiddenContact) -> RealArray:
         """Newton's step (n, 3) with the stiffness of the closed forms."""
         felt = self.felt(found.inner)
         normal = np.interp(felt.depth, self._law.depth, np.gradient(self._law.force, self._law.depth))
@@ -114,7 +115,7 @@ class _Touch:
         felt = self.felt(contact)
         before, pull_before = contact.wrench[:, 2], -contact.wrench[:, :2]
         normal = before
-        plain: Array = np.interp(felt.depth, self._law.depth, self._law.stiffness)
+        plain: RealArray = np.interp(felt.depth, self._law.depth, self._law.stiffness)
         stiff = plain
         for effect in self._effects:
             force = effect.normal(normal, felt)
@@ -130,11 +131,11 @@ class _Touch:
     def _pull(
         self,
         felt: Felt,
-        pull: Array,
+        pull: RealArray,
         slipping: NDArray[np.bool_],
-        before: tuple[Array, Array],
-        after: tuple[Array, Array],
-    ) -> tuple[Array, NDArray[np.bool_]]:
+        before: tuple[RealArray, RealArray],
+        after: tuple[RealArray, RealArray],
+    ) -> tuple[RealArray, NDArray[np.bool_]]:
         """Pull (n, 2) and slipping (n,): the contact's own, plus what sliders on springs say that effects change."""
         factors = [factor for effect in self._effects if (factor := effect.friction(felt)) is not None]
         spread = max((effect.spread() for effect in self._effects), default=0.0)
@@ -147,14 +148,14 @@ class _Touch:
         plain = stick_slip(path, before[0], before[1], coefficient)[0]
         memory = np.prod(memories, axis=0) if memories else None
         changed, limit, slipping = slide(path, *after, areas, coefficient, CONTACT_RATE, factors, spread, memory)
-        out: Array = pull + (changed - plain)
+        out: RealArray = pull + (changed - plain)
         limit = limit * beyond_coulomb(pull, coefficient * before[0])
         size = np.linalg.norm(out, axis=1)
         over = size > limit
         out[over] *= (limit[over] / size[over])[:, None]
         return out, slipping
 
-    def _wrench(self, felt: Felt, wrench: Array, normal: Array, pull: Array) -> Array:
+    def _wrench(self, felt: Felt, wrench: RealArray, normal: RealArray, pull: RealArray) -> RealArray:
         """Forces changed; torques so that each change acts at the centre of pressure of the closed forms."""
         share = np.divide(normal, wrench[:, 2], out=np.zeros_like(normal), where=wrench[:, 2] > 0)[:, None]
         scaled = wrench * share
@@ -164,12 +165,12 @@ class _Touch:
         return np.concatenate([force, scaled[:, 3:] + np.cross(point, force - scaled[:, :3])], axis=1)
 
 
-def _as_miss(move: Array) -> Array:
+def _as_miss(move: RealArray) -> RealArray:
     """Moves (n, 3) along gel x, y, z as x, y, depth."""
     return move * np.array([1.0, 1.0, -1.0])
 
 
-def _analytic(setup: TouchSetup, path: Path | None, missed: Array | None) -> Contact:
+def _analytic(setup: TouchSetup, path: Path | None, missed: RealArray | None) -> Contact:
     return touch_analytic(setup, path, missed)
 
 

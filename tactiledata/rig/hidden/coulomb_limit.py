@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactiledata.rig.hidden.base import Array
+from tactiledata.arrays import RealArray
 
 
-def beyond_coulomb(pull: Array, limit: Array) -> Array:
+def beyond_coulomb(pull: RealArray, limit: RealArray) -> RealArray:
     """By what factor a contact's own pull (n, 2) exceeds Coulomb's limit (n,); 1 where it does not.
 
     What slides on flanks is pushed along the gel by the pressure on them, too: a few per cent more than friction alone.

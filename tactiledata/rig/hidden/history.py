@@ -8,8 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters, TouchFacts
 
 SPOT = 1.5e-3
 """m: standard deviation of the bell by which an earlier touch counts at another place."""
@@ -21,7 +22,7 @@ EXPANSION = 3e-4
 """1/K, of silicone."""
 
 
-def elastic_work(felt: Felt) -> Array:
+def elastic_work(felt: Felt) -> RealArray:
     """Work (n,), J, that the gel holds at each depth on its first loading."""
     table = felt.law.depth
     work = np.concatenate([[0.0], np.cumsum((felt.law.force[1:] + felt.law.force[:-1]) / 2 * np.diff(table))])
@@ -56,7 +57,7 @@ class WorkSoftening(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     loss: float = 0.0
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         work, facts = elastic_work(felt), felt.facts
         before = max(
@@ -95,7 +96,7 @@ class Wear(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     loss: float = 0.0
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         count = sum(_nearness(visit.position, felt.facts.touch.position) for visit in felt.facts.visits)
         return force * (1 - self.loss * count / (count + 10))
@@ -138,6 +139,6 @@ class WarmUp(HiddenEffect):
         growth = EXPANSION * setup.thickness * warmth(facts.seconds_on, self.rise)
         return replace(setup, offset=setup.offset + np.array([0.0, 0.0, growth]))
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         return force * (1 - self.softening * warmth(felt.facts.seconds_on, self.rise))

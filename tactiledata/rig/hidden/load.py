@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters, Times
+from tactiledata.arrays import RealArray
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, Times
 from tactiledata.rig.motion import ur5e
 from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.transforms import move_wrench
@@ -54,7 +55,7 @@ class ToolWeight(HiddenEffect):
     mass: float = 0.0
     lever: float = 0.0
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
         """See `HiddenEffect.load`."""
         robot = scenario.robot
         down = -performance.tcp(moments)[:, 2, :3]
@@ -89,7 +90,7 @@ class CableDrag(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"force": (0.0, 5.0)}
     force: float = 0.0
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
         """See `HiddenEffect.load`."""
         grid = _grid(performance, CABLE_RATE)
         robot = scenario.robot
@@ -101,7 +102,7 @@ class CableDrag(HiddenEffect):
         return move_wrench(wrench, robot.tcp_from_ft.inverse().matrix)
 
 
-def bouc_wen(way: Array) -> Array:
+def bouc_wen(way: RealArray) -> RealArray:
     """Hysteretic variable (n,) within -1 and 1 of a way (n,) measured in slips; 0 at the start."""
     out = np.zeros(len(way))
     value = 0.0
@@ -141,7 +142,7 @@ class Inertia(HiddenEffect):
     mass: float = 0.0
     frequency: float = 18.0
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> Array | None:
+    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
         """See `HiddenEffect.load`."""
         grid = _grid(performance, SHAKE_RATE)
         places = performance.tcp(grid)[:, :3, 3]
@@ -157,12 +158,12 @@ class Inertia(HiddenEffect):
         return move_wrench(wrench, scenario.robot.tcp_from_ft.inverse().matrix)
 
 
-def second_order(values: Array, frequency: float, damping: float, rate: float) -> Array:
+def second_order(values: RealArray, frequency: float, damping: float, rate: float) -> RealArray:
     """Values (n, k) at ``rate`` Hz through w² / (s² + 2 zeta w s + w²), at rest in the first of them."""
     w = 2 * np.pi * frequency
     top, bottom, _ = cont2discrete(([w * w], [1.0, 2 * damping * w, w * w]), 1 / rate, method="foh")
     top, bottom = np.ravel(top), np.ravel(bottom)
-    answer: Array = lfilter(top, bottom, values - values[:1], axis=0) + values[:1]
+    answer: RealArray = lfilter(top, bottom, values - values[:1], axis=0) + values[:1]
     return answer
 
 

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters
+from tactiledata.arrays import RealArray
+from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
 
 STEEPEST = 0.6
 """Strain beyond which stiffening grows no more."""
@@ -39,14 +40,14 @@ class OgdenShear(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     exponent: float = 2.0
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         local = 0.2 * np.divide(felt.depth, felt.radius, out=np.zeros_like(felt.depth), where=felt.radius > 0)
         strain = -np.log1p(-np.minimum(local + felt.depth / (3 * felt.setup.thickness), STEEPEST))
         return force * _shear_factor(self.exponent * strain) / _shear_factor(2.0 * strain)
 
 
-def _shear_factor(argument: Array) -> Array:
+def _shear_factor(argument: RealArray) -> RealArray:
     return np.divide(np.sinh(argument), argument, out=np.ones_like(argument), where=argument > 1e-9)
 
 
@@ -76,7 +77,7 @@ class Skin(HiddenEffect):
     thickness: float = 0.0
     ratio: float = 6.0
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         if self.thickness == 0:
             return force
@@ -109,7 +110,7 @@ class PadEdge(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     inset: float = 0.0
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         if self.inset == 0:
             return force
@@ -149,14 +150,14 @@ class Delamination(HiddenEffect):
     y: float = 0.002
     radius: float = 0.0025
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         return force * (1 - self.share / 4 * self._inside(felt))
 
-    def tangential_stiffness(self, stiffness: Array, felt: Felt) -> Array:
+    def tangential_stiffness(self, stiffness: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.tangential_stiffness`."""
         return stiffness * (1 - self.share * self._inside(felt))
 
-    def _inside(self, felt: Felt) -> Array:
+    def _inside(self, felt: Felt) -> RealArray:
         away = np.hypot(felt.positions[:, 0] - self.x, felt.positions[:, 1] - self.y)
         return 1 / (1 + (away / self.radius) ** 6)

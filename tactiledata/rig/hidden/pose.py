@@ -8,8 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import TouchSetup, contact_times
-from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, TouchFacts
 from tactiledata.rig.motion import motion, ur5e
 from tactiledata.rig.motion.motion import Path
 
@@ -17,20 +18,20 @@ PARTS_OF_STIFFNESS = (1.0, 1.0, 1.0, 0.4, 0.4, 0.4)
 """Of shoulder, elbow and the smaller wrist joints."""
 
 
-def sensor_poses(positions: Array, setup: TouchSetup, facts: TouchFacts) -> Array:
+def sensor_poses(positions: RealArray, setup: TouchSetup, facts: TouchFacts) -> RealArray:
     """base_from_gel (n, 4, 4) of positions (n, 3) over the gel."""
     tcp_from_gel = facts.scenario.robot.tcp_from_gel
     tcp = motion.base_from_tcp(positions, setup.rotation, setup.print_.lowest, facts.mounted, tcp_from_gel)
     return tcp @ tcp_from_gel.matrix
 
 
-def joint_angles(poses: Array, facts: TouchFacts) -> Array:
+def joint_angles(poses: RealArray, facts: TouchFacts) -> RealArray:
     """Angles (n, 6), rad, of base_from_gel (n, 4, 4)."""
     robot = facts.scenario.robot
     return ur5e.inverse(poses @ (robot.flange_from_tcp @ robot.tcp_from_gel).inverse().matrix)
 
 
-def _moves_over_gel(poses: Array, joints: Array) -> Array:
+def _moves_over_gel(poses: RealArray, joints: RealArray) -> RealArray:
     """Move (n, 3, 6) of the indenter over the gel, gel axes, m, per rad of each joint (n, 6): minus the gel's own."""
     jacobian = ur5e.jacobian(joints, poses[:, :3, 3])[:, :3]
     return -np.swapaxes(poses[:, :3, :3], 1, 2) @ jacobian
@@ -57,11 +58,11 @@ class JointCompliance(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"softness": (0.0, 1e-3)}
     softness: float = 0.0
 
-    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
         """See `HiddenEffect.compliance`; at the path's deepest point, since it is much smaller than the arm."""
         poses = sensor_poses(path.positions[[int(np.argmax(path.positions[:, 2]))]], setup, facts)
         moves = _moves_over_gel(poses, joint_angles(poses, facts))[0]
-        answer: Array = moves @ np.diag(self.softness / np.array(PARTS_OF_STIFFNESS)) @ moves.T
+        answer: RealArray = moves @ np.diag(self.softness / np.array(PARTS_OF_STIFFNESS)) @ moves.T
         return answer
 
 
@@ -95,11 +96,11 @@ class StemBending(HiddenEffect):
     length: float = 0.030
     modulus: float = 2.5e9
 
-    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+    def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
         """See `HiddenEffect.compliance`."""
         give = self.length**3 / (3 * self.modulus * np.pi / 64) * self.softness**4
         axis = setup.rotation[:, 2]
-        answer: Array = give * (np.eye(3) - np.outer(axis, axis))
+        answer: RealArray = give * (np.eye(3) - np.outer(axis, axis))
         return answer
 
 
@@ -124,7 +125,7 @@ class JointBacklash(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"play": (0.0, 0.01)}
     play: float = 0.0
 
-    def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> Array | None:
+    def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
         """See `HiddenEffect.shift`; measured from where the joints hang at the start."""
         poses = sensor_poses(path.at(contact_times(path)), setup, facts)
         angles = joint_angles(poses, facts)
@@ -134,7 +135,7 @@ class JointBacklash(HiddenEffect):
         return moves
 
 
-def followed(angles: Array, play: float) -> Array:
+def followed(angles: RealArray, play: float) -> RealArray:
     """What follows angles (n, 6) with a play, from the middle of it."""
     out = angles.copy()
     for moment in range(1, len(angles)):

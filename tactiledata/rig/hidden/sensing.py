@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.contact.contact import CONTACT_RATE
 from tactiledata.rig.hidden.base import HIDDEN, HiddenEffect
 from tactiledata.rig.scenario.scenario import Scenario
@@ -15,12 +15,10 @@ from tactiledata.rig.scenario.scenario import Scenario
 if TYPE_CHECKING:
     from tactiledata.rig.play import Performance
 
-Array = NDArray[np.floating[Any]]
-Times = NDArray[np.int64]
-Loads = Callable[[Times], Array]
+Loads = Callable[[Times], RealArray]
 
 
-def hidden_loads(scenario: Scenario, performance: Performance, moments: Times) -> Array:
+def hidden_loads(scenario: Scenario, performance: Performance, moments: Times) -> RealArray:
     """What hidden effects add (n, 6) to the load on the force sensor, in its frame, at sorted moments."""
     out = np.zeros((len(moments), 6))
     for effect in scenario.hidden:
@@ -30,7 +28,7 @@ def hidden_loads(scenario: Scenario, performance: Performance, moments: Times) -
     return out
 
 
-def sensed_loads(scenario: Scenario, performance: Performance, index: int, loads: Loads, moments: Times) -> Array:
+def sensed_loads(scenario: Scenario, performance: Performance, index: int, loads: Loads, moments: Times) -> RealArray:
     """What the force sensor makes (n, 6) of loads, before its zero is set, at sorted moments of the host clock.
 
     A slow sensor is fed evenly over the whole log.
@@ -49,7 +47,7 @@ def sensed_loads(scenario: Scenario, performance: Performance, index: int, loads
     return np.stack([np.interp(at, seconds, column) for column in values.T], axis=1)
 
 
-def _sensed(scenario: Scenario, index: int, values: Array, seconds: Array) -> Array:
+def _sensed(scenario: Scenario, index: int, values: RealArray, seconds: RealArray) -> RealArray:
     for effect in scenario.hidden:
         own = int.from_bytes(type(effect).__name__.encode(), "big")
         seed = [scenario.seed, HIDDEN, own, *([index] if effect.PER_LOG else [])]
@@ -57,14 +55,14 @@ def _sensed(scenario: Scenario, index: int, values: Array, seconds: Array) -> Ar
     return values
 
 
-def told_readings(effects: Sequence[HiddenEffect], reading: Array) -> Array:
+def told_readings(effects: Sequence[HiddenEffect], reading: RealArray) -> RealArray:
     """The numbers (n, 6) that leave the sensor."""
     for effect in effects:
         reading = effect.told(reading)
     return reading
 
 
-def told_stamps(effects: Sequence[HiddenEffect], stream: str, stamps: Times, seconds: Array) -> Times:
+def told_stamps(effects: Sequence[HiddenEffect], stream: str, stamps: Times, seconds: RealArray) -> Times:
     """Stamps (n,), ns, of a stream; seconds (n,) since the log's start."""
     for effect in effects:
         stamps = effect.stamped(stream, stamps, seconds)

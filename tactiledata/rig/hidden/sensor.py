@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tactiledata.rig.hidden.base import Array, HiddenEffect, Parameters
+from tactiledata.arrays import RealArray
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters
 from tactiledata.rig.hidden.load import second_order
 
 ARM = 0.02
@@ -50,7 +51,7 @@ class WanderingZero(HiddenEffect):
     walk: float = 0.0
     time: float = 600.0
 
-    def sensed(self, values: Array, seconds: Array, rng: np.random.Generator) -> Array:
+    def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
         """See `HiddenEffect.sensed`."""
         scale = np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
         ways = rng.normal(size=(2, 3))
@@ -97,7 +98,7 @@ class CrossTalk(HiddenEffect):
     cross: float = 0.0
     quadratic: float = 0.0
 
-    def sensed(self, values: Array, seconds: Array, rng: np.random.Generator) -> Array:
+    def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
         """See `HiddenEffect.sensed`."""
         matrix = self.cross * rng.normal(size=(6, 6))
         matrix[:3, 3:] /= GAIN_ARM
@@ -105,7 +106,7 @@ class CrossTalk(HiddenEffect):
         np.fill_diagonal(matrix, self.gain * rng.choice([-1.0, 1.0], 6))
         bend = self.quadratic * rng.normal(size=6)
         size = np.linalg.norm(values[:, :3], axis=1, keepdims=True) / FULL_SCALE
-        answer: Array = values + values @ matrix.T + bend * values * size
+        answer: RealArray = values + values @ matrix.T + bend * values * size
         return answer
 
 
@@ -131,7 +132,7 @@ class FrameRotation(HiddenEffect):
     yaw: float = 0.0
     tilt: float = 0.0
 
-    def sensed(self, values: Array, seconds: Array, rng: np.random.Generator) -> Array:
+    def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
         """See `HiddenEffect.sensed`."""
         vector = [self.tilt * np.cos(0.7), self.tilt * np.sin(0.7), self.yaw]
         turn = Rotation.from_rotvec(vector).as_matrix()
@@ -162,7 +163,7 @@ class SlowSensor(HiddenEffect):
     delay: float = 0.0
     period: float = 0.0
 
-    def delayed(self, values: Array, rate: float) -> Array | None:
+    def delayed(self, values: RealArray, rate: float) -> RealArray | None:
         """See `HiddenEffect.delayed`."""
         if self.delay == 0 and self.period == 0:
             return None
@@ -193,7 +194,7 @@ class DeadBand(HiddenEffect):
     band: float = 0.0
     quantum: float = 0.0
 
-    def told(self, reading: Array) -> Array:
+    def told(self, reading: RealArray) -> RealArray:
         """See `HiddenEffect.told`."""
         scale = np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
         out = reading
@@ -223,7 +224,7 @@ class Saturation(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"bound": (0.0, 1.0)}
     bound: float = 0.0
 
-    def told(self, reading: Array) -> Array:
+    def told(self, reading: RealArray) -> RealArray:
         """See `HiddenEffect.told`."""
         out = reading.copy()
         out[:, :3] /= (1 + (np.abs(reading[:, :3]) * self.bound) ** 8) ** (1 / 8)

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.rig.hidden.base import Array, FrictionFactor, Slide
+from tactiledata.arrays import RealArray
+from tactiledata.rig.hidden.base import FrictionFactor, Slide
 
 SLIDERS = 12
 """Parts of a contact whose limits are spread."""
@@ -22,16 +23,16 @@ CREEP = 1e-5
 
 
 def slide(
-    path: Array,
-    normal: Array,
-    stiffness: Array,
-    areas: Array,
+    path: RealArray,
+    normal: RealArray,
+    stiffness: RealArray,
+    areas: RealArray,
     friction: float,
     rate: float,
     factors: Sequence[FrictionFactor] = (),
     spread: float = 0.0,
-    memory: Array | None = None,
-) -> tuple[Array, Array, NDArray[np.bool_]]:
+    memory: RealArray | None = None,
+) -> tuple[RealArray, RealArray, NDArray[np.bool_]]:
     """Pull (n, 2), N, on the gel; its limit (n,), N; whether all slides (n,).
 
     The speed of sliding is found so that springs, path and limit agree in each step. The limit that is returned is that
@@ -117,7 +118,7 @@ def _limit(
     return limit_at(speed), speed, limit_at(max(speed, CREEP))
 
 
-def areas_of(radius: Any) -> Array:
+def areas_of(radius: Any) -> RealArray:
     """Areas (n,), m², of round contacts."""
-    areas: Array = np.pi * np.asarray(radius) ** 2
+    areas: RealArray = np.pi * np.asarray(radius) ** 2
     return areas

@@ -9,20 +9,21 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import fftconvolve
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import CONTACT_RATE
-from tactiledata.rig.hidden.base import Array, Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
 from tactiledata.rig.hidden.history import warmth
 
-Kernel = Callable[[Array], Array]
+Kernel = Callable[[RealArray], RealArray]
 """Relaxation modulus relative to the instantaneous one, of seconds (n,)."""
 
 
-def relaxed(force: Array, kernel: Kernel) -> Array:
+def relaxed(force: RealArray, kernel: Kernel) -> RealArray:
     """Boltzmann's superposition: forces (n, ...) at ``CONTACT_RATE`` of a gel whose instant answer they are."""
     weights = kernel(np.arange(len(force)) / CONTACT_RATE)
     steps = np.diff(force, axis=0, prepend=np.zeros_like(force[:1]))
     shape = (len(weights),) + (1,) * (force.ndim - 1)
-    answer: Array = fftconvolve(steps, weights.reshape(shape), axes=0)[: len(force)]
+    answer: RealArray = fftconvolve(steps, weights.reshape(shape), axes=0)[: len(force)]
     return answer
 
 
@@ -50,11 +51,11 @@ class Springpot(HiddenEffect):
     alpha: float = 0.0
     onset: float = 0.02
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         return _pressing(relaxed(force, self._kernel(felt)), force)
 
-    def memory(self, felt: Felt) -> Array:
+    def memory(self, felt: Felt) -> RealArray:
         """See `HiddenEffect.memory`."""
         return self._kernel(felt)(np.arange(len(felt.positions)) / CONTACT_RATE)
 
@@ -109,13 +110,13 @@ class Drainage(HiddenEffect):
     share: float = 0.0
     diffusivity: float = 2e-6
 
-    def normal(self, force: Array, felt: Felt) -> Array:
+    def normal(self, force: RealArray, felt: Felt) -> RealArray:
         """See `HiddenEffect.normal`."""
         widest = float(felt.radius.max())
         if widest == 0:
             return force
 
-        def kernel(seconds: Array) -> Array:
+        def kernel(seconds: RealArray) -> RealArray:
             x = self.diffusivity * seconds / widest**2
             left = 0.491 * np.exp(-0.908 * np.sqrt(x)) + 0.509 * np.exp(-1.679 * x)
             return 1 - self.share * (1 - left)
@@ -123,6 +124,6 @@ class Drainage(HiddenEffect):
         return _pressing(relaxed(force, kernel), force)
 
 
-def _pressing(force: Array, instant: Array) -> Array:
+def _pressing(force: RealArray, instant: RealArray) -> RealArray:
     """Forces (n,) that do not pull, and only while there is contact."""
     return np.where(instant > 0, np.maximum(force, 0.0), 0.0)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from tactiledata.arrays import RealArray
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,8 @@ class Grip:
     stiffness: float
     weighing: float
     friction: float
-    held: Array
-    anchor: Array
+    held: RealArray
+    anchor: RealArray
     fresh: NDArray[np.bool_]
 
 
@@ -53,12 +52,12 @@ class Springs:
         In the direction, of a move along the normal.
     """
 
-    normal: Array
-    direction: Array
-    values: Array
-    dragged: Array
+    normal: RealArray
+    direction: RealArray
+    values: RealArray
+    dragged: RealArray
 
-    def __matmul__(self, vectors: Array) -> Array:
+    def __matmul__(self, vectors: RealArray) -> RealArray:
         """The matrices times vectors (n, 3)."""
         up, along, across = self.values
         raised = np.einsum("ij,ij->i", self.normal, vectors)
@@ -80,7 +79,7 @@ class Tractions:
     touching, slipping : (n,) bool
     """
 
-    values: Array
+    values: RealArray
     springs: Springs
     touching: NDArray[np.bool_]
     slipping: NDArray[np.bool_]
@@ -90,7 +89,7 @@ class Tractions:
         return bool((self.touching == other.touching).all() and (self.slipping == other.slipping).all())
 
 
-def linearised(grip: Grip, points: Array, gap: Array, normal: Array, now: Array) -> Tractions:
+def linearised(grip: Grip, points: RealArray, gap: RealArray, normal: RealArray, now: RealArray) -> Tractions:
     """The law about points (n, 3) with gaps (n,), normals (n, 3) out of the indenter and present tractions (n, 3).
 
     Touch and slip are decided by distance and traction together, as in the primal-dual active set method: a point

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.layer.grid import LayerGrid
-
-Array = NDArray[np.floating[Any]]
 
 PER_SIDE = 2
 """Touch points along each side of a cell: the rim of a punch lies between the points of the grid."""
@@ -34,9 +32,9 @@ class TouchPoints:
     areas : (n,), m²
     """
 
-    places: Array
+    places: RealArray
     share: sparse.csr_array
-    areas: Array
+    areas: RealArray
 
     @classmethod
     def of(cls, grid: LayerGrid) -> TouchPoints:
@@ -57,7 +55,7 @@ class TouchPoints:
         places = np.stack([grid.x[j] + t * grid.pitch, grid.y[i] + s * grid.pitch, np.zeros(len(i))], axis=1)
         return cls(places, share, filling * (grid.pitch / PER_SIDE) ** 2)
 
-    def lowered(self, fall: Array) -> TouchPoints:
+    def lowered(self, fall: RealArray) -> TouchPoints:
         """The points of a surface that lies lower by (n,), m."""
         return replace(self, places=self.places - fall[:, None] * np.array([0.0, 0.0, 1.0]))
 
@@ -66,12 +64,12 @@ class TouchPoints:
         return TouchPoints(self.places[index], self.share[index], self.areas[index])
 
 
-def gaps(indenter: Indenter, pose: Array, points: Array) -> Array:
+def gaps(indenter: Indenter, pose: RealArray, points: RealArray) -> RealArray:
     """Signed distances (n,), m, of points (n, 3) in the gel frame from an indenter at ``pose`` (4, 4)."""
     return np.asarray(indenter.signed_distance((points - pose[:3, 3]) @ pose[:3, :3]))
 
 
-def gaps_and_normals(indenter: Indenter, pose: Array, points: Array) -> tuple[Array, Array]:
+def gaps_and_normals(indenter: Indenter, pose: RealArray, points: RealArray) -> tuple[RealArray, RealArray]:
     """Signed distances (n,), m, and unit normals (n, 3) out of the indenter, gel frame.
 
     A point inside the body is first taken back down, out of it, and the distance led on from there as a plane: a deep

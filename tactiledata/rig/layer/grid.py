@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
-Array = NDArray[np.floating[Any]]
+from tactiledata.arrays import RealArray
 
 MARGIN = 8e-4
 """m of empty window beyond the pad, so that its sides are free."""
@@ -40,10 +38,10 @@ class Column:
         Value and derivative at the quadrature points from the values at the levels, lowest first, the base left out.
     """
 
-    share: Array
-    weights: Array
-    pick: Array
-    slope: Array
+    share: RealArray
+    weights: RealArray
+    pick: RealArray
+    slope: RealArray
 
     @classmethod
     def of(cls, thickness: float, pitch: float, degree: int = DEGREE) -> Column:
@@ -72,7 +70,7 @@ def _borders(thickness: float, pitch: float) -> list[float]:
     return [0.0, *borders[::-1]]
 
 
-def gauss_lobatto(degree: int) -> tuple[Array, Array, Array]:
+def gauss_lobatto(degree: int) -> tuple[RealArray, RealArray, RealArray]:
     """Points (d + 1,), weights (d + 1,) on [0, 1], and the matrix (d + 1, d + 1) of the interpolant's derivatives."""
     legendre = np.polynomial.legendre.Legendre.basis(degree)
     x = np.concatenate([[-1.0], np.sort(legendre.deriv().roots().real), [1.0]])
@@ -110,17 +108,17 @@ class LayerGrid:
         return cls(pitch, (rows, columns), outline)
 
     @cached_property
-    def x(self) -> Array:
+    def x(self) -> RealArray:
         """(columns,) metres, gel frame."""
         return (np.arange(self.shape[1]) - self.shape[1] // 2) * self.pitch
 
     @cached_property
-    def y(self) -> Array:
+    def y(self) -> RealArray:
         """(rows,) metres, gel frame."""
         return (np.arange(self.shape[0]) - self.shape[0] // 2) * self.pitch
 
     @cached_property
-    def filling(self) -> Array:
+    def filling(self) -> RealArray:
         """(rows, columns): share of each cell that is gel; cell (i, j) lies between points (i, j) and (i+1, j+1)."""
         if self.outline is None:
             return np.ones(self.shape)

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.layer.grid import Column, LayerGrid
 
-Array = NDArray[np.floating[Any]]
 Spectrum = NDArray[np.complexfloating[Any, Any]]
 
 
@@ -68,7 +68,7 @@ class LayerKernel:
         symbol[2, 2] = normal
         return symbol
 
-    def displace(self, force: Array) -> Array:
+    def displace(self, force: RealArray) -> RealArray:
         """Displacements (3, levels, rows, columns), m, of the whole layer under nodal forces of that shape, N."""
         levels = force.shape[1]
         spectrum = fft.rfft2(force).reshape(3, levels, -1)
@@ -88,7 +88,7 @@ class LayerKernel:
         spectrum[2] = (-both[:, levels:, 1] + 1j * both[:, levels:, 0]).T
         return fft.irfft2(spectrum.reshape(3, levels, self.shape[0], -1), s=self.shape)
 
-    def displace_surface(self, force: Array) -> Array:
+    def displace_surface(self, force: RealArray) -> RealArray:
         """Surface displacements (3, rows, columns), m, under surface forces of that shape, N."""
         spectrum = fft.rfft2(force).reshape(3, -1)
         moved = (self._surface * spectrum[None]).sum(axis=1)
@@ -96,8 +96,8 @@ class LayerKernel:
 
 
 def _stiffness(
-    column: Column, wave: Array, mean: Array, twist: Array, pitch: float, shear: float, lame: float
-) -> tuple[Array, Array]:
+    column: Column, wave: RealArray, mean: RealArray, twist: RealArray, pitch: float, shear: float, lame: float
+) -> tuple[RealArray, RealArray]:
     """Stiffness per area for each wave: of the coupled pair (waves, 2 levels, 2 levels), of the one across."""
     weight = column.weights[:, None]
     mass = column.pick.T @ (weight * column.pick)
@@ -114,7 +114,7 @@ def _stiffness(
     return coupled, shear * (k**2 * mass + c**2 * bend) + unseen
 
 
-def unseen_shape(column: Column, pitch: float) -> Array:
+def unseen_shape(column: Column, pitch: float) -> RealArray:
     """Matrix (levels, levels) of the shear energy per cell area and shear modulus in the mode that alternates between
     the corners of a cell, whose amplitude is the sum of corners with alternating signs.
 

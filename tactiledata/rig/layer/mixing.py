@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating[Any]]
+from tactiledata.arrays import RealArray
 
 MEMORY = 4
 """Differences that are kept."""
@@ -25,13 +22,13 @@ class Mixing:
     """
 
     def __init__(self) -> None:
-        self._steps: list[Array] = []
-        self._changes: list[Array] = []
-        self._loads: list[Array] = []
+        self._steps: list[RealArray] = []
+        self._changes: list[RealArray] = []
+        self._loads: list[RealArray] = []
         self._gram = np.zeros((0, 0))
-        self._last: tuple[Array, Array, Array] | None = None
+        self._last: tuple[RealArray, RealArray, RealArray] | None = None
 
-    def next(self, x: Array, error: Array, load: Array) -> Array:
+    def next(self, x: RealArray, error: RealArray, load: RealArray) -> RealArray:
         """The guess after ``x``."""
         if self._last is not None:
             self._remember(*(now - then for now, then in zip((x, error, load), self._last, strict=True)))
@@ -45,7 +42,7 @@ class Mixing:
         leap = np.abs(guess - x).max() / LARGEST
         return guess if leap <= 1.0 else x + (guess - x) / leap
 
-    def _remember(self, step: Array, change: Array, load: Array) -> None:
+    def _remember(self, step: RealArray, change: RealArray, load: RealArray) -> None:
         self._steps.append(step)
         self._changes.append(change)
         self._loads.append(load)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import TOLERANCE, Layer, PressState
 from tactiledata.rig.scenario.scenario import Material
-
-Array = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -32,15 +30,15 @@ class Press:
         Whether the solver came to rest.
     """
 
-    wrench: Array
-    surface: Array
+    wrench: RealArray
+    surface: RealArray
     slipping: NDArray[np.bool_]
     settled: NDArray[np.bool_]
 
 
 def solve_press(
     indenter: Indenter,
-    poses: Array,
+    poses: RealArray,
     thickness: float,
     material: Material,
     grid: LayerGrid,
@@ -92,7 +90,7 @@ def solve_press(
     )
 
 
-def led_on(before: PressState, now: PressState, pose: Array) -> Array | None:
+def led_on(before: PressState, now: PressState, pose: RealArray) -> RealArray | None:
     """Displacements to begin the next step with, where it goes on as the last one went; None where it turns."""
     last, ahead = now.pose[:3, 3] - before.pose[:3, 3], pose[:3, 3] - now.pose[:3, 3]
     lengths = float(np.linalg.norm(last)), float(np.linalg.norm(ahead))

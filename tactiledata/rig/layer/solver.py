@@ -13,12 +13,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.layer.friction import Grip
 from tactiledata.rig.layer.gap import TouchPoints, gaps, gaps_and_normals
@@ -29,8 +29,7 @@ from tactiledata.rig.layer.strain import LayerStrain
 from tactiledata.rig.layer.touch import Surface, Touching
 from tactiledata.rig.scenario.scenario import Material
 
-Array = NDArray[np.floating[Any]]
-Fall = Callable[[Array, Array], Array]
+Fall = Callable[[RealArray, RealArray], RealArray]
 
 SPRINGS = 20.0
 """Springs of the contact relative to the surface's own stiffness at the scale of a cell."""
@@ -74,12 +73,12 @@ class PressState:
         Whether the rounds came to rest.
     """
 
-    u: Array
-    traction: Array
-    gap: Array
-    points: Array
-    pose: Array
-    wrench: Array
+    u: RealArray
+    traction: RealArray
+    gap: RealArray
+    points: RealArray
+    pose: RealArray
+    wrench: RealArray
     is_slipping: bool = False
     is_settled: bool = True
 
@@ -133,7 +132,7 @@ class Layer:
         other._heights = self._heights - fall(*np.meshgrid(self.grid.x, self.grid.y))
         return other
 
-    def at_rest(self, indenter: Indenter, pose: Array) -> PressState:
+    def at_rest(self, indenter: Indenter, pose: RealArray) -> PressState:
         """Before the first touch, with the indenter lifted from ``pose`` along gel z until it is clear of the pad."""
         clear, places = pose.copy(), self._points.places
         gap = gaps(indenter, clear, places)
@@ -146,7 +145,12 @@ class Layer:
         return PressState(flat, np.zeros_like(places), gap, places, clear, np.zeros(6))
 
     def step(
-        self, indenter: Indenter, before: PressState, pose: Array, guess: Array | None = None, halvings: int = HALVINGS
+        self,
+        indenter: Indenter,
+        before: PressState,
+        pose: RealArray,
+        guess: RealArray | None = None,
+        halvings: int = HALVINGS,
     ) -> PressState:
         """The state with the indenter at ``pose`` (4, 4), reached from ``before`` in one small step.
 
@@ -167,7 +171,7 @@ class Layer:
         middle = self.step(indenter, before, _between(before.pose, pose), None, halvings - 1)
         return self.step(indenter, middle, pose, None, halvings - 1)
 
-    def _settled(self, indenter: Indenter, before: PressState, pose: Array, u: Array) -> PressState:
+    def _settled(self, indenter: Indenter, before: PressState, pose: RealArray, u: RealArray) -> PressState:
         near = np.flatnonzero((gaps(indenter, pose, self._points_at(u)) < REACH) | before.traction.any(axis=1))
         surface = Surface(self._points.chosen(near), self._kernel.displace_surface, self.grid.shape)
         grip = self._grip(before, pose, near)
@@ -192,17 +196,19 @@ class Layer:
         is_settled = moved < UNSETTLED and bool(change <= 10 * enough)
         return self._state(u, found, near, pose, is_settled)
 
-    def _points_at(self, u: Array) -> Array:
+    def _points_at(self, u: RealArray) -> RealArray:
         return self._points.places + self._points.share @ u[:, -1].reshape(3, -1).T
 
-    def _grip(self, before: PressState, pose: Array, near: NDArray[np.intp]) -> Grip:
+    def _grip(self, before: PressState, pose: RealArray, near: NDArray[np.intp]) -> Grip:
         turn = pose[:3, :3] @ before.pose[:3, :3].T
         carried = (before.points[near] - before.pose[:3, 3]) @ turn.T + pose[:3, 3]
         held = before.traction[near] @ turn.T
         fresh = before.gap[near] > TOUCHED
         return Grip(SPRINGS * self._weighing, self._weighing, self.material.friction, held, carried, fresh)
 
-    def _state(self, u: Array, found: Touching, near: NDArray[np.intp], pose: Array, is_settled: bool) -> PressState:
+    def _state(
+        self, u: RealArray, found: Touching, near: NDArray[np.intp], pose: RealArray, is_settled: bool
+    ) -> PressState:
         points = self._points_at(u)
         points[near] = found.points
         traction = np.zeros_like(points)
@@ -215,7 +221,7 @@ class Layer:
         return PressState(u, traction, gap, points, pose, wrench, found.is_slipping, is_settled)
 
 
-def _between(first: Array, second: Array) -> Array:
+def _between(first: RealArray, second: RealArray) -> RealArray:
     """The pose (4, 4) half way."""
     middle = (first + second) / 2
     middle[:3, :3] = Rotation.from_matrix([first[:3, :3], second[:3, :3]]).mean().as_matrix()

@@ -5,15 +5,11 @@ Compressible neo-Hookean: W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.layer.grid import Column, LayerGrid
 from tactiledata.rig.layer.kernel import unseen_shape
-
-Array = NDArray[np.floating[Any]]
 
 FLATTEST = 0.2
 """Volume ratio below which the logarithm goes on as its parabola, so that a bad guess has a force too."""
@@ -38,7 +34,7 @@ class LayerStrain:
         self._areas = (grid.filling * grid.pitch**2).ravel()
         self._is_linear = is_linear
 
-    def forces(self, u: Array) -> Array:
+    def forces(self, u: RealArray) -> RealArray:
         """Nodal forces (3, levels, rows, columns), N, that hold the layer at displacements ``u`` of that shape, m."""
         column = self._column
         flat = (3, u.shape[1], -1)
@@ -57,14 +53,14 @@ class LayerStrain:
             self._pitch,
         )
 
-    def _linear_stress(self, gradient: Array) -> Array:
+    def _linear_stress(self, gradient: RealArray) -> RealArray:
         stress = self._shear * (gradient + gradient.swapaxes(0, 1))
         pressure = self._lame * (gradient[0, 0] + gradient[1, 1] + gradient[2, 2])
         for axis in range(3):
             stress[axis, axis] += pressure
         return stress
 
-    def _stress(self, gradient: Array) -> Array:
+    def _stress(self, gradient: RealArray) -> RealArray:
         """First Piola-Kirchhoff stress (3, 3, points, cells), Pa, at gradients of displacement of that shape."""
         f = gradient
         for axis in range(3):
@@ -84,12 +80,12 @@ class LayerStrain:
         return stress
 
 
-def _log(volume: Array) -> Array:
+def _log(volume: RealArray) -> RealArray:
     inside = np.maximum(volume, FLATTEST)
     return np.log(inside) + (volume - inside) / FLATTEST
 
 
-def _to_cells(u: Array, pitch: float) -> tuple[Array, Array, Array, Array]:
+def _to_cells(u: RealArray, pitch: float) -> tuple[RealArray, RealArray, RealArray, RealArray]:
     """Mean, slopes along x and y and the alternating sum of the corners of each cell, each of the shape of ``u``."""
     wrapped = np.concatenate([u, u[:, :, :1]], axis=2)
     wrapped = np.concatenate([wrapped, wrapped[:, :, :, :1]], axis=3)
@@ -101,7 +97,7 @@ def _to_cells(u: Array, pitch: float) -> tuple[Array, Array, Array, Array]:
     return mean, along_x, along_y, steps[:, :, 1:] - steps[:, :, :-1]
 
 
-def _to_nodes(mean: Array, along_x: Array, along_y: Array, unseen: Array, pitch: float) -> Array:
+def _to_nodes(mean: RealArray, along_x: RealArray, along_y: RealArray, unseen: RealArray, pitch: float) -> RealArray:
     """The transpose of ``_to_cells``."""
     flat = mean * 0.25
     x = along_x * (0.5 / pitch)

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.layer.friction import Grip, Tractions, linearised
 from tactiledata.rig.layer.gap import TouchPoints
 
-Array = NDArray[np.floating[Any]]
-Yield = Callable[[Array], Array]
+Yield = Callable[[RealArray], RealArray]
 """Surface displacements (3, rows, columns) under surface forces of that shape."""
-Body = Callable[[Array], tuple[Array, Array]]
+Body = Callable[[RealArray], tuple[RealArray, RealArray]]
 """Gaps (n,) and normals (n, 3) at points (n, 3)."""
 
 ROUNDS = 6
@@ -42,10 +40,10 @@ class Touching:
         Whether all that touches slides.
     """
 
-    tractions: Array
-    force: Array
-    gap: Array
-    points: Array
+    tractions: RealArray
+    force: RealArray
+    gap: RealArray
+    points: RealArray
     is_slipping: bool
 
 
@@ -56,15 +54,15 @@ class Surface:
         self.points, self._yields, self._shape = points, yields, shape
         self._gather = points.share.T.tocsr()
 
-    def on_grid(self, values: Array) -> Array:
+    def on_grid(self, values: RealArray) -> RealArray:
         """Forces (3, rows, columns), N, of tractions (n, 3)."""
         return (self._gather @ (values * self.points.areas[:, None])).T.reshape(3, *self._shape)
 
-    def at_points(self, displacement: Array) -> Array:
+    def at_points(self, displacement: RealArray) -> RealArray:
         """Displacements (n, 3) of the points from those of the grid (3, rows, columns)."""
         return self.points.share @ displacement.reshape(3, -1).T
 
-    def settle(self, offset: Array, values: Array, force: Array, grip: Grip, body: Body) -> Touching:
+    def settle(self, offset: RealArray, values: RealArray, force: RealArray, grip: Grip, body: Body) -> Touching:
         """Contact where the surface, left alone, would be displaced by ``offset`` (3, rows, columns).
 
         Newton's steps from tractions ``values`` (n, 3) that are handed to the grid as ``force`` (3, rows, columns).
@@ -84,7 +82,7 @@ class Surface:
         slipping = bool(state.touching.any() and (state.slipping | ~state.touching).all())
         return Touching(values, force, gap, points, slipping)
 
-    def _correction(self, state: Tractions, missing: Array) -> tuple[Array, Array]:
+    def _correction(self, state: Tractions, missing: RealArray) -> tuple[RealArray, RealArray]:
         """Forces, and the moves they make, both (3, rows, columns), that bring law and surface together.
 
         Forces f on the grid obey f + G C f = ``missing``, with C the surface's compliance and G the springs, seen from
@@ -114,7 +112,7 @@ class Surface:
         return found, made
 
 
-def _least(shares: Array, size: float) -> tuple[Array, float]:
+def _least(shares: RealArray, size: float) -> tuple[RealArray, float]:
     """Weights of GMRES's basis, and what they miss."""
     goal = np.zeros(len(shares))
     goal[0] = size
@@ -122,5 +120,5 @@ def _least(shares: Array, size: float) -> tuple[Array, float]:
     return weights, float(np.linalg.norm(goal - shares @ weights))
 
 
-def _is_near(values: Array, others: Array) -> bool:
+def _is_near(values: RealArray, others: RealArray) -> bool:
     return bool(np.abs(others - values).max(initial=0.0) <= 1e-2 * np.abs(values).max(initial=0.0))

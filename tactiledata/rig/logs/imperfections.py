@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.scenario.scenario import ClockSetup, Imperfections
-
-Array = NDArray[np.floating[Any]]
-Times = NDArray[np.int64]
 
 TORQUE_PER_FORCE = 0.02
 """m: bias and drift of torques relative to those of forces."""
@@ -40,7 +36,9 @@ def arrival_times(host_ns: Times, clock: ClockSetup, rng: np.random.Generator) -
     return np.maximum.accumulate(host_ns + delay.astype(np.int64))
 
 
-def coloured_noise(count: int, scale: Array, rate: float, setup: Imperfections, rng: np.random.Generator) -> Array:
+def coloured_noise(
+    count: int, scale: RealArray, rate: float, setup: Imperfections, rng: np.random.Generator
+) -> RealArray:
     """White noise of standard deviations ``scale`` (k,) plus a first-order autoregressive part, (count, k)."""
     white = rng.standard_normal((count, len(scale)))
     memory = float(np.exp(-1.0 / (rate * setup.correlation_time)))
@@ -49,7 +47,7 @@ def coloured_noise(count: int, scale: Array, rate: float, setup: Imperfections, 
     return scale * (white + setup.coloured_share * slow)
 
 
-def bias_over_time(seconds: Array, setup: Imperfections, rng: np.random.Generator) -> Array:
+def bias_over_time(seconds: RealArray, setup: Imperfections, rng: np.random.Generator) -> RealArray:
     """Bias (n, 6), N and N m, of a force sensor at seconds (n,) since the start: constant plus a linear drift."""
     scale = np.array([1.0, 1.0, 1.0, *[TORQUE_PER_FORCE] * 3])
     constant = rng.normal(0.0, setup.force_bias, 6) * scale
@@ -57,7 +55,7 @@ def bias_over_time(seconds: Array, setup: Imperfections, rng: np.random.Generato
     return constant + seconds[:, None] * slope
 
 
-def quantised(wrench: Array, setup: Imperfections) -> Array:
+def quantised(wrench: RealArray, setup: Imperfections) -> RealArray:
     """Wrenches (n, 6) rounded to the sensor's quanta."""
     rounded = wrench.copy()
     for columns, quantum in ((slice(0, 3), setup.force_quantum), (slice(3, 6), setup.torque_quantum)):
@@ -66,7 +64,7 @@ def quantised(wrench: Array, setup: Imperfections) -> Array:
     return rounded
 
 
-def held(values: Array, seconds: Array, rate: float) -> Array:
+def held(values: RealArray, seconds: RealArray, rate: float) -> RealArray:
     """Values (n, k) of which new ones come only at ``rate`` Hz: in between the last one is repeated."""
     if rate <= 0 or not len(values):
         return values

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_typestore
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.motion.ur5e import JOINT_NAMES
-
-Array = NDArray[np.floating[Any]]
 
 STAMP_AT = 4
 """Byte of the header's stamp: behind the four bytes of encapsulation, before everything else."""
@@ -51,7 +50,7 @@ def _header(stamp_ns: int, frame: str) -> Any:
     return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame)
 
 
-def _message(stream: str, stamp_ns: int, row: Array) -> Any:
+def _message(stream: str, stamp_ns: int, row: RealArray) -> Any:
     """One message of a stream of numbers, from a row as `wire_values` gives it."""
     types = typestore().types
     header = _header(stamp_ns, FRAMES[stream])
@@ -74,7 +73,7 @@ def _message(stream: str, stamp_ns: int, row: Array) -> Any:
     return types[KINDS[stream]](header=header, wrench=wrench)
 
 
-def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: Array) -> Array:
+def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: RealArray) -> RealArray:
     """The numbers of each message in the order of its fields: joints in the driver's order, with their velocities."""
     if stream != "joints" or not len(values):
         return values
@@ -84,12 +83,12 @@ def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: Array) -> Arra
     return np.concatenate([values[:, order], velocity[:, order]], axis=1)
 
 
-def serialise_slowly(stream: str, stamp_ns: int, row: Array) -> bytes:
+def serialise_slowly(stream: str, stamp_ns: int, row: RealArray) -> bytes:
     """One message by rosbags itself: the obvious twin of `serialise`."""
     return bytes(typestore().serialize_cdr(_message(stream, stamp_ns, row), KINDS[stream]))
 
 
-def serialise(stream: str, stamp_ns: NDArray[np.int64], values: Array) -> Callable[[int], bytes]:
+def serialise(stream: str, stamp_ns: NDArray[np.int64], values: RealArray) -> Callable[[int], bytes]:
     """The messages of a stream: a function from row number to CDR bytes."""
     rows = wire_values(stream, stamp_ns, values)
     # numbers that occur nowhere else mark the places of the fields in a message made by rosbags

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import RealArray
 from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
 from tactiledata.errors import BrokenLog, SchemaError
@@ -23,7 +24,6 @@ from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.transforms import matrix_poses, move_wrench
 
-Array = NDArray[np.floating[Any]]
 GRAVITY = 9.81
 """m/s², along -z of the base frame."""
 TARE_DELAY_NS = 100_000_000
@@ -99,7 +99,7 @@ def tare_times(scenario: Scenario, performance: Performance) -> list[int]:
     return []
 
 
-def load_on_ft(scenario: Scenario, performance: Performance, host_ns: NDArray[np.int64]) -> Array:
+def load_on_ft(scenario: Scenario, performance: Performance, host_ns: NDArray[np.int64]) -> RealArray:
     """What the world exerts on the tool side (n, 6), in the force sensor's frame: contact and the tool's weight."""
     robot = scenario.robot
     ft_from_tcp = robot.tcp_from_ft.inverse().matrix
@@ -123,7 +123,7 @@ def wrench_samples(
     load = partial(load_on_ft, scenario, performance)
     loads[order] = sensed_loads(scenario, performance, index, load, moments[order])
     loads += imperfections.bias_over_time((moments - performance.start_ns) * 1e-9, setup, rng)
-    reading: Array = loads[: len(host)].copy()
+    reading: RealArray = loads[: len(host)].copy()
     for tare_ns, zero in zip(tares, loads[len(host) :], strict=True):
         reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
     scale = np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from tactiledata.arrays import RealArray
 from tactiledata.rig.motion.touch import Step, Touch
 from tactiledata.transforms import Transform
-
-Array = NDArray[np.floating[Any]]
 
 CLEARANCE = 2e-3
 """m between gel and indenter before and after a touch."""
@@ -48,23 +46,23 @@ class Path:
         is near the gel.
     """
 
-    times: Array
-    positions: Array
-    captures: Array
+    times: RealArray
+    positions: RealArray
+    captures: RealArray
     phases: tuple[tuple[float, float, str], ...]
-    turns: Array
+    turns: RealArray
 
     @property
     def duration(self) -> float:
         """Seconds."""
         return float(self.times[-1])
 
-    def at(self, times: Array) -> Array:
+    def at(self, times: RealArray) -> RealArray:
         """Positions (n, 3) at seconds (n,), held at both ends."""
         index, share = self._progress(times)
         return self.positions[index] + share[:, None] * (self.positions[index + 1] - self.positions[index])
 
-    def turned(self, times: Array) -> Array:
+    def turned(self, times: RealArray) -> RealArray:
         """Rotations (n, 3, 3) beside that of the touch at seconds (n,)."""
         if not self.turns.any():
             return np.broadcast_to(np.eye(3), (len(times), 3, 3))
@@ -72,13 +70,13 @@ class Path:
         vectors = self.turns[index] + share[:, None] * (self.turns[index + 1] - self.turns[index])
         return Rotation.from_rotvec(vectors).as_matrix()
 
-    def travelled(self, times: Array) -> Array:
+    def travelled(self, times: RealArray) -> RealArray:
         """Metres (n,) moved since the start at seconds (n,)."""
         index, share = self._progress(times)
         lengths = np.linalg.norm(np.diff(self.positions, axis=0), axis=1)
         return (np.cumsum(lengths) - lengths)[index] + share * lengths[index]
 
-    def _progress(self, times: Array) -> tuple[NDArray[np.intp], Array]:
+    def _progress(self, times: RealArray) -> tuple[NDArray[np.intp], RealArray]:
         """Which move (n,), and how much of it is done (n,)."""
         index = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
         span = np.maximum(np.diff(self.times)[index], 1e-12)
@@ -90,10 +88,10 @@ class Path:
 class _Recorder:
     """Builds a `Path` move by move."""
 
-    def __init__(self, start: Array) -> None:
+    def __init__(self, start: RealArray) -> None:
         self.times = [0.0]
-        self.positions: list[Array] = [start]
-        self.turns: list[Array] = [np.zeros(3)]
+        self.positions: list[RealArray] = [start]
+        self.turns: list[RealArray] = [np.zeros(3)]
         self.captures: list[float] = []
         self.phases: list[tuple[float, float, str]] = []
 
@@ -101,12 +99,12 @@ class _Recorder:
         if seconds > 0:
             self._append(seconds, self.positions[-1], self.turns[-1])
 
-    def move(self, to: Array, speed: float) -> None:
+    def move(self, to: RealArray, speed: float) -> None:
         distance = float(np.linalg.norm(to - self.positions[-1]))
         if distance > 1e-12:
             self._append(distance / speed, to, self.turns[-1])
 
-    def turn(self, to: Array, speed: float) -> None:
+    def turn(self, to: RealArray, speed: float) -> None:
         angle = float(np.linalg.norm(to - self.turns[-1]))
         if angle > 1e-12:
             self._append(angle / speed, self.positions[-1], to)
@@ -114,7 +112,7 @@ class _Recorder:
     def upright(self) -> None:
         self.turn(np.zeros(3), TURNING_SPEED)
 
-    def _append(self, seconds: float, position: Array, turn: Array) -> None:
+    def _append(self, seconds: float, position: RealArray, turn: RealArray) -> None:
         self.times.append(self.times[-1] + seconds)
         self.positions.append(position)
         self.turns.append(turn)
@@ -186,7 +184,7 @@ def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int =
     )
 
 
-def _stepwise(recorder: _Recorder, to: Array, step: Step, captures: int) -> None:
+def _stepwise(recorder: _Recorder, to: RealArray, step: Step, captures: int) -> None:
     start = recorder.positions[-1]
     total = float(np.linalg.norm(to - start))
     if total < 1e-9:
@@ -222,19 +220,19 @@ def _retreat(recorder: _Recorder, speed: float, clearance: float = CLEARANCE) ->
     recorder.move(np.array([here[0], here[1], -clearance]), APPROACH_SPEED)
 
 
-def gel_from_indenter_rotation(touch: Touch) -> Array:
+def gel_from_indenter_rotation(touch: Touch) -> RealArray:
     """Rotation (3, 3) of the indenter against the gel: yaw about gel z, then tilt about gel x and y."""
     tilt = Rotation.from_rotvec([touch.tilt[0], touch.tilt[1], 0.0])
     return (tilt * Rotation.from_euler("z", touch.yaw)).as_matrix()
 
 
 def base_from_tcp(
-    path_positions: Array,
-    rotation: Array,
+    path_positions: RealArray,
+    rotation: RealArray,
     lowest: float,
     base_from_indenter: Transform,
     tcp_from_gel: Transform,
-) -> Array:
+) -> RealArray:
     """Poses (n, 4, 4) of the tool centre point that bring the indenter where the path wants it on the gel.
 
     Parameters
@@ -255,7 +253,7 @@ def base_from_tcp(
     return base_from_indenter.matrix @ indenter_from_gel @ tcp_from_gel.inverse().matrix
 
 
-def transit(start: Array, end: Array, share: Array, lift: float = 0.02) -> Array:
+def transit(start: RealArray, end: RealArray, share: RealArray, lift: float = 0.02) -> RealArray:
     """Poses (n, 4, 4) between two touches, up from the table, over and down, at shares (n,) of the time."""
     smooth = share * share * (3.0 - 2.0 * share)
     poses = np.tile(np.eye(4), (len(share), 1, 1))

@@ -7,14 +7,12 @@ The closed form follows K. P. Hawkins, "Analytic Inverse Kinematics for the Univ
 from __future__ import annotations
 
 import itertools
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tactiledata.arrays import RealArray
 from tactiledata.errors import UsageError
-
-Array = NDArray[np.floating[Any]]
 
 DH_A = (0.0, -0.425, -0.3922, 0.0, 0.0, 0.0)
 DH_D = (0.1625, 0.0, 0.0, 0.1333, 0.0997, 0.0996)
@@ -31,7 +29,7 @@ JOINT_NAMES = (
 )
 
 
-def _link(joint: int, angle: Array) -> Array:
+def _link(joint: int, angle: RealArray) -> RealArray:
     """Pose (n, 4, 4) of frame ``joint + 1`` in frame ``joint``, by the Denavit-Hartenberg rule."""
     cos, sin = np.cos(angle), np.sin(angle)
     cos_twist, sin_twist = np.cos(DH_ALPHA[joint]), np.sin(DH_ALPHA[joint])
@@ -43,7 +41,7 @@ def _link(joint: int, angle: Array) -> Array:
     return link
 
 
-def forward(joints: ArrayLike) -> Array:
+def forward(joints: ArrayLike) -> RealArray:
     """Poses ``base_from_flange`` (n, 4, 4), metres, of joint angles (n, 6), rad."""
     angles = np.asarray(joints, dtype=float).reshape(-1, 6)
     pose = _link(0, angles[:, 0])
@@ -52,7 +50,7 @@ def forward(joints: ArrayLike) -> Array:
     return pose
 
 
-def jacobian(joints: ArrayLike, points: ArrayLike) -> Array:
+def jacobian(joints: ArrayLike, points: ArrayLike) -> RealArray:
     """Geometric Jacobians (n, 6, 6) of points (n, 3), m, that move with the flange: velocity, then angular velocity,
     in the base frame, per joint rate.
     """
@@ -67,7 +65,7 @@ def jacobian(joints: ArrayLike, points: ArrayLike) -> Array:
     return np.stack(columns, axis=2)
 
 
-def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> Array:
+def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> RealArray:
     """Joint angles (n, 6), rad, that reach the poses (n, 4, 4), of the solution nearest to ``near``.
 
     One configuration (shoulder, wrist, elbow) serves the whole path, so that joints do not jump between solutions.
@@ -94,12 +92,12 @@ def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> Array:
     return np.unwrap(_nearest_turn(joints, home), axis=0)
 
 
-def _nearest_turn(joints: Array, home: Array) -> Array:
+def _nearest_turn(joints: RealArray, home: RealArray) -> RealArray:
     """The same angles within half a turn of ``home``."""
     return home + np.mod(joints - home + np.pi, 2 * np.pi) - np.pi
 
 
-def _rigid_inverse(poses: Array) -> Array:
+def _rigid_inverse(poses: RealArray) -> RealArray:
     """Inverses (n, 4, 4) of rigid transforms."""
     inverse = np.zeros_like(poses)
     inverse[:, :3, :3] = np.swapaxes(poses[:, :3, :3], 1, 2)
@@ -108,13 +106,13 @@ def _rigid_inverse(poses: Array) -> Array:
     return inverse
 
 
-def _solution(poses: Array, shoulder: float, wrist: float, elbow: float) -> Array:
+def _solution(poses: RealArray, shoulder: float, wrist: float, elbow: float) -> RealArray:
     """One of the eight closed-form solutions (n, 6); NaN where a pose is out of reach."""
     with np.errstate(invalid="ignore"):
         return _angles(poses, shoulder, wrist, elbow)
 
 
-def _angles(poses: Array, shoulder: float, wrist: float, elbow: float) -> Array:
+def _angles(poses: RealArray, shoulder: float, wrist: float, elbow: float) -> RealArray:
     rotation, position = poses[:, :3, :3], poses[:, :3, 3]
     # joint 1 from the wrist centre, which lies d4 beside the plane of the arm
     centre = position - DH_D[5] * rotation[:, :, 2]

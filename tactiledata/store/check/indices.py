@@ -10,12 +10,10 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Mask
 from tactiledata.contract.records import Finding
 from tactiledata.store.layout.manifest import settings_of
 from tactiledata.store.read.reader import Store
-
-Mask = NDArray[np.bool_]
-
 
 FRAMES, SOURCES, TRAJECTORIES = (
     "whether frames point at what is there",

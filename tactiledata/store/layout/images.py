@@ -12,13 +12,12 @@ import google_crc32c
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Indices
 from tactiledata.errors import StoreError
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.shards import is_whole, shard_bytes, shard_chunks
 
 BLOCK = 8 * 2**20
-
-Rows = NDArray[np.int64]
 
 
 def place_payloads(lengths: Sequence[int], start: int, chunk: int) -> NDArray[np.int64]:
@@ -65,7 +64,7 @@ class HeapAppender:
     end: int
     _open: tuple[int, int] | None = None
 
-    def append(self, spool: Path, offsets: Rows, lengths: Rows, crc32c: NDArray[Any]) -> Rows:
+    def append(self, spool: Path, offsets: Indices, lengths: Indices, crc32c: NDArray[Any]) -> Indices:
         """Where the payloads at ``offsets`` of a spool file came to lie in the heap.
 
         Raises
@@ -122,7 +121,7 @@ def cut_chunk(descriptor: int, used: int, chunk: int) -> None:
     os.ftruncate(descriptor, chunk)
 
 
-def _runs(offsets: Rows, lengths: Rows, placed: Rows, chunk: int) -> Iterator[tuple[int, int]]:
+def _runs(offsets: Indices, lengths: Indices, placed: Indices, chunk: int) -> Iterator[tuple[int, int]]:
     """Ranges [first, stop) of payloads that lie side by side in the spool and in one chunk of the heap, of some MiB."""
     if not len(offsets):
         return
@@ -182,7 +181,7 @@ class ShardAppender:
     count: int
     _chunks: list[bytes] | None = None
 
-    def append(self, spool: Path, offsets: Rows, lengths: Rows) -> Rows:
+    def append(self, spool: Path, offsets: Indices, lengths: Indices) -> Indices:
         """The rows that the frames at ``offsets`` of a spool file got."""
         chunks = self._tail() if self._chunks is None else self._chunks
         first = self.count

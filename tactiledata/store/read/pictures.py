@@ -13,6 +13,7 @@ import pyarrow as pa
 import simplejpeg
 from numpy.typing import NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb, size_fault
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import BrokenLog, StoreError
@@ -23,8 +24,6 @@ from tactiledata.store.read.files import Span, StoreFiles, missing_file
 
 COLUMNS = ("camera", "encoding", "height", "width", "offset", "length", "crc32c", "flags")
 MOST_THREADS = 16
-
-Picture = NDArray[np.uint8]
 
 
 class Pictures:
@@ -150,7 +149,7 @@ class Pictures:
 
     def pictures(
         self, rows: Sequence[int], threads: int | None, when_missing: Literal["error", "zeros"]
-    ) -> list[Picture] | Picture:
+    ) -> list[PictureArray] | PictureArray:
         """Decoded frames: one array (n, H, W, 3) where they all have one size, else a list of (H, W, 3)."""
         columns = self._load()
         if not len(rows):
@@ -158,7 +157,7 @@ class Pictures:
         self._require_decodable(rows)
         heights, widths = columns["height"][list(rows)], columns["width"][list(rows)]
         same = bool((heights == heights[0]).all() and (widths == widths[0]).all())
-        out: list[Picture] | Picture
+        out: list[PictureArray] | PictureArray
         if same:
             out = np.empty((len(rows), int(heights[0]), int(widths[0]), 3), np.uint8)
         else:
@@ -190,7 +189,7 @@ class Pictures:
             self._pool = os.getpid(), count, ThreadPoolExecutor(count, thread_name_prefix="pictures")
         return self._pool[2]
 
-    def _decode(self, row: int, encoding: str, content: bytes, target: Picture, when_missing: str) -> None:
+    def _decode(self, row: int, encoding: str, content: bytes, target: PictureArray, when_missing: str) -> None:
         if encoding == "missing":
             if when_missing != "zeros":
                 raise StoreError(
@@ -207,7 +206,7 @@ class Pictures:
             if encoding != "jpeg" or not decode_jpeg_into(content, target):
                 target[...] = self._decoded(row, content, target.shape)
 
-    def _decoded(self, row: int, content: bytes, shape: tuple[int, ...]) -> Picture:
+    def _decoded(self, row: int, content: bytes, shape: tuple[int, ...]) -> PictureArray:
         expected = f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels"
         try:
             picture = decode_rgb(content)
@@ -229,7 +228,7 @@ class Pictures:
                     row=row,
                 )
 
-    def _unpacked(self, row: int, content: bytes, target: Picture | None = None) -> Picture:
+    def _unpacked(self, row: int, content: bytes, target: PictureArray | None = None) -> PictureArray:
         _, _, height, width = self.facts(row)
         if target is None:
             self._require_decodable([row])
@@ -241,7 +240,7 @@ class Pictures:
         return picture
 
 
-def decode_jpeg_into(content: bytes, target: Picture) -> bool:
+def decode_jpeg_into(content: bytes, target: PictureArray) -> bool:
     """Whether a JPEG file was decoded straight into ``target`` (H, W, 3); if not, another decoder may still know it.
 
     OpenCV has no way to decode into an array that is there, and copying a picture takes a tenth of decoding it.

@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 import zarr
 from numpy.typing import ArrayLike, NDArray
 
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UnknownName
@@ -33,7 +34,7 @@ from tactiledata.store.layout.places import (
 from tactiledata.store.layout.sensors_table import Facts, parse_sensors
 from tactiledata.store.read.files import StoreFiles, missing_file, open_files
 from tactiledata.store.read.meshes import StoredMesh
-from tactiledata.store.read.pictures import Picture, Pictures
+from tactiledata.store.read.pictures import Pictures
 from tactiledata.store.read.rows import Rows, checked_rows
 
 RowState = tuple[int, int, str]
@@ -362,7 +363,7 @@ class Store:
 
     def images(
         self, rows: ArrayLike, threads: int | None = None, missing: Literal["error", "zeros"] = "error"
-    ) -> list[Picture] | Picture:
+    ) -> list[PictureArray] | PictureArray:
         """RGB pictures, uint8: one array (n, H, W, 3) where all have one size, else a list of (H, W, 3).
 
         Parameters

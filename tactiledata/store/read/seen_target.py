@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
+from tactiledata.arrays import PictureArray
 from tactiledata.contract.records import Finding
 from tactiledata.sensors.same_sensor import is_same_sensor
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.targets import Target
 
-Picture = NDArray[np.uint8]
-
 
 def target_findings(
-    target: Target, store: Store, sources: Collection[str], learned: Sequence[tuple[str, Picture]] | None = None
+    target: Target, store: Store, sources: Collection[str], learned: Sequence[tuple[str, PictureArray]] | None = None
 ) -> list[Finding]:
     """Warnings where a target's picture is that of a sensor of the store, or of one that the model was trained on.
 
@@ -40,7 +36,7 @@ def target_findings(
     return [*_in_store(target, held), *_of_model(target, learned)]
 
 
-def _in_store(target: Target, held: dict[str, Picture]) -> list[Finding]:
+def _in_store(target: Target, held: dict[str, PictureArray]) -> list[Finding]:
     same = [sensor for sensor, picture in held.items() if is_same_sensor(picture, target.background)]
     if not same:
         return []
@@ -51,7 +47,7 @@ def _in_store(target: Target, held: dict[str, Picture]) -> list[Finding]:
     return [Finding("target-in-store", "warning", text, stream=target.name)]
 
 
-def _of_model(target: Target, learned: Sequence[tuple[str, Picture]] | None) -> list[Finding]:
+def _of_model(target: Target, learned: Sequence[tuple[str, PictureArray]] | None) -> list[Finding]:
     if learned is None:
         return []
     if not learned:

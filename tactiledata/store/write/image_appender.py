@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 import zarr
-from numpy.typing import NDArray
 
+from tactiledata.arrays import Indices
 from tactiledata.store.layout.arrays import create_frames, create_heap, set_length
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.images import HeapAppender, ShardAppender
@@ -14,8 +14,6 @@ from tactiledata.store.layout.manifest import Manifest, settings_of
 from tactiledata.store.layout.places import heap_path, rgb_path
 from tactiledata.store.write.spool import spool_name
 from tactiledata.store.write.writer import StagedTake
-
-Rows = NDArray[np.int64]
 
 
 class ImageAppender:
@@ -37,7 +35,7 @@ class ImageAppender:
         self._heaps: dict[str, HeapAppender] = {}
         self._shards: dict[tuple[str, int, int], ShardAppender] = {}
 
-    def add(self, take: StagedTake, frames: pa.Table) -> tuple[Rows, Rows]:
+    def add(self, take: StagedTake, frames: pa.Table) -> tuple[Indices, Indices]:
         """Offset and length of each frame in the store, as the frames table keeps them."""
         encoding = np.array(frames["encoding"].cast(pa.string()).to_pylist(), dtype=object)
         camera = np.array(frames["camera"].cast(pa.string()).to_pylist(), dtype=object)
