@@ -31,12 +31,12 @@ from naming_worlds import START, Bench
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.locate.contrasts import Sizes, instruments_of, sizes_of
-from tactiledata.diagnose.locate.locate import LEVEL, Located
+from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.joint_fit import plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.residuals.projection import project
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.touch_residuals import (
     COMPONENTS,
     OF_THE_GEL,
@@ -109,7 +109,7 @@ def grouped(shares: Mapping[str, float]) -> dict[str, float]:
     return groups
 
 
-def told(located: Located) -> tuple[set[str], set[str]]:
+def told(located: LocatorResults) -> tuple[set[str], set[str]]:
     """Groups of components, and covariates, phases and events, that certain findings name."""
     axes, where = set(), set()
     if located.is_certain("drifting parameters"):
@@ -153,7 +153,7 @@ def _axis(shares: Mapping[str, float]) -> str:
     return max(groups, key=lambda one: groups[one])
 
 
-def _known(located: Located) -> list[str]:
+def _known(located: LocatorResults) -> list[str]:
     residuals = located.projection.residuals
     return [name for name in (*residuals.covariates, *residuals.labels) if len(name) > 1]
 
@@ -163,7 +163,7 @@ def errors_of(bench: Bench, count: int) -> str:
     found: dict[str, list[Sizes]] = {}
     for number in range(count):
         recorded = bench.maker.recorded(ERRORS_FROM + number, bench.gel(ERRORS_FROM + number), [])
-        white = WhitenedCases.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
+        white = WhitenedTouches.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
         base = plain_fit(white, START)
         residuals, inflation = case_residuals(white, base), case_noise(white, base).inflation or 1.0
         for one in sizes_of(project(residuals), instruments_of(residuals), OF_THE_GEL, inflation):
@@ -181,7 +181,7 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     """One world from the rig to what locators say of it."""
     gel = bench.gel(asked.seed)
     recorded = bench.maker.recorded(asked.seed, gel, asked.hidden)
-    white = WhitenedCases.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
+    white = WhitenedTouches.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
     base = plain_fit(white, START)
     located = locate_touches(white, base)
     change = white.white(bench.felt(asked, gel) - bench.clean(asked.seed, gel))
@@ -222,8 +222,11 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
     nulls, hidden = ([one for one in found if bool(one["effect"]) is is_hidden] for is_hidden in (False, True))
     lines = [line(one) for one in sorted(hidden, key=lambda each: -each["signal"])]
     for what, part in (
-        (f"whose signal is {ESTIMATED.visible:.1f} and more", [o for o in hidden if o["signal"] >= ESTIMATED.visible]),
-        ("whose signal is less", [o for o in hidden if o["signal"] < ESTIMATED.visible]),
+        (
+            f"whose signal is {DEFAULT_THRESHOLDS.visible:.1f} and more",
+            [o for o in hidden if o["signal"] >= DEFAULT_THRESHOLDS.visible],
+        ),
+        ("whose signal is less", [o for o in hidden if o["signal"] < DEFAULT_THRESHOLDS.visible]),
     ):
         counts = [sum(one[key] for one in part) for key in ("is_structured", "is_axis", "is_where")]
         both = sum(one["is_axis"] and one["is_where"] for one in part)
@@ -233,7 +236,7 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
         )
     by_world: dict[str, list[bool]] = {}
     for one in hidden:
-        if one["signal"] >= ESTIMATED.visible:
+        if one["signal"] >= DEFAULT_THRESHOLDS.visible:
             by_world.setdefault(one["case"].split()[-1], []).append(one["is_axis"] and one["is_where"])
     lines += [f"both in {sum(right)} of {len(right)} of them in worlds {seed}" for seed, right in by_world.items()]
     told_names = [len([name for name in one["found"] if not name.startswith("zeros: ")]) for one in hidden]

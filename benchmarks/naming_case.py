@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.contract.take import StoredSignal
-from tactiledata.diagnose.touches.touch_case import BaseFamily, CaseSet, TouchCase
+from tactiledata.diagnose.touches.touch_case import BaseFamily, TouchCase, TouchSet
 from tactiledata.diagnose.zeros.readings import ForceZeros
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch.moved_until import moved_until
@@ -211,13 +211,13 @@ class Maker:
         fractions = np.concatenate([touch.fractions for touch in stored])
         return Recorded(wrenches, [touch.free for touch in stored], fractions, zeros_of(logs))
 
-    def cases(self, recorded: Recorded, base: BaseFamily) -> CaseSet:
+    def cases(self, recorded: Recorded, base: BaseFamily) -> TouchSet:
         """The trajectories of a case, with their noise as a calibration estimates it."""
         stretches = recorded.free
         steps = np.concatenate([np.diff(touch.seconds) for touch in self.touches])
         noise = noise_at_rest(stretches, max(1, round(100.0 * float(np.median(steps)))), recorded.fractions)
         assert noise is not None
-        return CaseSet(
+        return TouchSet(
             [
                 TouchCase(touch, wrench, noise, touch.tips[:, 2] > CLEAR, float(len(free)), f"t{number}")
                 for number, (touch, wrench, free) in enumerate(

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from tactiledata.diagnose.naming.decide import needed_of
-from tactiledata.diagnose.naming.evidence import Judged
-from tactiledata.diagnose.naming.thresholds import ESTIMATED, EvidenceScale
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
@@ -66,7 +66,8 @@ class Considered:
         judged = [judged_of(one) for one in told]
         singles = [one for one in judged if len(one.names) == 1]
         objected = [
-            bool(one.objections(ESTIMATED)) or (len(one.names) == 2 and needed_of(one, singles, ESTIMATED) is not one)
+            bool(one.objections(DEFAULT_THRESHOLDS))
+            or (len(one.names) == 2 and needed_of(one, singles, DEFAULT_THRESHOLDS) is not one)
             for one in judged
         ]
         return Considered(
@@ -74,7 +75,7 @@ class Considered:
             case["at_large"],
         )  # fmt: skip
 
-    def shares(self, scale: EvidenceScale) -> Array:
+    def shares(self, scale: DecisionThresholds) -> Array:
         """Probabilities (c + 2,)."""
         return scale.shares(self.evidence, self.is_objected, self.at_large > scale.dispersion)
 
@@ -83,14 +84,14 @@ def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
     """Places of what should be said."""
     hidden = frozenset(case["truth"]) - (frozenset(case["zeros"]) if len(case["truth"]) > 1 else frozenset())
     nothing, other = len(names), len(names) + 1
-    is_shown = case["signal"] >= ESTIMATED.visible and bool(case["truth"])
+    is_shown = case["signal"] >= DEFAULT_THRESHOLDS.visible and bool(case["truth"])
     if not is_shown or hidden <= frozenset(case["zeros"]):
         return (nothing,)
     found = tuple(place for place, one in enumerate(names) if hidden <= one and one - hidden <= EVERYWHERE)
     return found or (other,)
 
 
-def cost(cases: Sequence[Considered], scale: EvidenceScale) -> float:
+def cost(cases: Sequence[Considered], scale: DecisionThresholds) -> float:
     """Mean negative logarithm of the probability of what is right; with a little doubt, as no scale is certain."""
     told = [one.shares(scale) for one in cases]
     right = np.array([shares[list(one.right)].sum() for shares, one in zip(told, cases, strict=True)])
@@ -101,7 +102,7 @@ def claim_of(nulls: Sequence[Case]) -> float:
     """The least gain that lets so few nulls be answered."""
     refits = [[judged_of(one) for one in case["candidates"]] for case in nulls]
     for claim in np.arange(LEAST, 100.0, 0.5):
-        scale = replace(ESTIMATED, claim=float(claim))
+        scale = replace(DEFAULT_THRESHOLDS, claim=float(claim))
         said = sum(
             any(not one.objections(scale) or one.is_structure(scale) or one.is_trace(scale) for one in judged)
             for judged in refits
@@ -118,10 +119,10 @@ class Told:
     names: tuple[str, ...]
 
 
-def judged_of(told: dict[str, Any]) -> Judged:
+def judged_of(told: dict[str, Any]) -> ScoredCandidate:
     """A refit as the file tells it; what was fitted is not kept."""
     nothing = float("nan")
-    return Judged(
+    return ScoredCandidate(
         cast(Any, Told(tuple(told["effects"]))), np.array(told["gains"]), told["indenter_gain"] or nothing,
         told["indenter_error"] or nothing,
         told["excess_share"], *told["signature"], tuple(told["implausible"]), tuple(told["at_bounds"]),
@@ -129,13 +130,13 @@ def judged_of(told: dict[str, Any]) -> Judged:
     )  # fmt: skip
 
 
-def fitted(cases: Sequence[Case]) -> EvidenceScale:
+def fitted(cases: Sequence[Case]) -> DecisionThresholds:
     """The scale of probabilities that fits the cases."""
 
-    def at(logs: np.ndarray) -> EvidenceScale:
-        return replace(ESTIMATED, **dict(zip(FITTED, np.exp(logs).tolist(), strict=True)))
+    def at(logs: np.ndarray) -> DecisionThresholds:
+        return replace(DEFAULT_THRESHOLDS, **dict(zip(FITTED, np.exp(logs).tolist(), strict=True)))
 
-    start = np.log([getattr(ESTIMATED, name) for name in FITTED])
+    start = np.log([getattr(DEFAULT_THRESHOLDS, name) for name in FITTED])
     # a weak pull to the estimates: few cases leave what they do not tell where it is
     told = [Considered.of(case) for case in cases]
     found = minimize(
@@ -157,7 +158,7 @@ def held_out_cost(cases: Sequence[Case], folds: int = 4) -> float:
     return float(np.average(costs, weights=np.bincount(dealt)))
 
 
-def reliability(cases: Sequence[Considered], scale: EvidenceScale) -> list[tuple[str, int, float, float]]:
+def reliability(cases: Sequence[Considered], scale: DecisionThresholds) -> list[tuple[str, int, float, float]]:
     """Of the likeliest answers: between which probabilities, how many, their mean probability, share that is right."""
     shares = [one.shares(scale) for one in cases]
     told = [(float(each.max()), int(each.argmax()) in one.right) for one, each in zip(cases, shares, strict=True)]
@@ -182,15 +183,15 @@ def main() -> None:
     scale = fitted(cases)
     print(f"{len(cases)} cases, {sum(case['kind'] == 'nulls' for case in cases)} of them nulls")
     nulls = [case for case in cases if case["kind"] == "nulls"]
-    print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {ESTIMATED.claim:g})")
+    print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {DEFAULT_THRESHOLDS.claim:g})")
     most = float(np.quantile([case["at_large"] for case in nulls], 0.99))
-    print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {ESTIMATED.dispersion:g})")
+    print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {DEFAULT_THRESHOLDS.dispersion:g})")
     for name in FITTED:
-        print(f"{name}: {getattr(ESTIMATED, name):.3g} -> {getattr(scale, name):.3g}")
-    print(f"mean -log p of what is right: {cost(told, ESTIMATED):.3f} -> {cost(told, scale):.3f}")
+        print(f"{name}: {getattr(DEFAULT_THRESHOLDS, name):.3g} -> {getattr(scale, name):.3g}")
+    print(f"mean -log p of what is right: {cost(told, DEFAULT_THRESHOLDS):.3f} -> {cost(told, scale):.3f}")
     print(f"the same of cases by a scale that was fitted to others: {held_out_cost(cases):.3f}")
     print("probability of the likeliest answer: cases, mean probability, share that is right")
-    for what, count, chance, right in reliability(told, ESTIMATED):
+    for what, count, chance, right in reliability(told, DEFAULT_THRESHOLDS):
         print(f"    {what}: {count}, {chance:.2f}, {right:.2f}")
 
 

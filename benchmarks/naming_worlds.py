@@ -34,13 +34,13 @@ from naming_truth import friction_left, modulus_left
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.naming.metric import cosines
-from tactiledata.diagnose.naming.name_effects import Naming, name_effects
+from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
 from tactiledata.diagnose.touches.played_response import PlayedFamily
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -125,14 +125,14 @@ class Bench:
         }
 
 
-def _refit(cases: CaseSet, wrenches: np.ndarray) -> JointFit:
+def _refit(cases: TouchSet, wrenches: np.ndarray) -> JointFit:
     """The plain simulation fitted to wrenches (N, 6) without noise; its cost in squares of the noise."""
     ends = np.cumsum(cases.counts)[:-1]
     exact = [replace(case, measured=one) for case, one in zip(cases.cases, np.split(wrenches, ends), strict=True)]
-    return plain_fit(WhitenedCases.of(replace(cases, cases=exact), NamingOptions().errors), START)
+    return plain_fit(WhitenedTouches.of(replace(cases, cases=exact), NamingOptions().errors), START)
 
 
-def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
+def _found(naming: NamingResult, asked: Asked, change: np.ndarray) -> dict[str, Any]:
     """What is kept of an answer; ``to_first_order`` is the hidden change beyond what a linear refit imitates."""
     answer = Answer(naming)
     metric = naming.base.metric
@@ -164,7 +164,7 @@ def _found(naming: Naming, asked: Asked, change: np.ndarray) -> dict[str, Any]:
         "to_first_order": round(signal, 2),
         "cosine": float(cosines(metric, [field_, best.fit.effect_change])[0, 1]) if best and signal > 0 else None,
         "reach": reach,
-        "visible": ESTIMATED.visible,
+        "visible": DEFAULT_THRESHOLDS.visible,
     }
 
 

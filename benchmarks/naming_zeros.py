@@ -16,7 +16,7 @@ from tactiledata.ingest.forces.gravity import tool_weight
 from tactiledata.rig.logs.describe import describe
 from tactiledata.rig.logs.sampling import SAMPLING, tare_times, wrench_samples
 from tactiledata.rig.motion import ur5e
-from tactiledata.rig.play import Performance, Stage
+from tactiledata.rig.play import PlayedLog, Stage
 from tactiledata.transforms import matrix_poses
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
@@ -30,7 +30,7 @@ class Log:
 
     stage: Stage
     index: int
-    performance: Performance
+    performance: PlayedLog
 
     @property
     def tares(self) -> list[int]:

@@ -25,8 +25,8 @@ from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, playable
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.residuals.learners import FOLDS
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial
 
@@ -44,13 +44,13 @@ GP_FRAMES, ALIKE, EXPLAINS = 400, 0.9, 0.1
 class Case:
     """One case, with the plain fit that the rivals share."""
 
-    def __init__(self, cases: CaseSet, start: GelMaterial, effects: Sequence[str]) -> None:
+    def __init__(self, cases: TouchSet, start: GelMaterial, effects: Sequence[str]) -> None:
         self.cases, self.start, self.effects = cases, start, tuple(effects)
 
     @cached_property
-    def white(self) -> WhitenedCases:
+    def white(self) -> WhitenedTouches:
         """In units of the frames' noise alone."""
-        return WhitenedCases.of(self.cases, NO_ERRORS)
+        return WhitenedTouches.of(self.cases, NO_ERRORS)
 
     def fit(self, start: Sequence[EffectSetting], kept: frozenset[Strength] = frozenset()) -> JointFit:
         """E, nu, mu, offsets and effects."""
@@ -192,7 +192,7 @@ def gaussian_process(case: Case) -> tuple[str, ...]:
     return tuple(name for name in ranked if alike[name] > ALIKE)[:1]
 
 
-def _told(white: WhitenedCases) -> Array:
+def _told(white: WhitenedTouches) -> Array:
     """Depth, place, seconds, speed, loading, radius (N, 7), each over its spread."""
     rows = []
     for case in white.cases.cases:

@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.residuals.history import largest_so_far
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.indenters import INDENTERS
@@ -141,7 +141,7 @@ class Still(Plan):
         return {**super().scenario(seed, material, hidden), "imperfections": exact}
 
 
-def exact_cases(bench: Bench) -> CaseSet:
+def exact_cases(bench: Bench) -> TouchSet:
     """The plan's touches without noise, weighed as with it."""
     maker, truth = bench.maker, bench.plan.truth
     cases = maker.cases(maker.recorded(0, truth, []), bench.family)
@@ -150,9 +150,9 @@ def exact_cases(bench: Bench) -> CaseSet:
     return replace(cases, cases=read)
 
 
-def fitted(cases: CaseSet, start: GelMaterial, errors: NumericalErrors) -> JointFit:
+def fitted(cases: TouchSet, start: GelMaterial, errors: NumericalErrors) -> JointFit:
     """E, nu, mu, offsets and factors, linearised anew at the optimum."""
-    white = WhitenedCases.of(cases, errors)
+    white = WhitenedTouches.of(cases, errors)
     for _ in range(2):
         numerical = white.numerical(start)
         fit = joint_fit(white, numerical, joint_model(start, [], len(white.starts), numerical.shape[2], box=cases.box))
@@ -195,7 +195,7 @@ def told_offsets(offsets: Array) -> str:
     return f"{1e6 * np.sqrt(np.mean(offsets**2)):.0f} µm rms, {1e6 * np.abs(offsets).max():.0f} at most"
 
 
-def drift(cases: CaseSet, indenter: str, read: Array) -> tuple[float, float]:
+def drift(cases: TouchSet, indenter: str, read: Array) -> tuple[float, float]:
     """Mean of the logarithm of engine over rig, and its slope over that of the force, for one indenter."""
     rig = np.concatenate([case.measured for case in cases.cases])[:, 2]
     owner = np.repeat(np.asarray(cases.indenters), cases.counts)
@@ -204,7 +204,7 @@ def drift(cases: CaseSet, indenter: str, read: Array) -> tuple[float, float]:
     return float(ratio.mean()), float(slope)
 
 
-def way_out(cases: CaseSet, read: Array) -> float:
+def way_out(cases: TouchSet, read: Array) -> float:
     """Largest difference of the shear where load has been taken off, over the touch's greatest load."""
     rig = np.concatenate([case.measured for case in cases.cases])
     starts = np.concatenate([[0], np.cumsum(cases.counts)[:-1]])

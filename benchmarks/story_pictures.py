@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactiledata.diagnose.naming.name_effects import Naming
-from tactiledata.diagnose.unseen.compare import Shown
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.effects import EFFECTS
 from tactiledata.report.diagnosis_plots import AFTER, BEFORE
 from tactiledata.report.naming_plots import GREY
@@ -32,7 +32,9 @@ class Numbers:
     intervals: tuple[tuple[float, float], ...] = ()
 
 
-def draw_story(numbers: Sequence[Numbers], truth: Sequence[float], naming: Naming, shown: Shown) -> Figure:
+def draw_story(
+    numbers: Sequence[Numbers], truth: Sequence[float], naming: NamingResult, shown: HeldOutComparison
+) -> Figure:
     """What calibrations said; the touch that changes most; errors on unseen trajectories and indenters."""
     from matplotlib.figure import Figure
 
@@ -71,7 +73,7 @@ def _numbers(axes: Axes, numbers: Sequence[Numbers], truth: Sequence[float], pla
     axes.tick_params(axis="x", labelsize=7)
 
 
-def _touch(axes: Axes, naming: Naming, shown: Shown) -> None:
+def _touch(axes: Axes, naming: NamingResult, shown: HeldOutComparison) -> None:
     """The component of a held-out trajectory whose error falls most; without an effect, the one that is worst."""
     cases, errors = naming.cases, shown.of_trajectories
     before, after = (cases.measured[:, :3] - one[:, :3] for one in (errors.before, errors.after))
@@ -92,7 +94,7 @@ def _touch(axes: Axes, naming: Naming, shown: Shown) -> None:
     axes.legend(fontsize=7, frameon=False)
 
 
-def _errors(axes: Axes, shown: Shown) -> None:
+def _errors(axes: Axes, shown: HeldOutComparison) -> None:
     width, places = 0.26, np.arange(len(shown.errors))
     bars = [("plain", BEFORE, [one.force.before for one in shown.errors])]
     if shown.names:

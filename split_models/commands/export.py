@@ -32,10 +32,10 @@ def export(
 
     if to != "onnx":
         raise UnknownName("format of exported models", to, ("onnx",))
-    with opened_workshop(recipe, scale, "cpu", out, 1, as_json) as workshop:
+    with opened_workshop(recipe, scale, "cpu", out, 1, as_json) as recipe_run:
         from split_models.onnx.export import onnx_models
 
-        models = onnx_models(workshop)
+        models = onnx_models(recipe_run)
     if as_json:
         emit({"folder": str(models.folder), **models.document})
         return

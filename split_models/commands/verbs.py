@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,6 +16,7 @@ from split_models.commands import score as score_command
 from split_models.commands import transfer as transfer_command
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.contract.progress import Progress
 from tactiledata.errors import UsageError
 
 RECIPE = typer.Argument(..., help="A recipe file, or the name of a bundled one.")
@@ -48,9 +49,9 @@ def train(
 
     Example: tactiledata train table_digit_images --scale small
     """
-    with opened_workshop(recipe, scale, device, out, workers, as_json) as workshop:
-        trained = _prepare(workshop)
-        if workshop.ranks.is_first:
+    with opened_workshop(recipe, scale, device, out, workers, as_json) as recipe_run:
+        trained = _prepare(recipe_run)
+        if recipe_run.ranks.is_first:
             _told(trained, as_json)
 
 
@@ -65,9 +66,9 @@ def evaluate(
 
     Example: tactiledata evaluate table_digit_images --scale small
     """
-    with opened_workshop(recipe, scale, device, out, 1, as_json, may_train=False) as workshop:
-        if workshop.ranks.is_first:
-            _table(workshop, as_json)
+    with opened_workshop(recipe, scale, device, out, 1, as_json, may_train=False) as recipe_run:
+        if recipe_run.ranks.is_first:
+            _table(recipe_run, as_json)
 
 
 def run(
@@ -82,14 +83,14 @@ def run(
 
     Example: tactiledata run table_digit_images --scale small --workers 2
     """
-    with opened_workshop(recipe, scale, device, out, workers, as_json) as workshop:
-        trained = _prepare(workshop)
-        if not workshop.ranks.is_first:
+    with opened_workshop(recipe, scale, device, out, workers, as_json) as recipe_run:
+        trained = _prepare(recipe_run)
+        if not recipe_run.ranks.is_first:
             return
-        if workshop.recipe.table is None:
+        if recipe_run.recipe.table is None:
             _told(trained, as_json)
         else:
-            _table(workshop, as_json)
+            _table(recipe_run, as_json)
 
 
 @contextmanager
@@ -106,15 +107,15 @@ def opened_workshop(
             "PyTorch is not installed", "it, to train and evaluate", "pip install -c constraints.txt -e '.[models]'"
         )
     from split_models.learning.device import find_device, processes
-    from split_models.recipe.recipe_run import Workshop
+    from split_models.recipe.recipe_run import RecipeRun
 
     place = find_device(device)
     with processes(place) as ranks, _by_steps(as_json or not ranks.is_first) as tell:
-        yield Workshop(loaded, out, place, ranks, tell, workers, may_train)
+        yield RecipeRun(loaded, out, place, ranks, tell, workers, may_train)
 
 
 @contextmanager
-def _by_steps(quiet: bool) -> Iterator[Callable[..., None]]:
+def _by_steps(quiet: bool) -> Iterator[Progress]:
     """A function to report progress to; what comes before a colon names a step, and each step has a bar of its own."""
     with ExitStack() as bars:
         current: list[Any] = ["", None]
@@ -129,16 +130,16 @@ def _by_steps(quiet: bool) -> Iterator[Callable[..., None]]:
         yield tell
 
 
-def _prepare(workshop: Any) -> dict[str, str]:
+def _prepare(recipe_run: Any) -> dict[str, str]:
     """Everything trained that the recipe needs; where each model lies."""
     from split_models.tables.tables import PREPARE
 
-    table = workshop.recipe.table
+    table = recipe_run.recipe.table
     if table is None:
-        workshop.train_backbone()
+        recipe_run.train_backbone()
     else:
-        PREPARE[table](workshop)
-    return dict(workshop.kept.folders)
+        PREPARE[table](recipe_run)
+    return dict(recipe_run.kept.folders)
 
 
 def _told(trained: dict[str, str], as_json: bool) -> None:
@@ -149,21 +150,21 @@ def _told(trained: dict[str, str], as_json: bool) -> None:
         say(f"{name}: {folder}")
 
 
-def _table(workshop: Any, as_json: bool) -> None:
+def _table(recipe_run: Any, as_json: bool) -> None:
     from split_models.networks.latent_normal import drawn_alike
     from split_models.tables.results import result_document, write_result
     from split_models.tables.tables import ROWS
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings
 
-    recipe = workshop.recipe
+    recipe = recipe_run.recipe
     if recipe.table is None:
         raise UsageError(f"the recipe {recipe.name} has no table", "`table: …` in it", "`tactiledata train` is for it.")
     with drawn_alike(recipe.seed):
-        rows = ROWS[recipe.table](workshop)
-    store = Store.open(workshop.store)
+        rows = ROWS[recipe.table](recipe_run)
+    store = Store.open(recipe_run.store)
     document = result_document(recipe, rows, store.digest, simulated_recordings(store))
-    paths = write_result(workshop.tables, document)
+    paths = write_result(recipe_run.tables, document)
     if as_json:
         emit({**document, "files": {name: str(path) for name, path in paths.items()}})
         return

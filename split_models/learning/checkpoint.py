@@ -40,7 +40,7 @@ KINDS = Registry(
 
 
 @dataclass(frozen=True)
-class Stamps:
+class TrainedOn:
     """What weights were learned from; all of it must be the same to go on, or to be used on its data.
 
     Parameters
@@ -60,7 +60,7 @@ class Stamps:
     items: str = ""
     topology: str = ""
 
-    def differing(self, other: Stamps) -> list[str]:
+    def differing(self, other: TrainedOn) -> list[str]:
         """Names of what is not the same."""
         return [name for name, value in vars(self).items() if value != getattr(other, name)]
 
@@ -74,7 +74,7 @@ class Checkpoint:
     kind : str
     settings : dict
         Of the network; JSON values.
-    stamps : Stamps
+    stamps : TrainedOn
     topology : str
         Digest of the mesh that the network is for.
     weights, extras : dict of Tensor
@@ -87,7 +87,7 @@ class Checkpoint:
 
     kind: str
     settings: Mapping[str, Any]
-    stamps: Stamps
+    stamps: TrainedOn
     topology: str
     weights: Mapping[str, Tensor]
     extras: Mapping[str, Tensor]
@@ -95,7 +95,7 @@ class Checkpoint:
     optimiser: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, network: Network, stamps: Stamps, progress: Any = None, optimiser: Any = None) -> Checkpoint:
+    def of(cls, network: Network, stamps: TrainedOn, progress: Any = None, optimiser: Any = None) -> Checkpoint:
         """Of a network as it is now."""
         return cls(
             network.kind,
@@ -178,7 +178,7 @@ def load_checkpoint(path: Path) -> Checkpoint:
     return Checkpoint(
         document["kind"],
         document["settings"],
-        Stamps(**document["stamps"]),
+        TrainedOn(**document["stamps"]),
         document["topology"],
         weights,
         extras,
@@ -187,7 +187,7 @@ def load_checkpoint(path: Path) -> Checkpoint:
     )
 
 
-def require_stamps(found: Stamps, expected: Stamps, where: str) -> None:
+def require_stamps(found: TrainedOn, expected: TrainedOn, where: str) -> None:
     """Nothing, where weights were learned from what is at hand; else `CheckpointError`."""
     differing = found.differing(expected)
     if not differing:

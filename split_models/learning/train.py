@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,20 +14,19 @@ import torch
 from torch import distributed
 from torch.nn.parallel import DistributedDataParallel
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, require_stamps, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, load_checkpoint, require_stamps, save_checkpoint
 from split_models.learning.curves import write_curves
 from split_models.learning.device import Ranks, uses_bfloat16
 from split_models.learning.items import Batch, Items
 from split_models.learning.objectives import Losses, Objective
 from split_models.learning.require_finite import require_finite_batch, require_finite_losses, require_finite_validation
 from split_models.learning.train_options import TrainOptions
-from split_models.learning.training_progress import Progress
+from split_models.learning.training_state import TrainingState
 from split_models.networks.network import Network
+from tactiledata.contract.progress import Progress
 from tactiledata.errors import UsageError
 from tactiledata.loaders.order import Order
 
-Tell = Callable[..., None]
-"""Called with epochs done, epochs in all, and words."""
 T = TypeVar("T")
 
 LAST, BEST = "last.pt", "best.pt"
@@ -48,10 +47,10 @@ def train(
     validation: Items,
     options: TrainOptions,
     folder: Path,
-    stamps: Stamps,
+    stamps: TrainedOn,
     device: torch.device,
     ranks: Ranks | None = None,
-    tell: Tell | None = None,
+    tell: Progress | None = None,
 ) -> Trained:
     """A network trained, or gone on with where it was killed, or read where it is ready.
 
@@ -64,7 +63,7 @@ def train(
     items, validation : Items
     folder : Path
         ``last.pt``, ``best.pt``, ``curve.csv`` and ``curve.json`` go there.
-    stamps : Stamps
+    stamps : TrainedOn
         What the weights depend on; a checkpoint with others is refused.
     device : torch.device
     ranks : Ranks, optional
@@ -103,10 +102,10 @@ class _Loop:
         validation: Items,
         options: TrainOptions,
         folder: Path,
-        stamps: Stamps,
+        stamps: TrainedOn,
         device: torch.device,
         ranks: Ranks,
-        tell: Tell | None,
+        tell: Progress | None,
     ) -> None:
         self.objective = objective.to(device)
         self.items, self.validation, self.options = items, validation, options
@@ -130,7 +129,7 @@ class _Loop:
             fingerprint=items.fingerprint,
         )
         self.steps = -(-len(items) // self.order.stride)
-        self.progress = Progress()
+        self.progress = TrainingState()
         self.saved = time.monotonic()
 
     def resume(self) -> None:
@@ -141,7 +140,7 @@ class _Loop:
             kept = load_checkpoint(path)
             require_stamps(kept.stamps, self.stamps, str(path))
             self.objective.network.load_state_dict(dict(kept.weights))
-            self.progress = Progress.from_document(kept.progress)
+            self.progress = TrainingState.from_document(kept.progress)
             if not self.progress.is_over:
                 self.optimiser.load_state_dict(dict(kept.optimiser))
             self.order.load_state_dict(self.progress.order)
@@ -195,14 +194,14 @@ class _Loop:
         progress = self.progress
         self.order.set_epoch(epoch + 1)
         names = sorted(set(progress.sums) - {"items"})
-        learned = self._shared(progress.sums, names)
+        trained = self._shared(progress.sums, names)
         checked = self._shared(self._validated(epoch), names)
         require_finite_validation(checked, self.objective.network.kind, epoch)
         progress.rows.append(
             {
                 "epoch": epoch,
                 "learning_rate": self.options.rate_at(epoch),
-                **{f"train_{name}": value for name, value in learned.items()},
+                **{f"train_{name}": value for name, value in trained.items()},
                 **{f"val_{name}": value for name, value in checked.items()},
                 "seconds": round(progress.seconds, 3),
             }
@@ -218,7 +217,7 @@ class _Loop:
             save_checkpoint(self.folder / BEST, Checkpoint.of(self.objective.network, self.stamps))
         self._save()
         if self.tell is not None:
-            words = f"train {learned['loss']:.4g}, val {checked['loss']:.4g}"
+            words = f"train {trained['loss']:.4g}, val {checked['loss']:.4g}"
             self.tell(self.options.epochs if progress.is_over else epoch + 1, self.options.epochs, words)
 
     def _validated(self, epoch: int) -> dict[str, float]:

@@ -13,7 +13,7 @@ from split_models.methods import fots
 from split_models.methods import taxim as taxim_method
 from split_models.methods.across import AcrossMethod
 from split_models.methods.optical_method import OpticalMethod
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.errors import UsageError
 from tactiledata.optics.registration import Touch, register
 from tactiledata.optics.surface import GelSurface
@@ -37,13 +37,13 @@ class PerUnit:
     Parameters
     ----------
     name : str
-    workshop : Workshop
+    recipe_run : RecipeRun
     calibrate : callable
         Surface, view and touches -> method.
     """
 
     name: str
-    workshop: Workshop
+    recipe_run: RecipeRun
     calibrate: Calibrate
     _units: dict[str, OpticalMethod] = field(default_factory=dict)
 
@@ -56,7 +56,7 @@ class PerUnit:
             Its touches do not show where the camera is.
         """
         if sensor not in self._units:
-            surface, touches = surface_of(self.workshop), unit_touches(self.workshop, sensor)
+            surface, touches = surface_of(self.recipe_run), unit_touches(self.recipe_run, sensor)
             start = View.nominal(DIGIT, touches[0].picture.shape[:2])
             view = register(surface, touches, start).view
             self._units[sensor] = self.calibrate(surface, view, touches)
@@ -67,13 +67,13 @@ class PerUnit:
         raise UsageError(f"{self.name} without a unit", "`for_sensor(sensor).predict(…)`", "It is calibrated by unit.")
 
 
-def surface_of(workshop: Workshop) -> GelSurface:
+def surface_of(recipe_run: RecipeRun) -> GelSurface:
     """The surface of the store's mesh."""
-    frames = workshop.frames("train")
+    frames = recipe_run.frames("train")
     return GelSurface.of_pad(frames.arrays.store.mesh(frames.mesh_name).pad())
 
 
-def unit_touches(workshop: Workshop, sensor: str) -> list[Touch]:
+def unit_touches(recipe_run: RecipeRun, sensor: str) -> list[Touch]:
     """A frame of each of a unit's trajectories, the one that is deformed most; of train where the unit is there.
 
     Raises
@@ -82,8 +82,8 @@ def unit_touches(workshop: Workshop, sensor: str) -> list[Touch]:
         No part of the split has frames of the unit.
     """
     best: list[Touch] = []
-    for part in dict.fromkeys(["train", *workshop.recipe.rows["parts"]]):
-        frames = workshop.frames(part)
+    for part in dict.fromkeys(["train", *recipe_run.recipe.rows["parts"]]):
+        frames = recipe_run.frames(part)
         mine = np.flatnonzero(frames.sensors == sensor)
         names = list(dict.fromkeys(frames.trajectories[mine]))[:MOST_TOUCHES]
         found = []
@@ -102,26 +102,26 @@ def unit_touches(workshop: Workshop, sensor: str) -> list[Touch]:
     return best
 
 
-def taxim_published(workshop: Workshop) -> OpticalMethod:
+def taxim_published(recipe_run: RecipeRun) -> OpticalMethod:
     """Taxim with the published DIGIT table and the nominal camera."""
-    return taxim_method.taxim_published(surface_of(workshop))
+    return taxim_method.taxim_published(surface_of(recipe_run))
 
 
-def taxim_calibrated(workshop: Workshop) -> PerUnit:
+def taxim_calibrated(recipe_run: RecipeRun) -> PerUnit:
     """Taxim registered and calibrated for each unit."""
-    return PerUnit("taxim_calibrated", workshop, taxim_method.taxim_calibrated)
+    return PerUnit("taxim_calibrated", recipe_run, taxim_method.taxim_calibrated)
 
 
-def fots_published(workshop: Workshop) -> OpticalMethod:
+def fots_published(recipe_run: RecipeRun) -> OpticalMethod:
     """FOTS' network taught by the published DIGIT table, and the nominal camera."""
-    return fots.fots_published(surface_of(workshop))
+    return fots.fots_published(surface_of(recipe_run))
 
 
-def fots_calibrated(workshop: Workshop) -> PerUnit:
+def fots_calibrated(recipe_run: RecipeRun) -> PerUnit:
     """FOTS registered and calibrated for each unit."""
-    return PerUnit("fots_calibrated", workshop, fots.fots_calibrated)
+    return PerUnit("fots_calibrated", recipe_run, fots.fots_calibrated)
 
 
-def across(workshop: Workshop) -> AcrossMethod:
+def across(recipe_run: RecipeRun) -> AcrossMethod:
     """ACROSS: the mesh VAE, and Taxim with the published table."""
-    return AcrossMethod(workshop.mesh_vae, taxim_published(workshop))
+    return AcrossMethod(recipe_run.mesh_vae, taxim_published(recipe_run))

@@ -25,7 +25,7 @@ from split_models.networks.latent import (
 )
 from split_models.networks.network import Network
 from split_models.networks.projection import Projection
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 
 MESHES, PICTURES = "mesh_again", "deformation_again"
 CHUNK = 256
@@ -95,19 +95,19 @@ class CycleObjective(Objective):
         return of_pictures + nn.functional.mse_loss(meshes.float(), true_meshes) / self.of_mesh
 
 
-def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
+def cycle_pair(recipe_run: RecipeRun, learns_own: bool) -> CyclePair:
     """The pair of a recipe, from its plain projections; with what they make of their own outputs, or without."""
-    section = workshop.recipe.models["cycle"]
-    forth, back = workshop.projection("mesh_to_image", True), workshop.projection("image_to_mesh", True)
-    keys = workshop.kept.keys
-    parents = {vae.kind: keys[vae.kind] for vae in (workshop.image_vae, workshop.mesh_vae)}
+    section = recipe_run.recipe.models["cycle"]
+    forth, back = recipe_run.projection("mesh_to_image", True), recipe_run.projection("image_to_mesh", True)
+    keys = recipe_run.kept.keys
+    parents = {vae.kind: keys[vae.kind] for vae in (recipe_run.image_vae, recipe_run.mesh_vae)}
     parents |= {name: keys[name] for name in ("projection_mesh_to_image_split", "projection_image_to_mesh_split")}
 
     def build() -> tuple[Objective, TensorItems, TensorItems]:
         pair = CyclePair(forth.settings, back.settings)
         pair.forth.load_state_dict(forth.state_dict())
         pair.back.load_state_dict(back.state_dict())
-        train, val = (cycle_items(workshop, part, forth, back, learns_own) for part in ("train", "val"))
+        train, val = (cycle_items(recipe_run, part, forth, back, learns_own) for part in ("train", "val"))
         variances = tuple(max(float(train.tensors[name].var()), 1e-12) for name in ("mesh", "deformation"))
         own_weight = section["own_weight"] if learns_own else 0.0
         objective = CycleObjective(pair, section["weight"], own_weight, (variances[0], variances[1]))
@@ -115,56 +115,56 @@ def cycle_pair(workshop: Workshop, learns_own: bool) -> CyclePair:
 
     name = "cycle_pair_own" if learns_own else "cycle_pair"
     described = {**section, "learns_own": learns_own}
-    options, fingerprint = workshop.recipe.training("cycle"), workshop.frames("train").fingerprint
-    return cast("CyclePair", workshop.learned(name, parents, described, fingerprint, options, build))
+    options, fingerprint = recipe_run.recipe.training("cycle"), recipe_run.frames("train").fingerprint
+    return cast("CyclePair", recipe_run.trained(name, parents, described, fingerprint, options, build))
 
 
-def cycle_items(workshop: Workshop, part: str, forth: Projection, back: Projection, learns_own: bool) -> TensorItems:
+def cycle_items(recipe_run: RecipeRun, part: str, forth: Projection, back: Projection, learns_own: bool) -> TensorItems:
     """Latent vectors of a part: ``mesh``, ``deformation``, and as they come back from some cycles."""
-    tensors = {name: workshop.latents(part, name) for name in ("mesh", "deformation")}
+    tensors = {name: recipe_run.latents(part, name) for name in ("mesh", "deformation")}
     if learns_own:
-        base = workshop.latents(part, "image") - tensors["deformation"]
-        tensors |= around(workshop, forth, back, tensors["deformation"], base)
-    frames = workshop.frames(part)
+        base = recipe_run.latents(part, "image") - tensors["deformation"]
+        tensors |= around(recipe_run, forth, back, tensors["deformation"], base)
+    frames = recipe_run.frames(part)
     return TensorItems(tensors, frames.fingerprint, frames)
 
 
 def around(
-    workshop: Workshop, forth: Projection, back: Projection, deformation: Tensor, base: Tensor
+    recipe_run: RecipeRun, forth: Projection, back: Projection, deformation: Tensor, base: Tensor
 ) -> dict[str, Tensor]:
     """Latent vectors (n, cycles, d) of the meshes that are made of pictures, and of the pictures made of these, encoded
     again in each of some cycles.
 
     Parameters
     ----------
-    workshop : Workshop
+    recipe_run : RecipeRun
     forth, back : Projection
     deformation, base : (n, d)
         Latent vectors of the pictures' deformations, and of their backgrounds.
     """
     walks: dict[str, list[Tensor]] = {MESHES: [], PICTURES: []}
-    for cycle in range(workshop.recipe.models["cycle"]["walks"]):
+    for cycle in range(recipe_run.recipe.models["cycle"]["walks"]):
         meshes, pictures = [], []
         for start in range(0, len(base), CHUNK):
-            workshop.tell(start, len(base), f"cycle_pair: cycle {cycle + 1}")
+            recipe_run.tell(start, len(base), f"cycle_pair: cycle {cycle + 1}")
             some = slice(start, start + CHUNK)
-            moved = decode_displacements(workshop.mesh_vae, project(back, deformation[some]))
-            meshes.append(encode_displacements(workshop.mesh_vae, moved))
-            shown = decode_pictures(workshop.image_vae, project(forth, meshes[-1]) + base[some])
-            pictures.append(encode_pictures(workshop.image_vae, shown) - base[some])
+            moved = decode_displacements(recipe_run.mesh_vae, project(back, deformation[some]))
+            meshes.append(encode_displacements(recipe_run.mesh_vae, moved))
+            shown = decode_pictures(recipe_run.image_vae, project(forth, meshes[-1]) + base[some])
+            pictures.append(encode_pictures(recipe_run.image_vae, shown) - base[some])
         deformation = torch.cat(pictures)
         walks[MESHES].append(torch.cat(meshes))
         walks[PICTURES].append(deformation)
     return {name: torch.stack(found, dim=1) for name, found in walks.items()}
 
 
-def split_cycle(workshop: Workshop) -> LatentMeshToImage:
+def split_cycle(recipe_run: RecipeRun) -> LatentMeshToImage:
     """SPLIT's pictures of meshes by projections that were learned together."""
-    pair = cycle_pair(workshop, learns_own=True)
-    return LatentMeshToImage("split_cycle", workshop.mesh_vae, workshop.image_vae, pair.forth)
+    pair = cycle_pair(recipe_run, learns_own=True)
+    return LatentMeshToImage("split_cycle", recipe_run.mesh_vae, recipe_run.image_vae, pair.forth)
 
 
-def split_cycle_mesh(workshop: Workshop) -> LatentImageToMesh:
+def split_cycle_mesh(recipe_run: RecipeRun) -> LatentImageToMesh:
     """SPLIT's meshes of pictures by projections that were learned together."""
-    pair = cycle_pair(workshop, learns_own=True)
-    return LatentImageToMesh("split_cycle", workshop.image_vae, workshop.mesh_vae, pair.back)
+    pair = cycle_pair(recipe_run, learns_own=True)
+    return LatentImageToMesh("split_cycle", recipe_run.image_vae, recipe_run.mesh_vae, pair.back)

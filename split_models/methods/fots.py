@@ -20,7 +20,7 @@ from tactiledata.errors import UsageError
 from tactiledata.optics.registration import Touch
 from tactiledata.optics.surface import GelSurface
 from tactiledata.optics.taxim import TaximTable, place_terms, published_digit_table
-from tactiledata.optics.taxim_calibration import Press
+from tactiledata.optics.taxim_calibration import CalibrationPress
 from tactiledata.optics.view import View
 from tactiledata.sensors.base import Sensor
 from tactiledata.sensors.digit import DIGIT
@@ -60,7 +60,7 @@ def normals_of(slope: NDArray[np.float32]) -> NDArray[np.float32]:
     return normals / np.linalg.norm(normals, axis=-1, keepdims=True)
 
 
-def learned_colours(presses: Iterable[Press], seed: int = 0) -> ColourNetwork:
+def learned_colours(presses: Iterable[CalibrationPress], seed: int = 0) -> ColourNetwork:
     """A network that was taught by pixels of known slopes.
 
     Raises
@@ -99,7 +99,7 @@ def _taught(inputs: Tensor, targets: Tensor, seed: int) -> ColourNetwork:
     return network.eval()
 
 
-def presses_of_table(table: TaximTable, seed: int = 0, count: int = 8) -> list[Press]:
+def presses_of_table(table: TaximTable, seed: int = 0, count: int = 8) -> list[CalibrationPress]:
     """Pictures of random slopes, up to 60 degrees in every direction, that a table draws."""
     rng = np.random.default_rng(seed)
     presses = []
@@ -107,7 +107,7 @@ def presses_of_table(table: TaximTable, seed: int = 0, count: int = 8) -> list[P
         angle, direction = rng.uniform(0.0, np.pi / 3, (160, 120)), rng.uniform(-np.pi, np.pi, (160, 120))
         slope = np.tan(angle)[..., None] * np.stack([np.cos(direction), np.sin(direction)], axis=-1)
         slope = slope.astype(np.float32)
-        presses.append(Press(table.change(slope), slope, np.ones(slope.shape[:2], bool)))
+        presses.append(CalibrationPress(table.change(slope), slope, np.ones(slope.shape[:2], bool)))
     return presses
 
 

@@ -12,7 +12,7 @@ from split_models.networks.latent import (
     NoContact,
     SplitOnBackground,
 )
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.arrays import PictureArray, SingleArray
 from tactiledata.registry import Registry
 
@@ -105,17 +105,17 @@ TITLES = {
 """For people."""
 
 
-def mesh_to_image(workshop: Workshop, row: str) -> MeshToImage:
+def mesh_to_image(recipe_run: RecipeRun, row: str) -> MeshToImage:
     """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
     variant, _, name = row.rpartition(":")
-    found: MeshToImage = MESH_TO_IMAGE[name](workshop.variant(variant))
+    found: MeshToImage = MESH_TO_IMAGE[name](recipe_run.variant(variant))
     return found
 
 
-def image_to_mesh(workshop: Workshop, row: str) -> ImageToMesh:
+def image_to_mesh(recipe_run: RecipeRun, row: str) -> ImageToMesh:
     """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
     variant, _, name = row.rpartition(":")
-    found: ImageToMesh = IMAGE_TO_MESH[name](workshop.variant(variant))
+    found: ImageToMesh = IMAGE_TO_MESH[name](recipe_run.variant(variant))
     return found
 
 
@@ -126,56 +126,56 @@ def title_of(row: str) -> str:
     return f"{title}, {variant}" if variant else title
 
 
-def no_contact(workshop: Workshop) -> MeshToImage:
+def no_contact(recipe_run: RecipeRun) -> MeshToImage:
     """The target's background, whatever presses."""
     return NoContact()
 
 
-def at_rest(workshop: Workshop) -> ImageToMesh:
+def at_rest(recipe_run: RecipeRun) -> ImageToMesh:
     """The undeformed mesh, whatever the picture shows."""
-    return AtRest(workshop.topology.n_vertices)
+    return AtRest(recipe_run.topology.n_vertices)
 
 
-def end_to_end(workshop: Workshop) -> MeshToImage:
+def end_to_end(recipe_run: RecipeRun) -> MeshToImage:
     """The end-to-end autoencoder."""
-    return DirectMeshToImage("end_to_end", workshop.end_to_end)
+    return DirectMeshToImage("end_to_end", recipe_run.end_to_end)
 
 
-def nosplit(workshop: Workshop) -> MeshToImage:
+def nosplit(recipe_run: RecipeRun) -> MeshToImage:
     """Projection onto the picture's latent vector."""
-    return _mesh_to_image(workshop, is_split=False)
+    return _mesh_to_image(recipe_run, is_split=False)
 
 
-def split(workshop: Workshop) -> MeshToImage:
+def split(recipe_run: RecipeRun) -> MeshToImage:
     """Projection onto the deformation's latent vector, the background's added."""
-    return _mesh_to_image(workshop, is_split=True)
+    return _mesh_to_image(recipe_run, is_split=True)
 
 
-def split_on_background(workshop: Workshop) -> MeshToImage:
+def split_on_background(recipe_run: RecipeRun) -> MeshToImage:
     """SPLIT's change of the picture, on the recorded background."""
-    return SplitOnBackground("split_on_background", _mesh_to_image(workshop, is_split=True))
+    return SplitOnBackground("split_on_background", _mesh_to_image(recipe_run, is_split=True))
 
 
-def nosplit_mesh(workshop: Workshop) -> ImageToMesh:
+def nosplit_mesh(recipe_run: RecipeRun) -> ImageToMesh:
     """Projection of the picture's latent vector."""
-    return _image_to_mesh(workshop, is_split=False)
+    return _image_to_mesh(recipe_run, is_split=False)
 
 
-def split_mesh(workshop: Workshop) -> ImageToMesh:
+def split_mesh(recipe_run: RecipeRun) -> ImageToMesh:
     """Projection of the deformation's latent vector, the background's subtracted."""
-    return _image_to_mesh(workshop, is_split=True)
+    return _image_to_mesh(recipe_run, is_split=True)
 
 
-def _mesh_to_image(workshop: Workshop, is_split: bool) -> LatentMeshToImage:
-    projection = workshop.projection("mesh_to_image", is_split)
-    name, latents = "split" if is_split else "nosplit", workshop.recipe.models["latents"]
-    return LatentMeshToImage(name, workshop.mesh_vae, workshop.image_vae, projection, is_split, latents)
+def _mesh_to_image(recipe_run: RecipeRun, is_split: bool) -> LatentMeshToImage:
+    projection = recipe_run.projection("mesh_to_image", is_split)
+    name, latents = "split" if is_split else "nosplit", recipe_run.recipe.models["latents"]
+    return LatentMeshToImage(name, recipe_run.mesh_vae, recipe_run.image_vae, projection, is_split, latents)
 
 
-def _image_to_mesh(workshop: Workshop, is_split: bool) -> LatentImageToMesh:
-    projection = workshop.projection("image_to_mesh", is_split)
-    name, latents = "split" if is_split else "nosplit", workshop.recipe.models["latents"]
-    return LatentImageToMesh(name, workshop.image_vae, workshop.mesh_vae, projection, is_split, latents)
+def _image_to_mesh(recipe_run: RecipeRun, is_split: bool) -> LatentImageToMesh:
+    projection = recipe_run.projection("image_to_mesh", is_split)
+    name, latents = "split" if is_split else "nosplit", recipe_run.recipe.models["latents"]
+    return LatentImageToMesh(name, recipe_run.image_vae, recipe_run.mesh_vae, projection, is_split, latents)
 
 
 def for_sensor(method: Any, sensor: str) -> Any:

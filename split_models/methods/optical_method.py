@@ -15,7 +15,7 @@ from tactiledata.optics.height_map import Indentation, slopes
 from tactiledata.optics.registration import Touch
 from tactiledata.optics.shadows import Shadows, fit_shadows, light_azimuths
 from tactiledata.optics.surface import GelSurface
-from tactiledata.optics.taxim_calibration import Press, calibrate
+from tactiledata.optics.taxim_calibration import CalibrationPress, calibrate
 from tactiledata.optics.view import View
 
 Colours = Callable[[NDArray[np.float32]], NDArray[np.float32]]
@@ -76,7 +76,7 @@ def calibrated(
     surface: GelSurface,
     view: View,
     touches: Sequence[Touch],
-    learn: Callable[[list[Press]], Colours],
+    learn: Callable[[list[CalibrationPress]], Colours],
     is_planar: bool,
 ) -> OpticalMethod:
     """A method calibrated on one unit's touches of known meshes, seen through its registered camera.
@@ -110,10 +110,10 @@ def calibrated(
     return OpticalMethod(name, surface, view, colours, shadows)
 
 
-def _press(touch: Touch, depth: NDArray[np.float32], view: View) -> Press:
+def _press(touch: Touch, depth: NDArray[np.float32], view: View) -> CalibrationPress:
     """The frame as a press of known slopes, everywhere on the picture."""
     change = touch.picture.astype(np.float32) - touch.background
-    return Press(change, slopes(depth, view), np.ones(depth.shape, bool))
+    return CalibrationPress(change, slopes(depth, view), np.ones(depth.shape, bool))
 
 
 def smooth_indentation(drawn: Indentation, displacement: Any) -> NDArray[np.float32]:

@@ -23,11 +23,11 @@ def kept_small(pictures: Sequence[tuple[str, PictureArray]]) -> Learned:
     return tuple((name, _small(picture)) for name, picture in pictures)
 
 
-def as_extras(learned: Learned) -> dict[str, Tensor]:
+def as_extras(trained: Learned) -> dict[str, Tensor]:
     """The pictures as extras of a checkpoint."""
     return {
         f"{PREFIX}{number}/{name}": torch.from_numpy(np.ascontiguousarray(picture))
-        for number, (name, picture) in enumerate(learned)
+        for number, (name, picture) in enumerate(trained)
     }
 
 

@@ -19,7 +19,7 @@ from split_models.networks.mesh_vae import MeshVae
 from split_models.networks.projection import Projection
 from split_models.onnx.gather_map import with_gathers
 from split_models.onnx.models import MODELS, OnnxImageToMesh, OnnxMeshToImage, OnnxModels
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import TactileDataError, UsageError
@@ -77,17 +77,17 @@ class LatentMeshes(nn.Module):
         return self.vae.decode(latent)
 
 
-def split_onnx(workshop: Workshop) -> OnnxMeshToImage:
+def split_onnx(recipe_run: RecipeRun) -> OnnxMeshToImage:
     """SPLIT's pictures of meshes by onnxruntime, on as many threads as PyTorch."""
-    return OnnxMeshToImage(onnx_models(workshop))
+    return OnnxMeshToImage(onnx_models(recipe_run))
 
 
-def split_onnx_mesh(workshop: Workshop) -> OnnxImageToMesh:
+def split_onnx_mesh(recipe_run: RecipeRun) -> OnnxImageToMesh:
     """SPLIT's meshes of pictures by onnxruntime, on as many threads as PyTorch."""
-    return OnnxImageToMesh(onnx_models(workshop))
+    return OnnxImageToMesh(onnx_models(recipe_run))
 
 
-def onnx_models(workshop: Workshop) -> OnnxModels:
+def onnx_models(recipe_run: RecipeRun) -> OnnxModels:
     """SPLIT's networks of a recipe, exported into ``out/onnx`` where they are not there yet.
 
     Raises
@@ -97,11 +97,11 @@ def onnx_models(workshop: Workshop) -> OnnxModels:
     TactileDataError
         An exported network gives other values than PyTorch.
     """
-    forth, back = workshop.projection("mesh_to_image", True), workshop.projection("image_to_mesh", True)
-    vaes, keys = (workshop.image_vae, workshop.mesh_vae), workshop.kept.keys
-    folder = workshop.out / "onnx" / digest_of(sorted(keys.items()))[:12]
+    forth, back = recipe_run.projection("mesh_to_image", True), recipe_run.projection("image_to_mesh", True)
+    vaes, keys = (recipe_run.image_vae, recipe_run.mesh_vae), recipe_run.kept.keys
+    folder = recipe_run.out / "onnx" / digest_of(sorted(keys.items()))[:12]
     if not (folder / MODELS).exists():
-        frames = workshop.frames("val")
+        frames = recipe_run.frames("val")
         some = np.unique(np.linspace(0, len(frames) - 1, 4).astype(np.int64))
         export_models(folder, *vaes, forth, back, frames.pictures(some), frames.displacements(some))
     return OnnxModels(folder, threads=torch.get_num_threads())

@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 
-from split_models.learning.checkpoint import Stamps, load_checkpoint, require_stamps, require_topology
+from split_models.learning.checkpoint import TrainedOn, load_checkpoint, require_stamps, require_topology
 from split_models.learning.device import Ranks
 from split_models.learning.items import Items
 from split_models.learning.objectives import Objective
@@ -17,6 +17,7 @@ from split_models.learning.train import BEST, LAST, train
 from split_models.learning.train_options import TrainOptions
 from split_models.networks.latent_normal import drawn_alike
 from split_models.networks.network import Network
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import UsageError
 
@@ -45,16 +46,14 @@ class KeptModels:
         Where it lies.
     """
 
-    def __init__(
-        self, folder: Path, device: torch.device, ranks: Ranks, tell: Callable[..., None], may_train: bool
-    ) -> None:
+    def __init__(self, folder: Path, device: torch.device, ranks: Ranks, tell: Progress, may_train: bool) -> None:
         self.folder, self.device, self.ranks, self.tell, self.may_train = folder, device, ranks, tell, may_train
         self.keys: dict[str, str] = {}
         self.folders: dict[str, str] = {}
         self._networks: dict[str, Network] = {}
 
-    def learned(
-        self, name: str, described: Mapping[str, Any], stamps: Stamps, options: TrainOptions, build: Build
+    def trained(
+        self, name: str, described: Mapping[str, Any], stamps: TrainedOn, options: TrainOptions, build: Build
     ) -> Network:
         """The network of a name.
 
@@ -63,7 +62,7 @@ class KeptModels:
         name : str
         described : dict
             Everything that shapes its weights beside the options, JSON values.
-        stamps : Stamps
+        stamps : TrainedOn
             Of its data; ``recipe`` is filled in.
         options : TrainOptions
         build : callable
@@ -88,14 +87,14 @@ class KeptModels:
         self.keys[name], self.folders[name], self._networks[name] = key, str(folder), network
         return network
 
-    def _ready(self, folder: Path, stamps: Stamps) -> Network | None:
+    def _ready(self, folder: Path, stamps: TrainedOn) -> Network | None:
         if not (folder / LAST).exists():
             return None
         kept = load_checkpoint(folder / LAST)
         require_stamps(kept.stamps, stamps, str(folder / LAST))
         return load_checkpoint(folder / BEST).network().to(self.device) if kept.progress["is_over"] else None
 
-    def _train(self, name: str, folder: Path, stamps: Stamps, options: TrainOptions, build: Build) -> Network:
+    def _train(self, name: str, folder: Path, stamps: TrainedOn, options: TrainOptions, build: Build) -> Network:
         if not self.may_train:
             raise UsageError(
                 f"the model {name} is not trained yet ({folder})",

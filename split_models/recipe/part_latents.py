@@ -13,33 +13,33 @@ from split_models.learning.data import TouchFrames
 from split_models.networks.latent import encode_displacements, encode_pictures, subtract
 
 if TYPE_CHECKING:
-    from split_models.recipe.recipe_run import Workshop
+    from split_models.recipe.recipe_run import RecipeRun
 
 
-def part_latents(workshop: Workshop, part: str, kind: str) -> Tensor:
-    """Latent vectors (n, d); ``kind`` as `Workshop.force_head` takes it, or ``force`` for the forces (n, 3), N."""
-    frames, latents = workshop.frames(part), workshop.recipe.models["latents"]
+def part_latents(recipe_run: RecipeRun, part: str, kind: str) -> Tensor:
+    """Latent vectors (n, d); ``kind`` as `RecipeRun.force_head` takes it, or ``force`` for the forces (n, 3), N."""
+    frames, latents = recipe_run.frames(part), recipe_run.recipe.models["latents"]
     if kind == "force":
         return torch.from_numpy(frames.forces())
     if kind == "mesh":
-        vae = workshop.mesh_vae
+        vae = recipe_run.mesh_vae
         return _gathered(frames, lambda some: encode_displacements(vae, frames.displacements(some), latents))
     if kind == "image":
-        return _gathered(frames, lambda some: encode_pictures(workshop.image_vae, frames.pictures(some), latents))
+        return _gathered(frames, lambda some: encode_pictures(recipe_run.image_vae, frames.pictures(some), latents))
     if kind == "deformation":
-        return subtract(workshop.latents(part, "image"), _base(workshop, frames))
+        return subtract(recipe_run.latents(part, "image"), _base(recipe_run, frames))
     is_split = kind == "projected_split"
-    network = workshop.projection("image_to_mesh", is_split)
-    given = workshop.latents(part, "deformation" if is_split else "image")
+    network = recipe_run.projection("image_to_mesh", is_split)
+    given = recipe_run.latents(part, "deformation" if is_split else "image")
     with torch.no_grad():
-        projected: Tensor = network(given.to(workshop.device)).cpu()
+        projected: Tensor = network(given.to(recipe_run.device)).cpu()
     return projected
 
 
-def _base(workshop: Workshop, frames: TouchFrames) -> Tensor:
+def _base(recipe_run: RecipeRun, frames: TouchFrames) -> Tensor:
     """Each frame's background in latent space (n, d); always the mean, as a background is one picture."""
     names = frames.sensor_names
-    bases = encode_pictures(workshop.image_vae, np.stack([frames.background(name) for name in names]))
+    bases = encode_pictures(recipe_run.image_vae, np.stack([frames.background(name) for name in names]))
     return bases[torch.as_tensor([names.index(sensor) for sensor in frames.sensors])]
 
 

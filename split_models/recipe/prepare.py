@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from split_models.recipe.recipe import Recipe
 from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.schema import read_document
 from tactiledata.errors import TactileDataError
@@ -22,7 +22,6 @@ from tactiledata.rig.scenario.worlds import find_scenario
 from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
 
-Tell = Callable[..., None]
 STORE = "ds.zarr"
 RECORDED = "recorded.json"
 """Lies beside the recordings once all of them are there."""
@@ -37,7 +36,7 @@ def store_place(recipe: Recipe, out: Path) -> Path:
     return out / "data" / f"{Path(data['world']).stem}-{key[:12]}" / STORE
 
 
-def prepare_store(recipe: Recipe, out: Path, workers: int, tell: Tell) -> Path:
+def prepare_store(recipe: Recipe, out: Path, workers: int, tell: Progress) -> Path:
     """The store that a recipe works on, with meshes and its split.
 
     Parameters
@@ -70,7 +69,7 @@ def _scenario_document(world: str) -> Any:
     return read_document(source, "scenario") if isinstance(source, Path) else source
 
 
-def _make_world(data: Any, store: Path, workers: int, tell: Tell) -> None:
+def _make_world(data: Any, store: Path, workers: int, tell: Progress) -> None:
     scenario = load_scenario(find_scenario(data["world"]))
     recordings = store.parent / "recordings"
     if not (store.parent / RECORDED).exists():
@@ -87,7 +86,7 @@ def _make_world(data: Any, store: Path, workers: int, tell: Tell) -> None:
     replay(store, options, workers, progress=partial(_told, tell, "replaying"))
 
 
-def _told(tell: Tell, step: str, done: int, total: int, what: str = "") -> None:
+def _told(tell: Progress, step: str, done: int, total: int, what: str = "") -> None:
     tell(done, total, f"{step}: {what}")
 
 

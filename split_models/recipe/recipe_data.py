@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 
@@ -13,8 +12,7 @@ from split_models.learning.device import Ranks
 from split_models.networks.mesh_graph import Hierarchy, Topology, build_hierarchy
 from split_models.recipe.prepare import mesh_name, prepare_store, store_place
 from split_models.recipe.recipe import Recipe
-
-Tell = Callable[..., None]
+from tactiledata.contract.progress import Progress
 
 
 class RecipeData:
@@ -33,7 +31,7 @@ class RecipeData:
         Local processes that record and replay.
     """
 
-    def __init__(self, recipe: Recipe, out: Path, ranks: Ranks, tell: Tell, workers: int) -> None:
+    def __init__(self, recipe: Recipe, out: Path, ranks: Ranks, tell: Progress, workers: int) -> None:
         self.recipe, self.out, self.ranks, self.tell, self.workers = recipe, out, ranks, tell, workers
         self._frames: dict[str, TouchFrames] = {}
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, cast
 import torch
 from torch import Tensor
 
-from split_models.learning.checkpoint import Stamps
+from split_models.learning.checkpoint import TrainedOn
 from split_models.learning.device import Ranks
 from split_models.learning.items import FrameItems, Items, PictureItems, TensorItems
 from split_models.learning.objectives import MeshVaeObjective, Objective, Regression, scaled_forces
@@ -26,14 +26,15 @@ from split_models.recipe.image_vae_recipe import SIZES, image_vae_objective
 from split_models.recipe.kept_models import Build, KeptModels
 from split_models.recipe.part_latents import part_latents
 from split_models.recipe.recipe import Recipe
-from split_models.recipe.recipe_data import RecipeData, Tell
+from split_models.recipe.recipe_data import RecipeData
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.provenance import digest_of
 
 Direction = Literal["mesh_to_image", "image_to_mesh"]
 MODELS = "models"
 
 
-class Workshop(RecipeData):
+class RecipeRun(RecipeData):
     """What a recipe needs, made when it is asked for and kept in ``out``.
 
     Parameters
@@ -57,18 +58,18 @@ class Workshop(RecipeData):
         out: Path,
         device: torch.device,
         ranks: Ranks | None = None,
-        tell: Tell | None = None,
+        tell: Progress | None = None,
         workers: int = 1,
         may_train: bool = True,
     ) -> None:
-        super().__init__(recipe, out, ranks or Ranks(), tell or (lambda done, total, what="": None), workers)
+        super().__init__(recipe, out, ranks or Ranks(), tell or (no_progress), workers)
         self.device = device
         self.kept = KeptModels(out / MODELS, device, self.ranks, self.tell, may_train)
         self._latents: dict[str, Tensor] = {}
-        self._variants: dict[str, Workshop] = {}
-        self._base_workshop: Workshop | None = None
+        self._variants: dict[str, RecipeRun] = {}
+        self._base_workshop: RecipeRun | None = None
 
-    def variant(self, name: str) -> Workshop:
+    def variant(self, name: str) -> RecipeRun:
         """The same with models as a variant of the recipe shapes them, sharing what that leaves alone; itself for "".
 
         Raises
@@ -80,7 +81,7 @@ class Workshop(RecipeData):
             return self
         if name not in self._variants:
             recipe = self.recipe.variant(name)
-            other = Workshop(recipe, self.out, self.device, self.ranks, self.tell, self.workers, self.kept.may_train)
+            other = RecipeRun(recipe, self.out, self.device, self.ranks, self.tell, self.workers, self.kept.may_train)
             other._frames, other._base_workshop = self._frames, self
             self._variants[name] = other
         return self._variants[name]
@@ -107,7 +108,7 @@ class Workshop(RecipeData):
 
         fingerprint = digest_of([frames.fingerprint for frames in [self.frames("train"), *self.extra_frames]])
         options = self.recipe.training("image_vae", settle=section["anneal"])
-        return cast("ImageVae", self.learned("image_vae", parents, section, fingerprint, options, build))
+        return cast("ImageVae", self.trained("image_vae", parents, section, fingerprint, options, build))
 
     @property
     def mesh_vae(self) -> MeshVae:
@@ -122,7 +123,7 @@ class Workshop(RecipeData):
 
         fingerprint = self.frames("train").fingerprint
         options = self.recipe.training("mesh_vae")
-        return cast("MeshVae", self.learned("mesh_vae", {}, section, fingerprint, options, build, self.topology.digest))
+        return cast("MeshVae", self.trained("mesh_vae", {}, section, fingerprint, options, build, self.topology.digest))
 
     @property
     def end_to_end(self) -> EndToEnd:
@@ -141,7 +142,7 @@ class Workshop(RecipeData):
 
         fingerprint, options = self.frames("train").fingerprint, self.recipe.training("end_to_end")
         return cast(
-            "EndToEnd", self.learned("end_to_end", {}, section, fingerprint, options, build, self.topology.digest)
+            "EndToEnd", self.trained("end_to_end", {}, section, fingerprint, options, build, self.topology.digest)
         )
 
     def projection(self, direction: Direction, is_split: bool) -> Projection:
@@ -160,7 +161,7 @@ class Workshop(RecipeData):
         described = {"direction": direction, "is_split": is_split, **section}
         return cast(
             "Projection",
-            self.learned(
+            self.trained(
                 name,
                 self._vaes(),
                 described,
@@ -190,7 +191,7 @@ class Workshop(RecipeData):
         options = self.recipe.training("force_head", seed)
         name, described = f"force_head_{given}_{seed}", {"given": given, **section}
         return cast(
-            "ForceHead", self.learned(name, parents, described, self.frames("train").fingerprint, options, build)
+            "ForceHead", self.trained(name, parents, described, self.frames("train").fingerprint, options, build)
         )
 
     def raw_forces(self, given: Literal["mesh", "image"], seed: int) -> RawForces:
@@ -207,7 +208,7 @@ class Workshop(RecipeData):
         parents = {vae.kind: self.kept.keys[vae.kind]}
         return cast(
             "RawForces",
-            self.learned(
+            self.trained(
                 f"raw_forces_{given}_{seed}",
                 parents,
                 {"given": given},
@@ -262,7 +263,7 @@ class Workshop(RecipeData):
         name = f"projection_image_to_mesh_{'split' if is_split else 'nosplit'}"
         return {name: self.kept.keys[name]}
 
-    def learned(
+    def trained(
         self,
         name: str,
         parents: Mapping[str, str],
@@ -295,5 +296,5 @@ class Workshop(RecipeData):
             "section": {inner: value for inner, value in section.items() if inner != "training"},
             "parents": dict(parents),
         }
-        stamps = Stamps("", self.frames("train").split_digest, fingerprint, topology)
-        return self.kept.learned(name, described, stamps, options, build)
+        stamps = TrainedOn("", self.frames("train").split_digest, fingerprint, topology)
+        return self.kept.trained(name, described, stamps, options, build)

@@ -36,10 +36,10 @@ def latent_rows(table: Alignment) -> Rows:
 
     Z_deform of a source against a target's; Z_image as recorded, and after the arithmetic, against a target's.
     """
-    most, rounds = table.workshop.recipe.rows["frames"], table.workshop.recipe.rows["rounds"]
+    most, rounds = table.recipe_run.recipe.rows["frames"], table.recipe_run.recipe.rows["rounds"]
     vectors, touches = _vectors(table, most)
-    drawn = draw_embedding(embed_vectors(vectors), table.workshop.tables / "tsne.png")
-    table.workshop.tell(1, 1, f"t-SNE: {drawn.name}")
+    drawn = draw_embedding(embed_vectors(vectors), table.recipe_run.tables / "tsne.png")
+    table.recipe_run.tell(1, 1, f"t-SNE: {drawn.name}")
     rows: Rows = []
     for letter, target in table.targets.items():
         for source in table.sources[:SHOWN_SOURCES]:
@@ -80,7 +80,7 @@ def _vectors(table: Alignment, most: int) -> tuple[Vectors, dict[str, NDArray[np
 def _models(table: Alignment) -> dict[str, ImageVae]:
     """Image VAEs by what is said of them."""
     variants = dict.fromkeys(row.rpartition(":")[0] for row in table.methods)
-    return {f" ({name})" if name else "": table.workshop.variant(name).image_vae for name in {"": None, **variants}}
+    return {f" ({name})" if name else "": table.recipe_run.variant(name).image_vae for name in {"": None, **variants}}
 
 
 def _arrived(source: str, letter: str) -> str:
@@ -100,7 +100,7 @@ def write_strips(table: Alignment) -> None:
     for source, target in ways:
         drawn = _strip(table, source, target)
         _, encoded = cv2.imencode(".png", drawn[..., ::-1])
-        write_atomic(table.workshop.tables / f"strip-{source}-{target}.png", encoded.tobytes())
+        write_atomic(table.recipe_run.tables / f"strip-{source}-{target}.png", encoded.tobytes())
 
 
 def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:
@@ -112,7 +112,7 @@ def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:
     touches = one.pictures(ours[chosen])
     moved = {name: table.moved(name, touches, source, target) for name in table.methods}
     truth = other.pictures(theirs[chosen]) if len(theirs) else None
-    recorded = recorded_title(table.workshop.store)
+    recorded = recorded_title(table.recipe_run.store)
     lines = []
     for row, touch in enumerate(touches):
         cells = [(f"{source}", touch), *((name.replace("_", " "), found[row]) for name, found in moved.items())]

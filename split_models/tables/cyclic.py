@@ -16,7 +16,7 @@ from split_models.methods.baselines import surface_of
 from split_models.methods.cycle import cycle_pair
 from split_models.methods.methods import title_of
 from split_models.networks.latent import LatentImageToMesh, LatentMeshToImage, Latents
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.cyclic_plot import write_cycle_plot
 from split_models.tables.evaluate import MASKED, summarised
 from split_models.tables.mesh_picture import MeshPictures
@@ -93,18 +93,18 @@ def faded_values(frames: TouchFrames, numbers: NDArray[np.int64]) -> Values:
     return values
 
 
-def prepare_cyclic(workshop: Workshop) -> dict[str, Ways]:
+def prepare_cyclic(recipe_run: RecipeRun) -> dict[str, Ways]:
     """Both ways of each variant, trained."""
     found = {}
-    for name in workshop.recipe.rows["methods"] or list(VARIANTS):
+    for name in recipe_run.recipe.rows["methods"] or list(VARIANTS):
         if name not in VARIANTS:
             raise UnknownName("variant of the cycle", name, VARIANTS)
-        mesh, image = workshop.mesh_vae, workshop.image_vae
+        mesh, image = recipe_run.mesh_vae, recipe_run.image_vae
         if name.startswith("split_cycle"):
-            pair = cycle_pair(workshop, learns_own=name == "split_cycle")
+            pair = cycle_pair(recipe_run, learns_own=name == "split_cycle")
             forth, back = pair.forth, pair.back
         else:
-            forth, back = workshop.projection("mesh_to_image", True), workshop.projection("image_to_mesh", True)
+            forth, back = recipe_run.projection("mesh_to_image", True), recipe_run.projection("image_to_mesh", True)
         latents: Latents = "sample" if name == "split_sampled" else "mean"
         found[name] = (
             LatentMeshToImage(name, mesh, image, forth, True, latents),
@@ -113,33 +113,35 @@ def prepare_cyclic(workshop: Workshop) -> dict[str, Ways]:
     return found
 
 
-def cyclic_rows(workshop: Workshop) -> list[dict[str, Any]]:
+def cyclic_rows(recipe_run: RecipeRun) -> list[dict[str, Any]]:
     """Rows for each part: where fading ends, then some cycles of each variant, over evenly spaced frames.
 
     Strips, curves and all cycles (``cycles.json``) are written beside.
     """
     rows, curves = [], {}
-    for part in workshop.recipe.rows["parts"]:
-        frames, variants = workshop.frames(part), prepare_cyclic(workshop)
-        count = min(workshop.recipe.rows["frames"], len(frames))
+    for part in recipe_run.recipe.rows["parts"]:
+        frames, variants = recipe_run.frames(part), prepare_cyclic(recipe_run)
+        count = min(recipe_run.recipe.rows["frames"], len(frames))
         chosen = np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64))
-        found, drawn, shown = {}, surface_pictures(workshop, frames, chosen), shown_on_strip(frames, chosen)
+        found, drawn, shown = {}, surface_pictures(recipe_run, frames, chosen), shown_on_strip(frames, chosen)
         for done, (name, (forth, back)) in enumerate(variants.items()):
-            workshop.tell(done, len(variants), f"{part}: {name}")
-            found[name] = cycle_values(forth, back, frames, chosen, workshop.recipe.rows["cycles"])
-            strip = workshop.tables / f"strip-{part}-{name}.png"
+            recipe_run.tell(done, len(variants), f"{part}: {name}")
+            found[name] = cycle_values(forth, back, frames, chosen, recipe_run.recipe.rows["cycles"])
+            strip = recipe_run.tables / f"strip-{part}-{name}.png"
             write_strip(strip, variants[name], frames, shown, drawn)
-        rows += _part_rows(part, found, faded_values(frames, chosen), frames.trajectories[chosen], workshop)
+        rows += _part_rows(part, found, faded_values(frames, chosen), frames.trajectories[chosen], recipe_run)
         curves[part] = {name: _means(values) for name, values in found.items()}
-        write_cycle_plot(workshop.tables / f"cycles-{part}.png", {title_of(n): one for n, one in curves[part].items()})
-    write_json_atomic(workshop.tables / "cycles.json", curves)
+        write_cycle_plot(
+            recipe_run.tables / f"cycles-{part}.png", {title_of(n): one for n, one in curves[part].items()}
+        )
+    write_json_atomic(recipe_run.tables / "cycles.json", curves)
     return rows
 
 
 def _part_rows(
-    part: str, found: Mapping[str, Values], faded: Values, trajectories: Any, workshop: Workshop
+    part: str, found: Mapping[str, Values], faded: Values, trajectories: Any, recipe_run: RecipeRun
 ) -> list[dict[str, Any]]:
-    rounds, count = workshop.recipe.rows["rounds"], workshop.recipe.rows["cycles"]
+    rounds, count = recipe_run.recipe.rows["rounds"], recipe_run.recipe.rows["cycles"]
     rows: list[dict[str, Any]] = [
         {"part": part, "method": "faded", "scores": summarised(faded, trajectories, rounds, SCORES)}
     ]
@@ -155,11 +157,11 @@ def _means(values: Values) -> dict[str, list[float]]:
     return {name: np.nanmean(one, axis=0).round(6).tolist() for name, one in values.items()}
 
 
-def surface_pictures(workshop: Workshop, frames: TouchFrames, numbers: NDArray[np.int64]) -> MeshPictures:
+def surface_pictures(recipe_run: RecipeRun, frames: TouchFrames, numbers: NDArray[np.int64]) -> MeshPictures:
     """What draws meshes, its colours as deep as the deepest of some frames."""
     deepest = float(-frames.displacements(numbers)[..., 2].min())
     assert frames.size is not None  # recipes state it
-    return MeshPictures(surface_of(workshop), frames.size, deepest)
+    return MeshPictures(surface_of(recipe_run), frames.size, deepest)
 
 
 def shown_on_strip(frames: TouchFrames, numbers: NDArray[np.int64]) -> NDArray[np.int64]:

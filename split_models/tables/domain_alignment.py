@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from split_models.learning.contact_region import contact_region
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.alignment_pictures import AS_RECORDED, latent_rows, write_strips
 from split_models.tables.evaluate import MASKED, Values, summarised
 from split_models.tables.paired_truth import PAIRED_SCORES, paired_values
@@ -39,7 +39,7 @@ class Alignment:
 
     Parameters
     ----------
-    workshop : Workshop
+    recipe_run : RecipeRun
     methods : dict
         Transfers by name.
     sources : list of str
@@ -51,7 +51,7 @@ class Alignment:
         Of VGG-19.
     """
 
-    workshop: Workshop
+    recipe_run: RecipeRun
     methods: Mapping[str, TransferMethod]
     sources: list[str]
     targets: dict[str, str]
@@ -61,7 +61,7 @@ class Alignment:
     @cached_property
     def units(self) -> dict[str, UnitFrames]:
         """Frames of every source and target in the parts that the recipe names."""
-        parts = [self.workshop.frames(part) for part in self.workshop.recipe.rows["parts"]]
+        parts = [self.recipe_run.frames(part) for part in self.recipe_run.recipe.rows["parts"]]
         return {name: UnitFrames(parts, name) for name in [*self.sources, *self.targets.values()]}
 
     @property
@@ -78,11 +78,11 @@ class Alignment:
     def titled(self, letter: str) -> str:
         """A target in headings."""
         sensor = self.targets[letter]
-        known = sensor in self.workshop.frames("train").sensor_names
+        known = sensor in self.recipe_run.frames("train").sensor_names
         return f"{letter}: {sensor}" + (", which the model learned from" if known else "")
 
 
-def prepare_alignment(workshop: Workshop) -> Alignment:
+def prepare_alignment(recipe_run: RecipeRun) -> Alignment:
     """The image VAE, trained, and what is compared.
 
     Raises
@@ -94,11 +94,11 @@ def prepare_alignment(workshop: Workshop) -> Alignment:
     MissingFile
         No weights where the recipe says.
     """
-    rows = workshop.recipe.rows
+    rows = recipe_run.recipe.rows
     sources, targets = list(rows["sources"] or ()), dict(rows["targets"] or {})
     if not sources or not targets:
         raise UsageError(
-            f"the recipe {workshop.recipe.name} names {'no targets' if sources else 'no sources'}",
+            f"the recipe {recipe_run.recipe.name} names {'no targets' if sources else 'no sources'}",
             "`rows: {sources: [NAME, ...], targets: {A: NAME, ...}}`",
             "`tactiledata sensors` lists the units of a store.",
         )
@@ -106,24 +106,24 @@ def prepare_alignment(workshop: Workshop) -> Alignment:
         raise UsageError(f"{', '.join(both)} as source and as target", "other units on each side", "Mend the recipe.")
     weights = Path(rows["weights"]) if rows["weights"] else None
     scores = {score.name: score for _, score in chosen_scores(SET_SCORES, weights)}
-    methods = {row: _method(workshop, row) for row in rows["methods"] or [*LATENT, *PIXEL_TRANSFERS]}
-    return Alignment(workshop, methods, sources, targets, scores, weights)
+    methods = {row: _method(recipe_run, row) for row in rows["methods"] or [*LATENT, *PIXEL_TRANSFERS]}
+    return Alignment(recipe_run, methods, sources, targets, scores, weights)
 
 
-def _method(workshop: Workshop, row: str) -> TransferMethod:
+def _method(recipe_run: RecipeRun, row: str) -> TransferMethod:
     """The transfer of a row; ``VARIANT:METHOD`` is one with the image VAE of a variant of the recipe."""
     variant, _, name = row.rpartition(":")
     if name in LATENT:
-        return vae_transfer(name, workshop.variant(variant).image_vae)
+        return vae_transfer(name, recipe_run.variant(variant).image_vae)
     if variant or name not in PIXEL_TRANSFERS:
         raise UnknownName("transfer method" + (" with a model" if variant else ""), name, [*LATENT, *PIXEL_TRANSFERS])
     found: TransferMethod = PIXEL_TRANSFERS[name]
     return found
 
 
-def alignment_rows(workshop: Workshop) -> Rows:
+def alignment_rows(recipe_run: RecipeRun) -> Rows:
     """For each target a row of each method, over all sources and by source; paired truth; latent vectors."""
-    table = prepare_alignment(workshop)
+    table = prepare_alignment(recipe_run)
     rows: Rows = []
     for letter in table.targets:
         rows += _set_rows(table, letter)
@@ -137,13 +137,13 @@ def alignment_rows(workshop: Workshop) -> Rows:
 def _set_rows(table: Alignment, letter: str) -> Rows:
     """Every method's pictures of every source against the target's real touches."""
     target = table.targets[letter]
-    most, rounds = table.workshop.recipe.rows["frames"], table.workshop.recipe.rows["rounds"]
+    most, rounds = table.recipe_run.recipe.rows["frames"], table.recipe_run.recipe.rows["rounds"]
     real = _sample(table.units[target], most)
     values: dict[str, list[Values]] = {}
     touches: list[NDArray[np.object_]] = []
     by_source: Rows = []
     for done, source in enumerate(table.sources):
-        table.workshop.tell(done, len(table.sources), f"target {letter}: {source}")
+        table.recipe_run.tell(done, len(table.sources), f"target {letter}: {source}")
         sample = _sample(table.units[source], most)
         touches.append(sample.touches)
         moved = {n: table.moved(n, sample.pictures, source, target) for n in (AS_RECORDED, *table.methods)}
@@ -199,11 +199,11 @@ def _set_values(
 def _paired_rows(table: Alignment, letter: str) -> Rows:
     """Every method's pictures against the target's own ones of the same touches; none where none are paired."""
     target = table.targets[letter]
-    most, rounds = table.workshop.recipe.rows["pairs"], table.workshop.recipe.rows["rounds"]
+    most, rounds = table.recipe_run.recipe.rows["pairs"], table.recipe_run.recipe.rows["rounds"]
     values: dict[str, list[Values]] = {}
     touches: list[str] = []
     for done, source in enumerate(table.sources):
-        table.workshop.tell(done, len(table.sources), f"paired truth, {letter}: {source}")
+        table.recipe_run.tell(done, len(table.sources), f"paired truth, {letter}: {source}")
         one, other = table.units[source], table.units[target]
         ours, theirs = paired_frames(one, other, most)
         for touch in dict.fromkeys(one.touches[ours]):

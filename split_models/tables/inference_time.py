@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from split_models.learning.contact_region import contact_region
 from split_models.learning.data import TouchFrames
 from split_models.methods.methods import mesh_to_image
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.picture_grid import write_grid
 from split_models.tables.recorded_title import recorded_title
 from split_models.tables.recorded_touches import recorded_touches
@@ -25,12 +25,12 @@ SHOWN = 5
 """Frames of the picture of both resolutions."""
 
 
-def prepare_time(workshop: Workshop) -> dict[str, Any]:
+def prepare_time(recipe_run: RecipeRun) -> dict[str, Any]:
     """The methods, trained."""
-    return {name: mesh_to_image(workshop, name) for name in workshop.recipe.rows["methods"] or ["split"]}
+    return {name: mesh_to_image(recipe_run, name) for name in recipe_run.recipe.rows["methods"] or ["split"]}
 
 
-def time_rows(workshop: Workshop) -> list[dict[str, Any]]:
+def time_rows(recipe_run: RecipeRun) -> list[dict[str, Any]]:
     """A row for each method and resolution; the picture of both resolutions is written beside.
 
     Raises
@@ -38,20 +38,20 @@ def time_rows(workshop: Workshop) -> list[dict[str, Any]]:
     UsageError
         No frame of the part could be simulated.
     """
-    part = workshop.recipe.rows["parts"][0]
-    runners = contenders(prepare_time(workshop))
-    recorded = recorded_touches(workshop, part, workshop.recipe.rows["frames"])
-    simulated = simulate(recorded.pad, recorded.touches, workshop.tell)
+    part = recipe_run.recipe.rows["parts"][0]
+    runners = contenders(prepare_time(recipe_run))
+    recorded = recorded_touches(recipe_run, part, recipe_run.recipe.rows["frames"])
+    simulated = simulate(recorded.pad, recorded.touches, recipe_run.tell)
     known = [(place, frame) for place, frame in enumerate(simulated["low"].frames) if frame in recorded.numbers]
     if not known:
         raise UsageError(f"no frame of {part} that could be simulated", "touches of the store's own gel", "")
     drawn = [(place, recorded.sensors[touch]) for place, (touch, _) in known]
     backgrounds = {sensor: recorded.frames.background(sensor) for sensor in set(recorded.sensors)}
-    race(runners, simulated, drawn, backgrounds, workshop.tell)
+    race(runners, simulated, drawn, backgrounds, recipe_run.tell)
     weigh(runners, simulated, drawn[0], backgrounds)
     numbers = np.array([recorded.numbers[frame] for _, frame in known])
-    figure, titles = resolution_figure(runners, recorded.frames.pictures(numbers), recorded_title(workshop.store))
-    write_grid(workshop.tables / f"resolutions-{part}.png", figure, titles)
+    figure, titles = resolution_figure(runners, recorded.frames.pictures(numbers), recorded_title(recipe_run.store))
+    write_grid(recipe_run.tables / f"resolutions-{part}.png", figure, titles)
     rows = cost_rows(runners, simulated)
     for one, row in zip(runners, rows, strict=True):
         row["l1_contact"] = _likeness(one, recorded.frames, numbers)

@@ -9,7 +9,7 @@ import numpy as np
 
 from split_models.learning.data import TouchFrames
 from split_models.recipe.prepare import replay_options
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.simulated_frames import Pad, surface_of_pad
 from tactiledata.errors import UsageError
 from tactiledata.gel.contact.history import GelTouch
@@ -44,7 +44,7 @@ class RecordedTouches:
     frames: TouchFrames
 
 
-def recorded_touches(workshop: Workshop, part: str, count: int) -> RecordedTouches:
+def recorded_touches(recipe_run: RecipeRun, part: str, count: int) -> RecordedTouches:
     """Evenly spaced trajectories of a part, so many that they have ``count`` of its frames, where it has so many.
 
     Raises
@@ -52,8 +52,8 @@ def recorded_touches(workshop: Workshop, part: str, count: int) -> RecordedTouch
     UsageError
         None of them can be replayed, or the store's mesh is not the low-resolution pad.
     """
-    frames, store = workshop.frames(part), Store.open(workshop.store)
-    options = _options(workshop)
+    frames, store = recipe_run.frames(part), Store.open(recipe_run.store)
+    options = _options(recipe_run)
     plan = plan_replay(store, options.pads, None)
     own = set(frames.trajectories)
     playable = [touch for touch in plan.touches if touch.obstacle is None and touch.uid in own]
@@ -71,12 +71,12 @@ def recorded_touches(workshop: Workshop, part: str, count: int) -> RecordedTouch
             touches.append(touch.gel_touch(store, 0.0))
             sensors.append(touch.sensor)
             numbers |= mine
-    return RecordedTouches(_pad(workshop, plan.pads, playable[0], options), touches, sensors, numbers, frames)
+    return RecordedTouches(_pad(recipe_run, plan.pads, playable[0], options), touches, sensors, numbers, frames)
 
 
-def _pad(workshop: Workshop, pads: Any, touch: PlannedTouch, options: ReplayOptions) -> Pad:
+def _pad(recipe_run: RecipeRun, pads: Any, touch: PlannedTouch, options: ReplayOptions) -> Pad:
     planned = pads[touch.pad]
-    surface, topology = surface_of_pad(planned.mesh, options.keep), workshop.topology
+    surface, topology = surface_of_pad(planned.mesh, options.keep), recipe_run.topology
     if surface.places.shape != topology.places.shape or not np.allclose(surface.places, topology.places, atol=1e-7):
         raise UsageError(
             f"a mesh of {len(topology.places)} vertices in the store, another than the low-resolution pad",
@@ -86,11 +86,11 @@ def _pad(workshop: Workshop, pads: Any, touch: PlannedTouch, options: ReplayOpti
     return Pad(planned.sensor, planned.geometry, options.material, options.fidelity, options.keep)
 
 
-def _options(workshop: Workshop) -> ReplayOptions:
-    data = workshop.recipe.data
+def _options(recipe_run: RecipeRun) -> ReplayOptions:
+    data = recipe_run.recipe.data
     if data["world"]:
         return replay_options({**data["replay"], "resolution": "low"}, load_scenario(find_scenario(data["world"])))
-    frames = workshop.frames("train")
+    frames = recipe_run.frames("train")
     known = frames.arrays.store.mesh(frames.mesh_name).settings
     material = GelMaterial(**known["material"])
     return ReplayOptions(material, resolution="low", fidelity=known["fidelity"], keep=known["keep"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from split_models.tables.peak_memory import peak_memory
+from tactiledata.contract.progress import Progress
 from tactiledata.gel.contact.history import FrameStatus, GelTouch
 from tactiledata.gel.contact.recorder import Keep
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -71,7 +72,7 @@ class SimulatedFrames:
 
 
 def simulate(
-    pad: Pad, touches: Sequence[GelTouch], tell: Callable[..., None] | None = None, weighs: bool = True
+    pad: Pad, touches: Sequence[GelTouch], tell: Progress | None = None, weighs: bool = True
 ) -> dict[Resolution, SimulatedFrames]:
     """Every touch at both resolutions in turn, each alone, its frames one after the other.
 

@@ -14,6 +14,7 @@ from split_models.methods.optical_method import OpticalMethod
 from split_models.tables.peak_memory import peak_memory
 from split_models.tables.simulated_frames import SimulatedFrames
 from tactiledata.arrays import PictureArray
+from tactiledata.contract.progress import Progress
 from tactiledata.gel.mesh.structured_pad import Resolution
 
 Simulated = Mapping[Resolution, SimulatedFrames]
@@ -82,7 +83,7 @@ def race(
     simulated: Simulated,
     frames: Sequence[tuple[int, str]],
     backgrounds: Mapping[str, PictureArray],
-    tell: Callable[..., None] | None = None,
+    tell: Progress | None = None,
 ) -> None:
     """Each contender draws each frame, taking turns, so that whatever else the machine does falls on all alike.
 

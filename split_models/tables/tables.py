@@ -11,7 +11,7 @@ from split_models.learning.data import TouchFrames
 from split_models.methods.baselines import surface_of
 from split_models.methods.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
 from split_models.networks.force_head import predicted_forces
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.cyclic import cyclic_rows, prepare_cyclic
 from split_models.tables.domain_alignment import alignment_rows, prepare_alignment
 from split_models.tables.evaluate import image_values, mesh_values, summarised
@@ -33,18 +33,18 @@ MESH_METHODS = ("at_rest", "nosplit", "split")
 FORCE_INPUTS = ("raw_mesh", "raw_image", "mesh", "image", "deformation", "projected_nosplit", "projected_split")
 
 
-def asked(workshop: Workshop, default: Sequence[str]) -> list[str]:
+def asked(recipe_run: RecipeRun, default: Sequence[str]) -> list[str]:
     """The rows that a recipe names, or those of the paper."""
-    return list(workshop.recipe.rows["methods"] or default)
+    return list(recipe_run.recipe.rows["methods"] or default)
 
 
-def scores_of(workshop: Workshop, default: Sequence[str]) -> list[str]:
+def scores_of(recipe_run: RecipeRun, default: Sequence[str]) -> list[str]:
     """The scores that a recipe names, or all."""
-    return list(workshop.recipe.rows["scores"] or default)
+    return list(recipe_run.recipe.rows["scores"] or default)
 
 
 def _scored(
-    workshop: Workshop,
+    recipe_run: RecipeRun,
     part: str,
     frames: TouchFrames,
     methods: dict[str, Any],
@@ -52,12 +52,12 @@ def _scored(
     metric: Metric,
 ) -> Rows:
     """A part's row of each method: the scores of a metric that the recipe asks for, over trajectories."""
-    names = scores_of(workshop, list(metric.scores))
+    names = scores_of(recipe_run, list(metric.scores))
     rows: Rows = []
     for done, (name, method) in enumerate(methods.items()):
-        workshop.tell(done, len(methods), f"{part}: {name}")
+        recipe_run.tell(done, len(methods), f"{part}: {name}")
         values = values_of(method, frames, names)
-        summary = summarised(values, frames.trajectories, workshop.recipe.rows["rounds"], metric.scores)
+        summary = summarised(values, frames.trajectories, recipe_run.recipe.rows["rounds"], metric.scores)
         rows.append({"part": part, "method": name, "scores": summary})
     return rows
 
@@ -65,19 +65,19 @@ def _scored(
 # -- pictures --------------------------------------------------------------------------------------------------------
 
 
-def prepare_images(workshop: Workshop) -> dict[str, Any]:
+def prepare_images(recipe_run: RecipeRun) -> dict[str, Any]:
     """The methods of the table of pictures, trained."""
-    return {name: mesh_to_image(workshop, name) for name in asked(workshop, IMAGE_METHODS)}
+    return {name: mesh_to_image(recipe_run, name) for name in asked(recipe_run, IMAGE_METHODS)}
 
 
-def image_rows(workshop: Workshop) -> Rows:
+def image_rows(recipe_run: RecipeRun) -> Rows:
     """A row for each part and method: l1, MSE, SSIM, PSNR, full frame and inside the contact region."""
-    methods = prepare_images(workshop)
+    methods = prepare_images(recipe_run)
     rows: Rows = []
-    for part, frames in parts(workshop):
-        rows += _scored(workshop, part, frames, methods, image_values, IMAGE_SIMILARITY)
-        figure = side_by_side(methods, frames, recorded_title(workshop.store))
-        write_grid(workshop.tables / f"pictures-{part}.png", *figure)
+    for part, frames in parts(recipe_run):
+        rows += _scored(recipe_run, part, frames, methods, image_values, IMAGE_SIMILARITY)
+        figure = side_by_side(methods, frames, recorded_title(recipe_run.store))
+        write_grid(recipe_run.tables / f"pictures-{part}.png", *figure)
     return rows
 
 
@@ -107,53 +107,53 @@ def side_by_side(
 # -- meshes ----------------------------------------------------------------------------------------------------------
 
 
-def prepare_meshes(workshop: Workshop) -> dict[str, Any]:
+def prepare_meshes(recipe_run: RecipeRun) -> dict[str, Any]:
     """The methods of the table of meshes, trained."""
-    return {name: image_to_mesh(workshop, name) for name in asked(workshop, MESH_METHODS)}
+    return {name: image_to_mesh(recipe_run, name) for name in asked(recipe_run, MESH_METHODS)}
 
 
-def mesh_rows(workshop: Workshop) -> Rows:
+def mesh_rows(recipe_run: RecipeRun) -> Rows:
     """A row for each part and method: RMSE, l1, Euclidean distance, mm."""
-    methods = prepare_meshes(workshop)
+    methods = prepare_meshes(recipe_run)
     rows: Rows = []
-    for part, frames in parts(workshop):
-        rows += _scored(workshop, part, frames, methods, mesh_values, MESH_DISTANCE)
-        figure = mesh_figure(methods, frames, surface_of(workshop), recorded_title(workshop.store))
-        write_grid(workshop.tables / f"meshes-{part}.png", *figure)
+    for part, frames in parts(recipe_run):
+        rows += _scored(recipe_run, part, frames, methods, mesh_values, MESH_DISTANCE)
+        figure = mesh_figure(methods, frames, surface_of(recipe_run), recorded_title(recipe_run.store))
+        write_grid(recipe_run.tables / f"meshes-{part}.png", *figure)
     return rows
 
 
 # -- forces ----------------------------------------------------------------------------------------------------------
 
 
-def prepare_forces(workshop: Workshop) -> dict[str, list[Any]]:
+def prepare_forces(recipe_run: RecipeRun) -> dict[str, list[Any]]:
     """Networks of each input, one a seed."""
-    if not workshop.recipe.data["wrench"]:
+    if not recipe_run.recipe.data["wrench"]:
         raise UsageError("a table of forces of data without a wrench", "`wrench: contact_wrench`", "Mend the recipe.")
     found: dict[str, list[Any]] = {}
-    for name in asked(workshop, FORCE_INPUTS):
+    for name in asked(recipe_run, FORCE_INPUTS):
         if name not in FORCE_INPUTS:
             raise UsageError(f"the force table has no row {name!r}", f"of {', '.join(FORCE_INPUTS)}", "")
         if name == "raw_mesh":
-            found[name] = [workshop.raw_forces("mesh", seed) for seed in _seeds(workshop, "raw_seeds")]
+            found[name] = [recipe_run.raw_forces("mesh", seed) for seed in _seeds(recipe_run, "raw_seeds")]
         elif name == "raw_image":
-            found[name] = [workshop.raw_forces("image", seed) for seed in _seeds(workshop, "raw_seeds")]
+            found[name] = [recipe_run.raw_forces("image", seed) for seed in _seeds(recipe_run, "raw_seeds")]
         else:
-            found[name] = [workshop.force_head(name, seed) for seed in _seeds(workshop, "head_seeds")]
+            found[name] = [recipe_run.force_head(name, seed) for seed in _seeds(recipe_run, "head_seeds")]
     return found
 
 
-def force_rows(workshop: Workshop) -> Rows:
+def force_rows(recipe_run: RecipeRun) -> Rows:
     """A row for each part and input: MAE of fx, fy, fz and of the norm, N; mean and standard deviation over seeds.
 
     Below them, how often intervals of each input's heads together, calibrated on the validation part, hold the truth.
     """
-    heads = prepare_forces(workshop)
-    known, rows = workshop.frames("val"), []
-    calibration = (_forces_of_all(workshop, "val", heads), known.forces(), known.trajectories)
+    heads = prepare_forces(recipe_run)
+    known, rows = recipe_run.frames("val"), []
+    calibration = (_forces_of_all(recipe_run, "val", heads), known.forces(), known.trajectories)
     held: Rows = []
-    for part, frames in parts(workshop):
-        true, found = frames.forces(), _forces_of_all(workshop, part, heads)
+    for part, frames in parts(recipe_run):
+        true, found = frames.forces(), _forces_of_all(recipe_run, part, heads)
         held += interval_rows(part, heads, found, true, frames.trajectories, calibration)
         for name, forces in found.items():
             means: dict[str, list[float]] = {score: [] for score in FORCE_ERROR.scores}
@@ -174,23 +174,23 @@ def force_rows(workshop: Workshop) -> Rows:
     return rows + held
 
 
-def _forces_of_all(workshop: Workshop, part: str, heads: dict[str, list[Any]]) -> dict[str, np.ndarray]:
+def _forces_of_all(recipe_run: RecipeRun, part: str, heads: dict[str, list[Any]]) -> dict[str, np.ndarray]:
     """Forces (h, n, 3), N, of each input's networks."""
     return {
-        name: np.stack([_forces_of(workshop, part, name, network) for network in networks])
+        name: np.stack([_forces_of(recipe_run, part, name, network) for network in networks])
         for name, networks in heads.items()
     }
 
 
-def _seeds(workshop: Workshop, which: str) -> range:
-    first = workshop.recipe.seed
-    return range(first, first + workshop.recipe.rows[which])
+def _seeds(recipe_run: RecipeRun, which: str) -> range:
+    first = recipe_run.recipe.seed
+    return range(first, first + recipe_run.recipe.rows[which])
 
 
-def _forces_of(workshop: Workshop, part: str, name: str, network: Any) -> np.ndarray:
-    frames = workshop.frames(part)
+def _forces_of(recipe_run: RecipeRun, part: str, name: str, network: Any) -> np.ndarray:
+    frames = recipe_run.frames(part)
     if not name.startswith("raw_"):
-        return predicted_forces(network, workshop.latents(part, name))
+        return predicted_forces(network, recipe_run.latents(part, name))
     import torch
 
     from split_models.networks.image_vae import as_input
@@ -207,12 +207,12 @@ def _forces_of(workshop: Workshop, part: str, name: str, network: Any) -> np.nda
     return np.concatenate(pieces)
 
 
-def parts(workshop: Workshop) -> list[tuple[str, Any]]:
+def parts(recipe_run: RecipeRun) -> list[tuple[str, Any]]:
     """Parts of the split that a recipe asks for, with their frames; one without frames is an error that says so."""
-    return [(part, workshop.frames(part)) for part in workshop.recipe.rows["parts"]]
+    return [(part, recipe_run.frames(part)) for part in recipe_run.recipe.rows["parts"]]
 
 
-PREPARE: dict[str, Callable[[Workshop], Any]] = {
+PREPARE: dict[str, Callable[[RecipeRun], Any]] = {
     "digit_images": prepare_images,
     "mesh": prepare_meshes,
     "force": prepare_forces,
@@ -222,7 +222,7 @@ PREPARE: dict[str, Callable[[Workshop], Any]] = {
 }
 """What trains all that a table needs."""
 
-ROWS: dict[str, Callable[[Workshop], Rows]] = {
+ROWS: dict[str, Callable[[RecipeRun], Rows]] = {
     "digit_images": image_rows,
     "mesh": mesh_rows,
     "force": force_rows,

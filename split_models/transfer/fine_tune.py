@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from split_models.learning.augment import Augmentation
-from split_models.learning.checkpoint import Stamps
+from split_models.learning.checkpoint import TrainedOn
 from split_models.learning.data import TouchFrames
 from split_models.learning.items import Batch, frame_of
 from split_models.learning.objectives import ImageVaeObjective
@@ -20,6 +20,7 @@ from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent import decode_pictures, encode_pictures
 from split_models.networks.learned_backgrounds import kept_small
 from split_models.transfer.latent_transfer import scaled
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
@@ -89,7 +90,7 @@ def fine_tune(
     validation: TouchFrames,
     options: TrainOptions,
     folder: Path,
-    tell: Callable[..., None] | None = None,
+    tell: Progress | None = None,
 ) -> FineTuned:
     """The VAE trained further on another sensor's pictures; killed and called again it goes on.
 
@@ -115,7 +116,7 @@ def fine_tune(
     held = SizedPictures(validation, vae.size)
     before = reconstruction_error(vae, held)
     recipe = digest_of({"fine-tuned from": parent, "augmentation": vars(AUGMENTATION), "options": vars(options)})
-    stamps = Stamps(recipe, train_frames.split_digest, digest_of([items.fingerprint, held.fingerprint]), "")
+    stamps = TrainedOn(recipe, train_frames.split_digest, digest_of([items.fingerprint, held.fingerprint]), "")
     if vae.learned_from:  # of a parent that does not say, nobody knows all
         vae.learned_from += kept_small(list(train_frames.backgrounds().items()))
     objective = ImageVaeObjective(vae, DIVERGENCE_WEIGHT, 0, AUGMENTATION)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from split_models.transfer.methods import TransferMethod
 from split_models.transfer.transfer_take import Transfer, crc_of, stage_transfer
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
@@ -27,8 +28,6 @@ from tactiledata.store.read.seen_target import target_findings
 from tactiledata.store.read.targets import Target
 from tactiledata.store.write.commit import commit_groups, create, recover
 from tactiledata.store.write.writer import StagedTake, find_staged
-
-Progress = Callable[..., None]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,13 +15,12 @@ from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.player import play_at, play_nodes
 from tactiledata.calibrate.remarks import remarks
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.errors import TactileDataError
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_trajectories
-
-Tell = Callable[..., None]
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class Calibration:
     simulated: SimulatedCount = NOTHING_STATED
 
 
-def calibrate(store: Store, options: CalibrationOptions, tell: Tell = lambda done, total, what="": None) -> Calibration:
+def calibrate(store: Store, options: CalibrationOptions, tell: Progress = no_progress) -> Calibration:
     """E, nu and mu of the gel of a store's trajectories.
 
     Raises
@@ -76,7 +74,7 @@ def calibrate(store: Store, options: CalibrationOptions, tell: Tell = lambda don
 
 
 def calibrate_measured(
-    measured: Measured, options: CalibrationOptions, store: str, tell: Tell = lambda done, total, what="": None
+    measured: Measured, options: CalibrationOptions, store: str, tell: Progress = no_progress
 ) -> Calibration:
     """The same from touches that were read."""
     assert measured.mesh is not None

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 
-Tell = Callable[..., None]
+from tactiledata.contract.progress import Progress
 
 INTERVAL = 1.0
 """Seconds between two looks at the files of finished plays."""
@@ -28,7 +28,7 @@ class PlayProgress:
         Seconds between two counts.
     """
 
-    def __init__(self, paths: Sequence[Path], report: Tell, interval: float = INTERVAL) -> None:
+    def __init__(self, paths: Sequence[Path], report: Progress, interval: float = INTERVAL) -> None:
         self._missing, self._total = list(paths), len(paths)
         self._report, self._interval = report, interval
         self._done, self._what = 0, ""

@@ -14,6 +14,7 @@ from tactiledata.calibrate.plan import Node
 from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.make_engine import Mechanics, make_engine
@@ -23,11 +24,9 @@ if TYPE_CHECKING:
     from tactiledata.gel.engines.fem import FemEngine
     from tactiledata.gel.flex.engine import FlexEngine
 
-Tell = Callable[..., None]
-
 
 @dataclass(frozen=True)
-class Batch:
+class PlayBatch:
     """Touches to be played at one nu and one mu."""
 
     mesh: PadMesh
@@ -43,7 +42,7 @@ def play_nodes(
     touches: Sequence[MeasuredTouch],
     nodes: Sequence[Node],
     workers: int = 1,
-    tell: Tell = lambda done, total, what="": None,
+    tell: Progress = no_progress,
 ) -> dict[Node, list[Play]]:
     """The plays of all touches at each node, in the order of the touches.
 
@@ -55,7 +54,7 @@ def play_nodes(
     for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
         members.append(list(group))
         shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
-        batches.append(Batch(mesh, mechanics, ratio, friction, shifted))
+        batches.append(PlayBatch(mesh, mechanics, ratio, friction, shifted))
     found: dict[Node, list[Play]] = {}
     paths = [path for batch in batches for path in batch_paths(batch)]
     with PlayProgress(paths, tell) as progress:
@@ -80,10 +79,10 @@ def play_at(
 ) -> list[Play]:
     """The plays of touches, each at an offset (t,), m, of its own."""
     shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
-    return play_batch(Batch(mesh, mechanics, ratio, friction, shifted))
+    return play_batch(PlayBatch(mesh, mechanics, ratio, friction, shifted))
 
 
-def play_batch(batch: Batch) -> list[Play]:
+def play_batch(batch: PlayBatch) -> list[Play]:
     """The plays of a batch, in its order."""
     return played_or_kept(
         batch.touches,
@@ -93,7 +92,7 @@ def play_batch(batch: Batch) -> list[Play]:
     )
 
 
-def batch_paths(batch: Batch) -> list[Path]:
+def batch_paths(batch: PlayBatch) -> list[Path]:
     """Return the files in which the plays of a batch are kept, in its order."""
     digest = batch.mesh.digest
     return [play_path(touch, digest, batch.mechanics, batch.ratio, batch.friction) for touch in batch.touches]

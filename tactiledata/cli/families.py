@@ -93,7 +93,7 @@ def effects(as_json: bool = JSON_OPTION) -> None:
             low, high = parameter["plausible"]
             kind = "" if parameter["null"] is not None else ", form only"
             say(f"    {parameter['name']} [{parameter['unit']}] {low:g} to {high:g}{kind}: {parameter['meaning']}")
-        say(f"    Looks like {', '.join(entry['look_alikes'])}. {entry['told_apart_by']}")
+        say(f"    Looks like {', '.join(entry['look_alikes'])}. {entry['distinguishing_trial']}")
 
 
 def inspect(

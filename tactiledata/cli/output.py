@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as ProgressBar
 from rich.table import Table
 
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 
 JSON_OPTION = typer.Option(False, "--json", help="One JSON document on standard output, for machines; errors too.")
@@ -75,14 +77,14 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
 
 
 @contextmanager
-def progress(title: str, quiet: bool = False) -> Iterator[Callable[..., None]]:
+def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
     """A function to report progress to: a bar on a terminal, a line now and then elsewhere.
 
     Called with how much is done, how much there is, and what it is at.
     """
     console = err()
     if quiet:
-        yield lambda done, total, what="": None
+        yield no_progress
         return
     if not console.is_terminal:
         tenths, moment = [-1], [time.monotonic()]
@@ -96,6 +98,6 @@ def progress(title: str, quiet: bool = False) -> Iterator[Callable[..., None]]:
         yield line
         return
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, TextColumn("{task.fields[what]}"), console=console, transient=True) as bar:
+    with ProgressBar(*columns, TextColumn("{task.fields[what]}"), console=console, transient=True) as bar:
         task = bar.add_task(title, total=None, what="")
         yield lambda done, total, what="": bar.update(task, completed=done, total=total, what=escape(what[-40:]))

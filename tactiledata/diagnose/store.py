@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import explain
@@ -13,7 +14,7 @@ from tactiledata.diagnose.next_trial.limits import limits
 from tactiledata.diagnose.next_trial.propose import propose_trials
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.residuals.learners import need_learning_library
-from tactiledata.diagnose.touches.store_cases import store_cases
+from tactiledata.diagnose.touches.store_touches import store_touches
 from tactiledata.diagnose.touches.whitened import NumericalErrors
 from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating, signature_fields
@@ -23,7 +24,6 @@ from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_trajectories
 
-Tell = Callable[..., None]
 READ = ("contact_wrench", "wrench", "tcp", "joints")
 """Streams that are read at their native rate, whatever their source is called."""
 
@@ -31,7 +31,7 @@ READ = ("contact_wrench", "wrench", "tcp", "joints")
 def diagnose_store(
     store: Store,
     options: DiagnosisOptions,
-    playing: Tell = lambda done, total, what="": None,
+    playing: Progress = no_progress,
     thinking: Callable[[str], None] = lambda what: None,
 ) -> StoreDiagnosis:
     """What the simulation of a store's touches lacks.
@@ -51,7 +51,7 @@ def diagnose_store(
     """
     need_learning_library()
     need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
-    played = store_cases(store, options.calibration(), playing)
+    played = store_touches(store, options.calibration(), playing)
     wanted = tuple(name for name in played.effects if not options.effects or name in options.effects)
     errors = NumericalErrors.of(options.fidelity)
     asked = NamingOptions(effects=wanted, errors=errors, pairs=options.pairs, seed=options.seed)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.provenance import file_digest
 from tactiledata.diagnose.answer.documents import errors, table_document
 from tactiledata.diagnose.answer.formula_page import explanation_page
@@ -25,7 +25,7 @@ def diagnose_table(
     columns: dict[str, Any] | None = None,
     group: str | None = None,
     seed: int = 0,
-    tell: Callable[..., None] = lambda done, total, what="": None,
+    tell: Progress = no_progress,
 ) -> tuple[Table, Explanation, dict[str, Any]]:
     """What was read, the diagnosis, and its document (schemas/diagnosis.json).
 

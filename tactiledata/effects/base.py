@@ -41,7 +41,7 @@ class Effect:
     parameters : tuple of Parameter
     look_alikes : tuple of str
         Names of effects that leave similar traces.
-    told_apart_by : str
+    distinguishing_trial : str
         The trial that separates it from them.
     detectability : str
         What of it can be seen on such a rig, with a number.
@@ -65,7 +65,7 @@ class Effect:
     slot: ClassVar[Slot]
     parameters: ClassVar[tuple[Parameter, ...]]
     look_alikes: ClassVar[tuple[str, ...]]
-    told_apart_by: ClassVar[str]
+    distinguishing_trial: ClassVar[str]
     detectability: ClassVar[str]
     reference: ClassVar[str]
     needs: ClassVar[tuple[str, ...]] = ()
@@ -138,6 +138,6 @@ class Effect:
         """
         return {}
 
-    def beside_engine(self, values: Mapping[str, float]) -> Mapping[str, float]:
+    def parameters_not_played_by_gel(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """The values that are left to `change` where the gel engine itself plays `variant`; all of them for most."""
         return values

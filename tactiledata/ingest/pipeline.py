@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tactiledata.compute import SCHEDULERS
 from tactiledata.compute.base import Outcome
 from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
 from tactiledata.contract.schema import check_document
@@ -39,9 +40,6 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import commit_groups, create, recover
 from tactiledata.store.write.spool import Spool
 from tactiledata.store.write.writer import StagedTake, find_staged, stage
-
-Progress = Callable[[int, int, str], None]
-"""Called with how many sources are done, how many there are, and the name of the last one."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ STEEPEST = 0.9
 
 
 @dataclass(frozen=True)
-class Press:
+class CalibrationPress:
     """A picture of known slopes.
 
     Parameters
@@ -45,7 +45,9 @@ class Press:
     is_known: NDArray[np.bool_]
 
 
-def ball_press(picture: Any, background: Any, centre: tuple[float, float], contact_radius: float, ball: float) -> Press:
+def ball_press(
+    picture: Any, background: Any, centre: tuple[float, float], contact_radius: float, ball: float
+) -> CalibrationPress:
     """The press of a ball: inside the contact the gel has the ball's slopes, in closed form.
 
     Parameters
@@ -75,11 +77,11 @@ def ball_press(picture: Any, background: Any, centre: tuple[float, float], conta
     depth_slope = -1.0 / np.sqrt(np.maximum(ball**2 - square, (1 - STEEPEST**2) * ball**2 / 2))
     change = np.asarray(picture, np.float32) - np.asarray(background, np.float32)
     slopes = np.stack([across * depth_slope, down * depth_slope], axis=-1)
-    return Press(change, slopes.astype(np.float32), is_known)
+    return CalibrationPress(change, slopes.astype(np.float32), is_known)
 
 
 def calibrate(
-    presses: Iterable[Press], origin: str, *, bins: int = BINS, spread: float = SPREAD, ridge: float = RIDGE
+    presses: Iterable[CalibrationPress], origin: str, *, bins: int = BINS, spread: float = SPREAD, ridge: float = RIDGE
 ) -> TaximTable:
     """The table that fits the presses best, bin by bin, in least squares.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tactiledata.compute import SCHEDULERS
+from tactiledata.contract.progress import Progress
 from tactiledata.errors import UsageError
 from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.replay.effect_touches import EffectTouch, ReplayEffects
@@ -27,9 +28,6 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.write.card import write_card
 from tactiledata.store.write.commit import recover, store_errors
 from tactiledata.store.write.mesh_writer import append_mesh, drop_mesh
-
-Progress = Callable[[int, int, str], None]
-"""Called with how many trajectories are done, how many there are, and the name of the last one."""
 
 RUN_TOUCHES = 16
 """Trajectories solved together, whatever the number of workers: results may depend on the company in the last digit."""

@@ -119,7 +119,7 @@ class _Way:
         if self._balance is not None:
             state = replace(state, felt=self._balance.felt)
         for setting in in_contact(self._effects.settings):
-            state = setting.member.apply(state, setting.member.beside_engine(setting.values))
+            state = setting.member.apply(state, setting.member.parameters_not_played_by_gel(setting.values))
         return state
 
     def _moved(self, state: TouchState) -> Array:

@@ -38,7 +38,7 @@ TOUCHED = {"pose", "contact", "force"}
 
 
 @dataclass(frozen=True)
-class Play:
+class PlayedTrajectory:
     """One trajectory, played.
 
     Parameters
@@ -90,10 +90,10 @@ class Play:
 
 
 @dataclass(frozen=True)
-class Performance:
+class PlayedLog:
     """All trajectories of one log in time, and the ways between them."""
 
-    plays: tuple[Play, ...]
+    plays: tuple[PlayedTrajectory, ...]
     poses: tuple[tuple[RealArray, Transform], ...]
     """Per play: gel_from_indenter rotation (3, 3), and the mounted ``base_from_indenter`` as the log states it."""
     tcp_from_gel: Transform
@@ -141,7 +141,7 @@ Solve = Callable[[Gel, TouchSetup, motion.Path | None, RealArray | None], Contac
 """A touch of a gel, played along a path that may be planned already, and missed by (n, 3) m."""
 
 
-class Stage:
+class RigSetup:
     """Indenters and footprints of a scenario, each made once.
 
     Parameters
@@ -167,11 +167,11 @@ class Stage:
         log_index: int,
         start_ns: int,
         played: Callable[[], None] = lambda: None,
-    ) -> Performance:
+    ) -> PlayedLog:
         """The touches one after the other, from ``start_ns`` of the host clock; ``played`` is called after each."""
         robot, setup = self.scenario.robot, self.scenario.recordings
         rng = np.random.default_rng([self.scenario.seed, MOUNTS, log_index])
-        plays: list[Play] = []
+        plays: list[PlayedTrajectory] = []
         poses: list[tuple[RealArray, Transform]] = []
         cursor = start_ns + int(0.25e9)
         mount, remount = 0, np.zeros(3)
@@ -196,27 +196,31 @@ class Stage:
             nearby = touches[min(index + 1, len(touches) - 1)].indenter
             way = float(np.linalg.norm(self.mounted[touch.indenter].xyz - self.mounted[nearby].xyz))
             cursor = play.end_ns + int(max(setup.pause, way / TRAVEL_SPEED) * 1e9)
-        return Performance(tuple(plays), tuple(poses), robot.tcp_from_gel, start_ns, plays[-1].end_ns + int(0.25e9))
+        return PlayedLog(tuple(plays), tuple(poses), robot.tcp_from_gel, start_ns, plays[-1].end_ns + int(0.25e9))
 
-    def _play(self, facts: TouchFacts, start_ns: int, remount: RealArray) -> Play:
+    def _play(self, facts: TouchFacts, start_ns: int, remount: RealArray) -> PlayedTrajectory:
         scenario, touch = self.scenario, facts.touch
         gel = scenario.sensors[touch.sensor].gel
         indenter = self.indenters[touch.indenter]
         rng = np.random.default_rng([scenario.seed, OFFSETS, _number(touch.name)])
         offset = remount + rng.normal(0.0, scenario.imperfections.pose_repeatability, 3)
         rotation = motion.gel_from_indenter_rotation(touch)
-        print_ = footprint(indenter, rotation, touch.position, GelGrid.of(gel))
+        indenter_footprint = footprint(indenter, rotation, touch.position, GelGrid.of(gel))
         images = scenario.images
         plan = partial(
             motion.plan, touch, frames_per_step=images.frames_per_step, free_air_frames=images.free_air_frames
         )
-        setup = TouchSetup(touch, indenter, rotation, print_, offset, gel.thickness, scenario.material, plan)
+        setup = TouchSetup(
+            touch, indenter, rotation, indenter_footprint, offset, gel.thickness, scenario.material, plan
+        )
         solve = self._solve(gel)
         if any(effect.ACTS in TOUCHED for effect in scenario.hidden):
             setup, hidden, visit = touch_hidden(setup, facts, scenario.hidden, solve)
             facts.visits.append(visit)
-            return Play(touch, start_ns, print_.lowest, setup.offset, hidden, facts.mount)
-        return Play(touch, start_ns, print_.lowest, offset, solve(setup, None, None), facts.mount)
+            return PlayedTrajectory(touch, start_ns, indenter_footprint.lowest, setup.offset, hidden, facts.mount)
+        return PlayedTrajectory(
+            touch, start_ns, indenter_footprint.lowest, offset, solve(setup, None, None), facts.mount
+        )
 
     def _solve(self, gel: Gel) -> Played:
         if self._own_solve is not None:

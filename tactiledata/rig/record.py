@@ -11,6 +11,7 @@ from pathlib import Path
 from queue import Empty, Queue
 from typing import Literal
 
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.worker_pool import worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
 from tactiledata.rig.logs.sampling import sample
@@ -18,7 +19,7 @@ from tactiledata.rig.logs.truth import write_truth
 from tactiledata.rig.logs.write_folder import write_folder
 from tactiledata.rig.logs.write_mcap import write_mcap
 from tactiledata.rig.motion.touch import Touch
-from tactiledata.rig.play import Stage
+from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.generate import touches
 from tactiledata.rig.scenario.scenario import Scenario
 
@@ -32,7 +33,7 @@ def record(
     scenario: Scenario,
     out: Path,
     form: Form = "mcap",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     workers: int = 1,
 ) -> list[Path]:
     """The logs of a scenario, in order: files (``mcap``) or folders (``folder``) in ``out``.
@@ -69,9 +70,9 @@ def record(
     try:
         out.mkdir(parents=True, exist_ok=True)
         if workers <= 1 or len(groups) < 2:
-            stage = Stage(scenario)
+            rig_setup = RigSetup(scenario)
             for index in range(len(groups)):
-                written.append(_record_log(scenario, out, form, counts.told, index, stage))
+                written.append(_record_log(scenario, out, form, counts.told, index, rig_setup))
         else:
             _record_in_processes(scenario, out, form, counts, workers, written)
     except OSError as error:
@@ -109,16 +110,16 @@ def _record_log(
     scenario: Scenario,
     out: Path,
     form: Form,
-    tell: Callable[[int, int], None],
+    tell: Progress,
     index: int,
-    stage: Stage | None = None,
+    rig_setup: RigSetup | None = None,
 ) -> Path:
     """The path of one log, recorded; ``tell`` hears its index and how many of its trajectories are done."""
-    stage = stage or Stage(scenario)
+    rig_setup = rig_setup or RigSetup(scenario)
     name, group = log_groups(scenario)[index]
     meter = _Meter(partial(tell, index), len(group))
     start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-    tape = sample(stage, name, index, stage.perform(group, index, start_ns, meter.played))
+    tape = sample(rig_setup, name, index, rig_setup.perform(group, index, start_ns, meter.played))
     meter.pictures = sum(not shot.dropped for shot in tape.shots)
     path = out / (f"{name}.mcap" if form == "mcap" else name)
     (write_mcap if form == "mcap" else write_folder)(tape, path, meter.add)
@@ -130,7 +131,7 @@ def _record_log(
 class _Counts:
     """Trajectories done in all logs, passed on to whoever watches."""
 
-    def __init__(self, progress: Callable[[int, int], None] | None, whole: list[int]) -> None:
+    def __init__(self, progress: Progress | None, whole: list[int]) -> None:
         self.progress, self.whole = progress, whole
         self.done = [0] * len(whole)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import PictureArray
+from tactiledata.contract.progress import Progress
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.bootstrap import Interval, bootstrap
@@ -19,7 +20,6 @@ from tactiledata.store.read.reader import Store
 Vectors = Mapping[str, NDArray[np.floating]]
 Encode = Callable[[PictureArray, PictureArray | None], Vectors]
 """Latent vectors (n, d) by name, of pictures (n, H, W, 3) of a sensor and its picture without contact, if there is."""
-Progress = Callable[..., None]
 
 
 @dataclass(frozen=True)

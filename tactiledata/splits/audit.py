@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.image_batches import image_batches
 from tactiledata.contract.image_bytes import size_fault
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import SchemaError, StoreError
@@ -27,7 +27,6 @@ from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
 
-Progress = Callable[[int, int], None]
 
 AUDIT_TRAJECTORY_COLUMNS = ("uid", "trajectory", "source", "sensor", "indenter", "start_ns", "end_ns", "parent")
 AUDIT_FRAME_COLUMNS = (*FRAME_COLUMNS, "parent_frame", "length", "crc32c")

@@ -14,7 +14,7 @@ from tactiledata.calibrate.kept_plays import load_play, play_path
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.page import calibration_page
-from tactiledata.calibrate.player import Batch, play_at, play_batch
+from tactiledata.calibrate.player import PlayBatch, play_at, play_batch
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import TactileDataError
 from tactiledata.gel.contact.history import GelTouch
@@ -101,7 +101,7 @@ def test_a_broken_file_is_played_again(calibration, measured):
     assert whole is not None
     path.write_bytes(path.read_bytes()[:50])
     assert load_play(path) is None
-    again = play_batch(Batch(PAD, "linear", 0.4725, 0.7, (touch,)))[0]
+    again = play_batch(PlayBatch(PAD, "linear", 0.4725, 0.7, (touch,)))[0]
     assert np.allclose(again.wrench, whole.wrench, rtol=1e-9, atol=1e-18)
 
 
@@ -146,7 +146,7 @@ def test_touches_are_played_by_the_flex():
         pytest.skip("MuJoCo is not installed")
     touch = pressed(0.4e-3, 0.0, (0.0, 0.0), frames=4)
     flex, again, fem = (
-        play_batch(Batch(PAD, mechanics, 0.46, 0.7, (touch,)))[0]
+        play_batch(PlayBatch(PAD, mechanics, 0.46, 0.7, (touch,)))[0]
         for mechanics in ("mujoco-flex", "mujoco-flex", "finite-strain")
     )
     np.testing.assert_array_equal(flex.wrench, again.wrench)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.locate.drifts import instability
+from tactiledata.diagnose.locate.drifts import parameter_drifts
 from tactiledata.diagnose.locate.event_effects import event_effects
 from tactiledata.diagnose.locate.events import find_events
 from tactiledata.diagnose.locate.gate import NoiseModel
@@ -29,7 +29,7 @@ def world():
 def findings(world):
     projection = project(world)
     return {
-        "drifts": instability(projection, 1, 199),
+        "drifts": parameter_drifts(projection, 1, 199),
         "departures": event_effects(projection, find_events(world), 1, 199),
         "maps": region_maps(projection, seed=1, draws=199),
         "leaves": honest_tree(projection, 1, 199),
@@ -53,7 +53,7 @@ def test_no_p_falls_and_errors_as_large_as_the_finding_raise_it(world):
 
 def test_what_is_far_beyond_the_errors_stays_certain(world):
     """A fifth of E, where the simulation may be off by one per cent; not where it may be off by a fifth."""
-    drifts = instability(project(world), 1, 499)
+    drifts = parameter_drifts(project(world), 1, 499)
     first = beyond_errors(drifts, EXACT | {"E": 0.01})[0]
     assert (first.parameter, first.covariate) == ("E", "depth")
     assert first.p <= 0.05
@@ -67,7 +67,7 @@ def test_the_share_and_not_the_unit_of_a_parameter_counts(world):
         parameters=(dataclasses.replace(world.parameters[0], unit="Pa", value=1e3 * MODULUS), *world.parameters[1:]),
         sensitivities=world.slopes * np.where(np.arange(world.slopes.shape[2]) == 0, 1e-3, 1.0),
     )
-    ones, others = (beyond_errors(instability(project(one), 1, 199), {"E": 0.05}) for one in (world, in_pascal))
+    ones, others = (beyond_errors(parameter_drifts(project(one), 1, 199), {"E": 0.05}) for one in (world, in_pascal))
     assert [one.p for one in ones] == pytest.approx([one.p for one in others])
 
 

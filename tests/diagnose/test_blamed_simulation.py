@@ -6,9 +6,9 @@ import pytest
 from touch_worlds import START, World, world_cases
 
 from tactiledata.diagnose.naming.joint_fit import plain_fit
-from tactiledata.diagnose.naming.simulator_share import Blamed, blamed_simulation, blamed_words
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.naming.simulator_share import SimulatorError, simulator_share, simulator_share_words
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 SHARE = 0.06
 
@@ -21,8 +21,8 @@ def blamed(factor):
         dataclasses.replace(case, measured=case.measured * factor) if case.touch.indenter_name == one else case
         for case in plain.cases
     ]
-    white = WhitenedCases.of(CaseSet(cases, plain.base))
-    found = blamed_simulation(white, plain_fit(white, START))
+    white = WhitenedTouches.of(TouchSet(cases, plain.base))
+    found = simulator_share(white, plain_fit(white, START))
     return one, {each.indenter: each for each in found if each.indenter}, found
 
 
@@ -34,16 +34,21 @@ def test_a_planted_factor_is_found_at_its_indenter():
     others = [more[name].share - plain[name].share for name in plain if name != one]
     assert gained - max(others) > 1.5 * SHARE
     assert max(map(abs, others)) < gained
-    assert blamed_words(found)[0].count("too small under " + one) == 1
+    assert simulator_share_words(found)[0].count("too small under " + one) == 1
 
 
 def test_little_is_not_said():
     """Below what is worth a sentence there is none, nor of what is no indenter's."""
-    assert blamed_words([Blamed("all forces of a", 1.0, 0.03, "a"), Blamed("shear that sticks", 3.0, 0.12)]) == []
+    assert (
+        simulator_share_words(
+            [SimulatorError("all forces of a", 1.0, 0.03, "a"), SimulatorError("shear that sticks", 3.0, 0.12)]
+        )
+        == []
+    )
 
 
 @pytest.mark.parametrize(("share", "word"), [(0.09, "9 % too small"), (-0.2, "20 % too large")])
 def test_the_sign_is_that_of_the_simulation(share, word):
     """Positive: the simulation gives too little."""
-    (said,) = blamed_words([Blamed("all forces of ball", share / SHARE, share, "ball")])
+    (said,) = simulator_share_words([SimulatorError("all forces of ball", share / SHARE, share, "ball")])
     assert f"{word} under ball" in said

@@ -12,8 +12,8 @@ from tactiledata.diagnose.naming.joint_fit import joint_fit
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.touches.covariates import phases
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.touch_residuals import (
     case_noise,
     case_residuals,
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.slow
 
 
 def plain_fit(cases):
-    white = WhitenedCases.of(cases)
+    white = WhitenedTouches.of(cases)
     numerical = white.numerical(START)
     return white, joint_fit(white, numerical, joint_model(START, [], len(cases.cases), numerical.shape[2]))
 
@@ -118,7 +118,7 @@ def test_frames_without_a_wrench_are_left_out(quiet):
     measured = cases[3].measured.copy()
     measured[5:7] = np.nan
     cases[3] = dataclasses.replace(cases[3], measured=measured)
-    residuals = case_residuals(*plain_fit(CaseSet(cases, base)))
+    residuals = case_residuals(*plain_fit(TouchSet(cases, base)))
     assert len(residuals.values) == len(white.trajectory) - 2
     assert (residuals.trajectory == 3).sum() == len(measured) - 2
 
@@ -156,7 +156,7 @@ def test_the_share_of_the_largest_depth_is_one_on_fresh_ground(quiet):
         dataclasses.replace(case, touch=dataclasses.replace(case.touch, earlier_depth=None))
         for case in white.cases.cases
     ]
-    first = case_residuals(*plain_fit(CaseSet(fresh, base))).covariates["share of the largest depth"].values
+    first = case_residuals(*plain_fit(TouchSet(fresh, base))).covariates["share of the largest depth"].values
     down = first[: np.flatnonzero(first < 1.0)[0]]
     assert len(down) > 3
     assert (down == 1.0).all()

@@ -7,6 +7,7 @@ import sys
 import pytest
 import yaml
 from recorded_touches import recorded_store
+from tactiledata.diagnose.touches.store_touches import store_touches
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.cli.main import run
@@ -14,7 +15,6 @@ from tactiledata.contract.schema import check_document
 from tactiledata.diagnose import store as diagnose_store
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.touches.play_grid import design_variants, variants_of
-from tactiledata.diagnose.touches.store_cases import store_cases
 from tactiledata.diagnose.zeros.causes import ZeroCause
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.mesh import structured_pad
@@ -137,5 +137,5 @@ def test_bounds_are_those_of_what_is_played(bounds):
 def test_a_store_is_diagnosed_with_e_free(store):
     """With the paper's bounds, a stiffness that no durometer reads is in reach."""
     options = DiagnosisOptions(fidelity="linear", effects=("lag",), pairs=False)
-    box = store_cases(Store.open(store), options.calibration()).cases.box
+    box = store_touches(Store.open(store), options.calibration()).cases.box
     assert box == find_bounds("paper").with_free_modulus

@@ -10,8 +10,8 @@ from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.signatures import effect_signatures
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
@@ -30,7 +30,7 @@ def elsewhere(cases, deeper):
         poses = case.touch.poses.copy()
         poses[:, 2, 3] += deeper[case.touch.indenter_name]
         told.append(dataclasses.replace(case, touch=dataclasses.replace(case.touch, poses=poses)))
-    return CaseSet(told, cases.base, cases.box)
+    return TouchSet(told, cases.base, cases.box)
 
 
 @pytest.mark.slow
@@ -76,23 +76,23 @@ def test_touches_that_do_not_tell_their_indenter_share_one_offset(quiet):
     unnamed = [
         dataclasses.replace(case, touch=dataclasses.replace(case.touch, indenter_name="")) for case in quiet.cases
     ]
-    white = WhitenedCases.of(CaseSet(unnamed, quiet.base))
+    white = WhitenedTouches.of(TouchSet(unnamed, quiet.base))
     (found,) = effect_signatures(white, START, ["mount_offset"])
     assert {one.place for one in found.strengths} == {""}
 
 
 def test_a_strength_at_which_nothing_balances_is_looked_at_smaller(quiet, monkeypatch):
     """Springs that find no balance at half a standard deviation are taken at less, in proportion; else left out."""
-    white = WhitenedCases.of(quiet)
+    white = WhitenedTouches.of(quiet)
     (whole,) = effect_signatures(white, START, ["stem_bending"])
-    played, limit = CaseSet.play_where, 0.0
+    played, limit = TouchSet.play_where, 0.0
 
     def unbalanced(self, changed, *rest):
         if changed.values["compliance"] > limit:
             raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
         return played(self, changed, *rest)
 
-    monkeypatch.setattr(CaseSet, "play_where", unbalanced)
+    monkeypatch.setattr(TouchSet, "play_where", unbalanced)
     assert effect_signatures(white, START, ["stem_bending"]) == []
     limit = 0.3 * 0.5 * float(whole.scales[0])
     (part,) = effect_signatures(white, START, ["stem_bending"])

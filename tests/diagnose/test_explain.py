@@ -8,7 +8,7 @@ from planted import MODULUS, modulus_over, planted
 
 from tactiledata.diagnose.answer.locator_rows import dependence
 from tactiledata.diagnose.formula.explain import explain
-from tactiledata.diagnose.locate.drifts import instability
+from tactiledata.diagnose.locate.drifts import parameter_drifts
 from tactiledata.diagnose.locate.gate import NoiseModel
 from tactiledata.diagnose.locate.leading_drifts import leading_drifts
 from tactiledata.diagnose.locate.locate import LocateOptions, locate
@@ -29,7 +29,7 @@ def test_all_locators_together_keep_the_level():
 def test_echoes_are_not_said():
     """E drifts with speed; once it may, nothing else drifts, and speed is said first."""
     projection = project(planted(1, 60, plant=modulus_over("speed", 0.5, 0.1, 10.0, True)))
-    drifts = instability(projection, draws=499)
+    drifts = parameter_drifts(projection, draws=499)
     leading = leading_drifts(projection, drifts, draws=499)
     assert [(one.parameter, one.covariate) for one in leading] == [("E", "speed")]
 
@@ -42,7 +42,7 @@ def test_two_drifts_are_both_said():
         return modulus_over("speed", 0.5, 0.1, 10.0, True)(world) + world.slopes[:, :, 1] * (0.3 * minutes)[:, None]
 
     projection = project(planted(4, 80, plant=plant))
-    leading = leading_drifts(projection, instability(projection, draws=499), draws=499)
+    leading = leading_drifts(projection, parameter_drifts(projection, draws=499), draws=499)
     said = {(one.parameter, one.covariate) for one in leading}
     assert ("E", "speed") in said
     assert said & {("mu", "minutes"), ("mu", "index")}
@@ -156,7 +156,9 @@ def test_a_bump_without_a_trend_is_said_without_a_slope():
         inside = (speed > low) & (speed < high)
         return world.slopes[:, :, 0] * (0.6 * MODULUS * (inside - inside.mean()))[:, None]
 
-    drifts = [one for one in instability(project(planted(3, 80, plant=plant)), draws=499) if one.covariate == "speed"]
+    drifts = [
+        one for one in parameter_drifts(project(planted(3, 80, plant=plant)), draws=499) if one.covariate == "speed"
+    ]
     bent = [one for one in drifts if one.at != "all along" and one.change.sharpness <= 1.0]
     assert bent
     for one in bent:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from planted import MODULUS, modulus_over, planted
 
-from tactiledata.diagnose.locate.drifts import instability, look_alikes
+from tactiledata.diagnose.locate.drifts import look_alikes, parameter_drifts
 from tactiledata.diagnose.locate.free_air import with_zeros
 from tactiledata.diagnose.residuals.instruments import slope, steps
 from tactiledata.diagnose.residuals.projection import project
@@ -28,7 +28,7 @@ def test_a_planted_drift_is_the_first_answer(covariate, share):
     values = planted().covariates[covariate].values
     low, high = (0.2, 1.0) if covariate == "depth" else np.quantile(values, [0.05, 0.95])
     world = planted(3, 60, plant=modulus_over(covariate, share, low, high, covariate == "speed"))
-    first = instability(project(world), draws=499)[0]
+    first = parameter_drifts(project(world), draws=499)[0]
     assert (first.parameter, first.p <= 0.01) == ("E", True)
     assert covariate in (first.covariate, *first.alike)
     assert np.sign(first.change.value) == np.sign(share)
@@ -40,7 +40,7 @@ def test_a_planted_drift_is_the_first_answer(covariate, share):
 def test_the_false_alarm_rate_is_the_level():
     """Noise that is correlated and of all sizes, moduli of trajectories that differ: 5 % alarms in 120 nulls."""
     smallest = [
-        min(one.p for one in instability(project(planted(seed, 24, 10)), seed, draws=199)) for seed in range(120)
+        min(one.p for one in parameter_drifts(project(planted(seed, 24, 10)), seed, draws=199)) for seed in range(120)
     ]
     assert at_most(np.mean(np.array(smallest) <= 0.05), 120, 0.05)
     assert 0.1 < np.mean(np.array(smallest) <= 0.3) < 0.45, "p-values are uniform, not merely large"
@@ -55,7 +55,7 @@ def test_frames_as_units_would_cry_wolf():
             world.values, world.components, np.arange(len(world.values)), world.covariates, {}, world.parameters,
             world.sensitivities,
         )  # fmt: skip
-        alarms += instability(project(pretended), seed, draws=199)[0].p <= 0.05
+        alarms += parameter_drifts(project(pretended), seed, draws=199)[0].p <= 0.05
     assert alarms >= 10
 
 
@@ -150,8 +150,10 @@ def test_statistics_agree_with_refits_written_out():
 def test_the_same_seed_gives_the_same_answer():
     """Bit for bit; another seed gives another throw."""
     projection = project(planted(4))
-    assert instability(projection, 7, 99) == instability(projection, 7, 99)
-    assert [one.p for one in instability(projection, 7, 99)] != [one.p for one in instability(projection, 8, 99)]
+    assert parameter_drifts(projection, 7, 99) == parameter_drifts(projection, 7, 99)
+    assert [one.p for one in parameter_drifts(projection, 7, 99)] != [
+        one.p for one in parameter_drifts(projection, 8, 99)
+    ]
 
 
 def test_the_order_of_trajectories_does_not_matter():
@@ -165,7 +167,7 @@ def test_the_order_of_trajectories_does_not_matter():
         {name: one[rows] for name, one in world.labels.items()}, world.parameters, world.slopes[rows],
     )  # fmt: skip
     one, other = (
-        {(drift.parameter, drift.covariate): drift.statistic for drift in instability(project(each), 0, 19)}
+        {(drift.parameter, drift.covariate): drift.statistic for drift in parameter_drifts(project(each), 0, 19)}
         for each in (world, shuffled)
     )
     assert one.keys() == other.keys()
@@ -201,7 +203,7 @@ def test_a_zero_that_drifts_is_no_modulus_that_does():
     world = with_zeros(planted(4, 60, own=False))
     minutes = world.covariates["minutes"].values
     drifting = world.values + np.column_stack([0 * minutes, 0 * minutes, 3.0 * minutes / 90])
-    first = instability(project(world.with_values(drifting)), draws=499)[0]
+    first = parameter_drifts(project(world.with_values(drifting)), draws=499)[0]
     assert (first.parameter, first.covariate, first.p <= 0.01) == ("zero of fz", "minutes", True)
     assert abs(first.change.value - 0.3 * 0.9) < 1.5 * first.change.half_width
 
@@ -209,7 +211,7 @@ def test_a_zero_that_drifts_is_no_modulus_that_does():
 def test_few_trajectories_are_said():
     """Seven are too few for a test that exchanges trajectories."""
     with pytest.raises(TactileDataError, match="at least 8"):
-        instability(project(planted(0, 7)))
+        parameter_drifts(project(planted(0, 7)))
 
 
 def test_blocks_are_exchanged_where_they_are_given():

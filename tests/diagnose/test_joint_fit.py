@@ -7,13 +7,13 @@ from tactiledata.diagnose.naming import joint_fit as module
 from tactiledata.diagnose.naming.joint_fit import joint_fit
 from tactiledata.diagnose.naming.linearise import Linearised
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 
 @pytest.fixture(scope="module")
 def fitting():
     """fit(settings, to_beat): of touches of a gel that relaxes, and how many rounds it took."""
-    white = WhitenedCases.of(recorded(effect("relaxation", share=0.4, time=1.0), touches=8, slide=1e-3))
+    white = WhitenedTouches.of(recorded(effect("relaxation", share=0.4, time=1.0), touches=8, slide=1e-3))
     numerical = white.numerical(START)
 
     def fit(settings, **to_beat):

@@ -7,28 +7,28 @@ import numpy as np
 import pytest
 
 from tactiledata.diagnose.naming.decide import decide, ties_of_two
-from tactiledata.diagnose.naming.evidence import Judged
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.identifiability import Identifiability
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.refit import Refits
-from tactiledata.diagnose.naming.remaining_structure import LeftOver
+from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened
 from tactiledata.diagnose.naming.strength import Strength
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 
-UNIT = ESTIMATED.claim / 26.0
+UNIT = DEFAULT_THRESHOLDS.claim / 26.0
 
 
 def judged(gains, signature=1.0, share=0.9, name="lag"):
     """A refit that gained so much in each trajectory."""
     fit = SimpleNamespace(names=(name,))
-    return Judged(
+    return ScoredCandidate(
         fit,
         np.asarray(gains, dtype=float),
         10.0,
@@ -51,24 +51,27 @@ def test_an_effect_of_one_place_is_agreed_on_by_a_few_touches():
     """Three touches of 25 that gain much each are enough; two that gain as much are not."""
     few, two = judged(spread(40.0, 30.0, 30.0)), judged(spread(60.0, 40.0))
     assert few.gain == two.gain == 100.0
-    assert few.gain < ESTIMATED.standard_errors * few.gain_error
-    assert few.gain_of_others == 30.0
-    assert few.objections(ESTIMATED) == ()
-    assert len(two.objections(ESTIMATED)) == 2
+    assert few.gain < DEFAULT_THRESHOLDS.standard_errors * few.gain_error
+    assert few.gain_without_best_two == 30.0
+    assert few.objections(DEFAULT_THRESHOLDS) == ()
+    assert len(two.objections(DEFAULT_THRESHOLDS)) == 2
 
 
 def test_a_name_that_explains_the_smaller_part_is_not_given():
     """With structure left, what takes off a third of the excess is not what is there; without, it is named."""
     third = judged([20.0] * 25, signature=9.0, share=0.33)
-    much, none = LeftOver(ESTIMATED.dispersion + 0.2, ESTIMATED.dispersion + 0.1), LeftOver(1.0, 0.9)
+    much, none = (
+        RemainingStructure(DEFAULT_THRESHOLDS.dispersion + 0.2, DEFAULT_THRESHOLDS.dispersion + 0.1),
+        RemainingStructure(1.0, 0.9),
+    )
     asked = [third], [], {"lag": third.gains}, None
-    assert decide(*asked, much, ESTIMATED).verdict == "none of the known effects"
-    assert decide(*asked, none, ESTIMATED).verdict == "named"
+    assert decide(*asked, much, DEFAULT_THRESHOLDS).verdict == "none of the known effects"
+    assert decide(*asked, none, DEFAULT_THRESHOLDS).verdict == "named"
     most = dataclasses.replace(third, excess_share=0.8)
-    assert decide([most], [], {"lag": most.gains}, None, much, ESTIMATED).verdict == "named"
-    few = LeftOver(ESTIMATED.dispersion + 0.1, ESTIMATED.noise + 0.01)
+    assert decide([most], [], {"lag": most.gains}, None, much, DEFAULT_THRESHOLDS).verdict == "named"
+    few = RemainingStructure(DEFAULT_THRESHOLDS.dispersion + 0.1, DEFAULT_THRESHOLDS.noise + 0.01)
     # two touches that hang on a scrap are no reason to keep what the others agree on
-    assert decide(*asked, few, ESTIMATED).verdict == "named"
+    assert decide(*asked, few, DEFAULT_THRESHOLDS).verdict == "named"
 
 
 def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
@@ -81,26 +84,26 @@ def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
     names = name if isinstance(name, tuple) else (name,)
     fit = SimpleNamespace(names=names, effect_change=change, of_effects=change[:, :, None], model=model)
     gains, falls, occam = UNIT * np.asarray(gains, dtype=float), UNIT * np.asarray(falls, dtype=float), UNIT * occam
-    return Judged(fit, gains, 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls)
+    return ScoredCandidate(fit, gains, 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls)
 
 
 def decided(singles, pairs=()):
     """The answer where nothing is left."""
     metric = RandomEffects(np.zeros((2, 6)), np.zeros((2, 6, 0)), np.zeros(0), np.zeros(1, int))
     gains = {one.label: one.gains for one in (*singles, *pairs)}
-    return decide(singles, list(pairs), gains, metric, LeftOver(0.7, 0.6), ESTIMATED)
+    return decide(singles, list(pairs), gains, metric, RemainingStructure(0.7, 0.6), DEFAULT_THRESHOLDS)
 
 
 def test_what_all_touches_bring_is_claimed_though_gains_scatter():
     """Evidence of 30 from all of 60 touches is enough beside half the gain of a claim; from two of them it is not."""
     scattered = np.tile([4.0, -3.5], 30)
     borne, hung = (believed("lag", scattered, falls) for falls in (np.full(60, 0.6), spread(15.0, 15.0, count=60)))
-    assert 0.5 * ESTIMATED.claim <= borne.gain < ESTIMATED.claim
-    assert borne.gain < ESTIMATED.standard_errors * borne.gain_error
-    assert borne.objections(ESTIMATED) == ()
-    assert len(hung.objections(ESTIMATED)) == 3
+    assert 0.5 * DEFAULT_THRESHOLDS.claim <= borne.gain < DEFAULT_THRESHOLDS.claim
+    assert borne.gain < DEFAULT_THRESHOLDS.standard_errors * borne.gain_error
+    assert borne.objections(DEFAULT_THRESHOLDS) == ()
+    assert len(hung.objections(DEFAULT_THRESHOLDS)) == 3
     against = believed("lag", scattered - 1.0, np.full(60, 0.6))
-    assert against.objections(ESTIMATED) != ()
+    assert against.objections(DEFAULT_THRESHOLDS) != ()
 
 
 def test_half_of_what_a_claim_needs_is_a_trace():
@@ -149,17 +152,17 @@ def test_evidence_tells_apart_what_gains_cannot():
 def test_structure_that_two_touches_bring_takes_no_name_away():
     """Ten times the noise in one touch of 25 is said and counts for nothing; twice the noise in all of them does."""
     noise, names = np.full(25, 60.0), [f"t{number}" for number in range(25)]
-    odd = LeftOver.of(np.where(np.arange(25) == 7, 10.0, 1.0) * noise, noise, names)
-    wide = LeftOver.of(2.0 * noise, noise, names)
-    assert odd.dispersion > ESTIMATED.dispersion
+    odd = RemainingStructure.of(np.where(np.arange(25) == 7, 10.0, 1.0) * noise, noise, names)
+    wide = RemainingStructure.of(2.0 * noise, noise, names)
+    assert odd.dispersion > DEFAULT_THRESHOLDS.dispersion
     assert odd.odd[0] == "t7"
     assert (odd.at_large, wide.at_large) == (1.0, 2.0)
     third = judged([20.0] * 25, signature=9.0, share=0.33)
     asked = [third], [], {"lag": third.gains}, None
-    found = decide(*asked, odd, ESTIMATED)
+    found = decide(*asked, odd, DEFAULT_THRESHOLDS)
     assert found.verdict == "named"
-    assert found.left.is_in_few(ESTIMATED)
-    assert decide(*asked, wide, ESTIMATED).verdict == "none of the known effects"
+    assert found.left.is_in_few(DEFAULT_THRESHOLDS)
+    assert decide(*asked, wide, DEFAULT_THRESHOLDS).verdict == "none of the known effects"
 
 
 def test_another_may_stand_for_one_of_two_that_are_named():
@@ -179,28 +182,28 @@ def test_another_may_stand_for_one_of_two_that_are_named():
 
     stays = dataclasses.replace(alone, fit=SimpleNamespace(names=("lag",), metric=metric))
     twins = [(stays, beside("heating", 3.8)), (stays, beside("inertia", 2.0)), (stays, beside("dome", -1.0))]
-    (tie,) = ties_of_two(beside("wear", 4.0), twins, ESTIMATED)
+    (tie,) = ties_of_two(beside("wear", 4.0), twins, DEFAULT_THRESHOLDS)
     assert (tie.name, tie.instead_of, tie.label) == ("heating", "wear", "lag + heating")
     assert tie.cosine == pytest.approx(1.0)
     assert tie.gain_apart == pytest.approx(5.0)
     # what holds wear as a special case, and explains less with numbers more, is not
-    assert ties_of_two(beside("wear", 4.0), [(stays, beside("soft_region", 3.6, numbers=4))], ESTIMATED) == ()
+    assert ties_of_two(beside("wear", 4.0), [(stays, beside("soft_region", 3.6, numbers=4))], DEFAULT_THRESHOLDS) == ()
 
 
 def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
     """A reach of twice the claim's signal shows from half its range; half of it at no plausible strength."""
-    reach = ESTIMATED.visible * np.array([2.0, 0.5])
+    reach = DEFAULT_THRESHOLDS.visible * np.array([2.0, 0.5])
     numbers = Strength("lag", "delay"), Strength("wear", "stiffness_change")
     known = Identifiability(numbers, np.zeros(2), np.eye(2), reach, ())
     assert known.undetectable == ("wear",)
     assert known.shows_from == pytest.approx(known.ends / [2.0, 0.5])
-    assert ESTIMATED.visible**2 / 2 == pytest.approx(ESTIMATED.claim)
+    assert DEFAULT_THRESHOLDS.visible**2 / 2 == pytest.approx(DEFAULT_THRESHOLDS.claim)
 
 
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():
     """An indenter's place shows, its radius does not; of one effect that shows nowhere, the effect is said."""
     mount = [Strength("mount_offset", name, place) for name in ("x", "radius_error") for place in ("ball3", "bar")]
-    reach = ESTIMATED.visible * np.array([0.5, 2.0, 0.2, 0.4, 0.5])
+    reach = DEFAULT_THRESHOLDS.visible * np.array([0.5, 2.0, 0.2, 0.4, 0.5])
     known = Identifiability((*mount, Strength("wear", "stiffness_change")), np.zeros(5), np.eye(5), reach, ())
     assert known.undetectable_numbers == (Strength("mount_offset", "radius_error", "ball3"),)
     assert known.undetectable == ("wear",)
@@ -229,7 +232,7 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
         change = np.zeros((2, 6))
         change[:, column] = 1.0
         fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
-        return Judged(fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
+        return ScoredCandidate(fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), falls=gains)
 
     model = SimpleNamespace(coordinates=(None,))
     best = one("lag", UNIT * rng.normal(2.4, 0.2, 25), 0)
@@ -238,10 +241,10 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
     error = float(np.sqrt(25) * scattered.std(ddof=1))
     for name, behind in (("wear", 1.0), ("dome", 1.8)):
         other = one(name, best.gains - scattered - behind * error / 25, 1)
-        assert other.gain >= ESTIMATED.claim
+        assert other.gain >= DEFAULT_THRESHOLDS.claim
         gains = {"lag": best.gains, name: other.gains}
-        left = LeftOver.of(np.full(25, 10.0), np.full(25, 10.0), [f"t{k}" for k in range(25)])
-        found = decide([best, other], [], gains, metric, left, ESTIMATED)
+        left = RemainingStructure.of(np.full(25, 10.0), np.full(25, 10.0), [f"t{k}" for k in range(25)])
+        found = decide([best, other], [], gains, metric, left, DEFAULT_THRESHOLDS)
         assert found.best is best
         assert [tie.name for tie in found.ties] == (["wear"] if name == "wear" else [])
 

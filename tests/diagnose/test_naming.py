@@ -15,9 +15,9 @@ from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.signatures import effect_signatures, nuisance
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.nuisance.numerical import SHAPE_ERROR
@@ -65,10 +65,10 @@ def test_one_odd_touch_takes_no_name_away():
     cases = world_cases(PLANTS["relaxation"], 0, trajectories=24)
     lost = cases.cases[6].measured * [0.2, 0.2, 1.0, 1.0, 1.0, 1.0]
     listed = [*cases.cases[:6], dataclasses.replace(cases.cases[6], measured=lost), *cases.cases[7:]]
-    found = answer(CaseSet(listed, base), ("relaxation", "lag"), pairs=False)
+    found = answer(TouchSet(listed, base), ("relaxation", "lag"), pairs=False)
     best, left = found.naming.decision.best, found.naming.decision.left
-    assert best.excess_share < ESTIMATED.explains
-    assert left.dispersion > ESTIMATED.dispersion
+    assert best.excess_share < DEFAULT_THRESHOLDS.explains
+    assert left.dispersion > DEFAULT_THRESHOLDS.dispersion
     assert found.names == ("relaxation",)
     assert any("nearly all in D-6" in sentence for sentence in found.sentences)
 
@@ -110,10 +110,10 @@ def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
     wrench = quiet.play(truth, [EffectSetting("relaxation", {"share": share, "time": 2.0})], offsets)
     parts = np.split(wrench, np.cumsum(quiet.counts)[:-1])
     sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-6) for case in quiet.cases]
-    played = CaseSet(
+    played = TouchSet(
         [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.cases, parts, sharp, strict=True)], base
     )
-    white = WhitenedCases.of(played)
+    white = WhitenedTouches.of(played)
     numerical = white.numerical(START)
     guess = EffectSetting("relaxation", {"share": 0.05, "time": 1.0})
     start = joint_model(START, [guess], len(offsets), numerical.shape[2])
@@ -131,7 +131,7 @@ def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
 
 def test_gain_along_z_is_hidden_and_a_turned_frame_is_not(quiet):
     """E takes a gain of z; nothing takes a turn of the frame; a turn and its cross-talk are near one another."""
-    white = WhitenedCases.of(quiet)
+    white = WhitenedTouches.of(quiet)
     known = identifiability_of(
         nuisance(white, START), effect_signatures(white, START, ("gain_crosstalk", "frame_rotation", "thickness"))
     )
@@ -147,7 +147,7 @@ def test_gain_along_z_is_hidden_and_a_turned_frame_is_not(quiet):
 
 def test_identifiability_is_public_and_needs_no_data(quiet):
     """Wrenches that were never measured serve as well, and a clean ball's adhesion is said not to show."""
-    blank = CaseSet([dataclasses.replace(case, measured=np.zeros((len(case.touch), 6))) for case in quiet.cases], base)
+    blank = TouchSet([dataclasses.replace(case, measured=np.zeros((len(case.touch), 6))) for case in quiet.cases], base)
     known = tactiledata.identifiability(blank, START, ("adhesion", "relaxation", "cable_drag"))
     assert "adhesion" in known.undetectable
     assert "relaxation" not in known.undetectable
@@ -157,7 +157,7 @@ def test_identifiability_is_public_and_needs_no_data(quiet):
 def test_too_little_is_refused(quiet):
     """Few trajectories, few frames and arrays that do not fit say what is wanted."""
     with pytest.raises(TactileDataError, match="at least 8"):
-        answer(CaseSet(quiet.cases[:5], base))
+        answer(TouchSet(quiet.cases[:5], base))
     with pytest.raises(UsageError, match="measured wrenches of shape"):
         dataclasses.replace(quiet.cases[0], measured=np.zeros((3, 6)))
 

@@ -19,8 +19,8 @@ from tactiledata.diagnose.next_trial.distance import Recorded, TrialRows, error_
 from tactiledata.diagnose.next_trial.kinds import TRIALS, hold, slides
 from tactiledata.diagnose.next_trial.propose import SEPARATED, propose_trials, ranked_trials
 from tactiledata.diagnose.next_trial.scenario import trial_scenario
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario.scenario import load_scenario
 
@@ -33,7 +33,7 @@ def proposals(cases, starts, both_ways=True, trials=TRIALS):
         Rival(start[0] if start else NOTHING, fit) for start, fit in zip(starts, fitted(cases, starts), strict=True)
     )
     bench = TrialBench.of(cases, START)
-    return ranked_trials(Rivals(members, (Pair(0, 1, both_ways),)), WhitenedCases.of(cases), bench, trials=trials)
+    return ranked_trials(Rivals(members, (Pair(0, 1, both_ways),)), WhitenedTouches.of(cases), bench, trials=trials)
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def test_distances_are_those_of_a_joint_fit_of_all_data():
     truth, other = fitted(cases, [("rate_friction", {"beta": 0.1}), None])
     bench = TrialBench.of(cases, START)
     trial = trial_cases(slides(bench), bench)
-    rows = TrialRows.of(trial, WhitenedCases.of(cases))
+    rows = TrialRows.of(trial, WhitenedTouches.of(cases))
     left = rows.residual(rows.model(truth, rows.vector(truth)))
     reckoned = square_with(rows, Recorded(truth, other), left)
 
@@ -108,7 +108,7 @@ def test_distances_are_those_of_a_joint_fit_of_all_data():
     both = [*cases.cases, *trial.cases]
     wrench = np.split(np.concatenate([told, new]), np.cumsum([len(case.touch) for case in both])[:-1])
     played = [dataclasses.replace(case, measured=rows) for case, rows in zip(both, wrench, strict=True)]
-    (plain,) = fitted(CaseSet(played, cases.base), [None])
+    (plain,) = fitted(TouchSet(played, cases.base), [None])
     assert reckoned == pytest.approx(plain.cost, rel=0.2)
 
 
@@ -190,7 +190,7 @@ def test_what_the_data_say_counts_where_it_is_less_than_was_planned():
         Rival(fit.names[0], fit)
         for fit in fitted(cases, [("rate_friction", {"beta": 0.1}), ("static_friction", {"excess": 0.1})])
     ]
-    bench, white = TrialBench.of(cases, START), WhitenedCases.of(cases)
+    bench, white = TrialBench.of(cases, START), WhitenedTouches.of(cases)
     surprised, told = (
         ranked_trials(Rivals.around(members, supports), white, bench, trials=[slides])[0].separations[0]
         for supports in ((20.0, 19.5), (20.0, 0.0))

@@ -7,7 +7,7 @@ import pytest
 from touch_worlds import START, World, world_cases
 
 from tactiledata.diagnose.next_trial.limits import limits
-from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.touch_case import TouchSet
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +16,7 @@ def whole():
 
 
 def changed(cases, change):
-    return CaseSet([change(case) for case in cases.cases], cases.base)
+    return TouchSet([change(case) for case in cases.cases], cases.base)
 
 
 def rows(case, keep):

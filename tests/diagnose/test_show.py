@@ -17,8 +17,8 @@ from tactiledata.diagnose.naming.joint_fit import joint_fit
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.errors import held_out_errors, held_out_wrenches
 
@@ -110,10 +110,10 @@ def test_the_same_simulation_tells_what_it_has_not_seen():
     truth = dataclasses.replace(START, youngs_modulus=0.95e6, friction=0.7)
     parts = np.split(quiet.play(truth, [], offsets), np.cumsum(quiet.counts)[:-1])
     sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-4) for case in quiet.cases]
-    cases = CaseSet(
+    cases = TouchSet(
         [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.cases, parts, sharp, strict=True)], base
     )
-    white = WhitenedCases.of(cases)
+    white = WhitenedTouches.of(cases)
     raw = white.numerical_wrenches(START)
     fit = joint_fit(white, white.white(raw), joint_model(START, [], len(offsets), raw.shape[2]), rounds=12)
     for groups in (folds_of(len(offsets)), white.indenter):
@@ -129,7 +129,7 @@ def test_sensors_are_held_out_where_there_are_two():
         dataclasses.replace(case, touch=dataclasses.replace(case.touch, sensor=f"D{number % 2}"))
         for number, case in enumerate(one.cases)
     ]
-    white = WhitenedCases.of(CaseSet(cases, base))
+    white = WhitenedTouches.of(TouchSet(cases, base))
     raw = white.numerical_wrenches(START)
     fit = joint_fit(white, white.white(raw), joint_model(START, [], len(cases), raw.shape[2]))
     found = held_out_errors(white, (fit, fit), raw, 0)
@@ -141,7 +141,7 @@ def test_sensors_are_held_out_where_there_are_two():
 
 def test_whitened_rows_return_as_newtons():
     """Whitening loses nothing: the zeros that it takes out of a trajectory's rows are put back."""
-    white = WhitenedCases.of(null(3000, trajectories=8))
+    white = WhitenedTouches.of(null(3000, trajectories=8))
     assert not np.allclose(white.in_newtons(white.white(white.measured)), white.measured, atol=1e-3)
     returned = white.in_newtons(white.with_zeros(white.white(white.measured)))
     assert np.allclose(returned, white.measured, atol=1e-9)

@@ -13,7 +13,7 @@ from tactiledata.diagnose.answer.formula_page import explanation_page
 from tactiledata.diagnose.formula.candidates import Candidates, carriers
 from tactiledata.diagnose.formula.explain import Explanation, explain
 from tactiledata.diagnose.formula.terms import atoms
-from tactiledata.diagnose.formula.unseen import HeldOut
+from tactiledata.diagnose.formula.unseen import GroupedCosts
 from tactiledata.diagnose.locate.locate import LocateOptions
 from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
 from tactiledata.diagnose.residuals.gap import Gap, is_improved
@@ -67,7 +67,7 @@ def explained() -> Explanation:
 
 def held(before, after):
     rows = np.zeros((1, 1))
-    return HeldOut(rows, rows, before, after, np.full(len(before), 10.0))
+    return GroupedCosts(rows, rows, before, after, np.full(len(before), 10.0))
 
 
 @pytest.mark.parametrize(("closed", "gained"), [(0.0, 0.0), (0.004, 0.5), (-0.2, -1.0)])

@@ -14,9 +14,9 @@ from tactiledata.diagnose.next_trial.kinds import hold, hold_then_slide, rate_la
 from tactiledata.diagnose.next_trial.propose import ranked_trials
 from tactiledata.diagnose.next_trial.scenario import trial_scenario
 from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch, press, retreat, shear
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
-from tactiledata.rig.play import Stage
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.scenario import load_scenario
 
 TRUTH = {"youngs_modulus": 0.88e6, "poisson_ratio": 0.48, "friction": 0.7}
@@ -26,7 +26,7 @@ def on_rig(trial, bench, hidden, seed):
     """The trial's touches with what the rig's gel does in them, arm's repeatability included, and noise."""
     document = {**trial_scenario(trial, bench), "hidden": [hidden], "material": TRUTH, "seed": seed}
     scenario = load_scenario(document)
-    performance = Stage(scenario).perform(scenario.trajectories, 0, 0)
+    performance = RigSetup(scenario).perform(scenario.trajectories, 0, 0)
     chance = np.random.default_rng(seed)
     cases = []
     for case, play in zip(trial_cases(trial, bench).cases, performance.plays, strict=True):
@@ -35,7 +35,7 @@ def on_rig(trial, bench, hidden, seed):
         wrench = play.wrench(play.start_ns + np.rint(own * 1e9).astype(np.int64))
         measured = wrench + chance.normal(size=wrench.shape) * NOISE.deviations
         cases.append(dataclasses.replace(case, measured=measured, name=f"{case.name} {seed}"))
-    return CaseSet(cases, closed_form)
+    return TouchSet(cases, closed_form)
 
 
 def quick_presses(bench):
@@ -74,13 +74,13 @@ def test_the_proposed_trial_tells_more_than_another(hidden, true, other, before,
     fits = fitted(cases, [true, other])
     bench = TrialBench.of(cases, fits[0].model.material)
     rivals = Rivals(tuple(Rival(fit.names[0], fit) for fit in fits), (Pair(0, 1, False),))
-    ranked = ranked_trials(rivals, WhitenedCases.of(cases), bench)
+    ranked = ranked_trials(rivals, WhitenedTouches.of(cases), bench)
     assert best.__name__ in [one.trial.name for one in ranked[:2]]
     reckoned = next(one for one in ranked if one.trial.name == best.__name__).separations[0].after
     starts = [(one.effect, one.values) for one in (fit.model.settings[0] for fit in fits)]
     really = []
     for make in (best, rate_ladder):
-        together = CaseSet([*cases.cases, *on_rig(make(bench), bench, secret, 2).cases], closed_form)
+        together = TouchSet([*cases.cases, *on_rig(make(bench), bench, secret, 2).cases], closed_form)
         right, wrong = (fit.cost for fit in fitted(together, starts))
         really.append(math.copysign(math.sqrt(abs(wrong - right)), wrong - right))
     assert really[0] > 0.5 * reckoned

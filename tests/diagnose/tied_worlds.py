@@ -7,8 +7,8 @@ from touch_worlds import START, base
 
 from tactiledata.diagnose.naming.joint_fit import joint_fit
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchCase, TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.indenters.sphere import Sphere
@@ -23,9 +23,9 @@ def recorded(settings=(), touches=10, slide=0.0, turned=False, pace=1.0, seed=0)
     rng = np.random.default_rng(seed)
     blank = [_touch(number, slide, turned, pace) for number in range(touches)]
     zeros = [TouchCase(one, np.zeros((len(one), 6)), NOISE, one.tips[:, 2] > 0, 60.0) for one in blank]
-    wrench = CaseSet(zeros, base).play(START, settings)
+    wrench = TouchSet(zeros, base).play(START, settings)
     rows = np.split(wrench, np.cumsum([len(one) for one in blank])[:-1])
-    return CaseSet(
+    return TouchSet(
         [
             dataclasses.replace(case, measured=part + rng.normal(size=part.shape) * NOISE.deviations, name=f"D-{place}")
             for place, (case, part) in enumerate(zip(zeros, rows, strict=True))
@@ -57,7 +57,7 @@ def _touch(number, slide, turned, pace):
 
 def fitted(cases, starts):
     """Fits of one effect each, from starts (effect, values); of the plain simulation where ``None``."""
-    white = WhitenedCases.of(cases)
+    white = WhitenedTouches.of(cases)
     numerical = white.numerical(START)
     return [
         joint_fit(

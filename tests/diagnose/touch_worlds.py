@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.diagnose.touches.touch_case import TouchCase, TouchSet
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -48,7 +48,7 @@ def world_cases(world, seed=0, trajectories=40):
     """Trajectories of a world: press, dwell, slide, turn back, leave, at other speeds, depths, places each time."""
     rng = np.random.default_rng(seed)
     law = Law(world, rng)
-    return CaseSet([_case(world, law, rng, number) for number in range(trajectories)], base)
+    return TouchSet([_case(world, law, rng, number) for number in range(trajectories)], base)
 
 
 class Law:

@@ -37,7 +37,7 @@ def test_the_page_says_what_is_seen_and_what_tells_apart(name):
     """Detectability and the trial, in the words of the code."""
     effect = EFFECTS[name]
     needs = f" Needs {', '.join(f'`{field}`' for field in effect.needs)}." if effect.needs else ""
-    line = f"- `{name}`: {effect.detectability} *{effect.told_apart_by}*{needs}"
+    line = f"- `{name}`: {effect.detectability} *{effect.distinguishing_trial}*{needs}"
     assert line in PAGE.read_text(encoding="utf-8").splitlines()
 
 

@@ -38,7 +38,7 @@ def test_it_describes_itself(name):
     effect = EFFECTS[name]
     assert effect.name == name
     assert effect.slot in SLOTS
-    for text in (effect.title, effect.told_apart_by, effect.detectability, effect.reference):
+    for text in (effect.title, effect.distinguishing_trial, effect.detectability, effect.reference):
         assert text.strip()
     assert any(character.isdigit() for character in effect.detectability)
     assert "Source: " in effect.__doc__

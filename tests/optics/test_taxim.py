@@ -7,7 +7,7 @@ import pytest
 
 from tactiledata.errors import MissingFile, SchemaError, UsageError
 from tactiledata.optics.taxim import TaximTable, _substituted, place_terms, published_digit_table, slope_bins
-from tactiledata.optics.taxim_calibration import BINS, Press, ball_press, calibrate
+from tactiledata.optics.taxim_calibration import BINS, CalibrationPress, ball_press, calibrate
 
 ROOT = Path(__file__).resolve().parents[1]
 PACK = ROOT / "data" / "gelsight_r15" / "dataPack.npz"
@@ -28,7 +28,7 @@ def random_press(table, rng, shape=(40, 30)):
     angle, direction = rng.uniform(0.0, 1.5, shape), rng.uniform(-np.pi, np.pi, shape)
     slopes = np.tan(angle)[..., None] * np.stack([np.cos(direction), np.sin(direction)], -1)
     slopes = slopes.astype(np.float32)
-    return Press(table.change(slopes), slopes, np.ones(shape, bool))
+    return CalibrationPress(table.change(slopes), slopes, np.ones(shape, bool))
 
 
 def test_a_planted_table_is_found():
@@ -43,7 +43,9 @@ def test_a_planted_table_is_found():
 def test_pixels_of_one_bin_all_count():
     """Two pixels of one slope at one place: the table says their mean, not the last one (the lost duplicates)."""
     slopes = np.full((2, 2, 2), 0.5, np.float32)
-    presses = [Press(np.full((2, 2, 3), level, np.float32), slopes, np.ones((2, 2), bool)) for level in (10, 40)]
+    presses = [
+        CalibrationPress(np.full((2, 2, 3), level, np.float32), slopes, np.ones((2, 2), bool)) for level in (10, 40)
+    ]
     for order in (presses, presses[::-1]):
         np.testing.assert_allclose(calibrate(order, "two").change(slopes), 25, rtol=1e-3)
 
@@ -59,7 +61,7 @@ def test_flat_gel_is_no_change():
 def test_unseen_slopes_take_their_nearest_neighbour():
     """A press with slopes in one direction only answers finitely, and alike, for every other."""
     slopes = np.full((6, 6, 2), 0.4, np.float32)
-    found = calibrate([Press(np.full((6, 6, 3), 12.0, np.float32), slopes, np.ones((6, 6), bool))], "narrow")
+    found = calibrate([CalibrationPress(np.full((6, 6, 3), 12.0, np.float32), slopes, np.ones((6, 6), bool))], "narrow")
     np.testing.assert_allclose(found.change(-2 * slopes), 12, rtol=0.02)
 
 
@@ -162,7 +164,7 @@ def test_tables_go_to_disk_and_back(tmp_path):
 
 def test_what_calibrates_nothing_is_refused():
     """No slopes, pictures of two sizes, a radius of nothing."""
-    flat = Press(np.zeros((5, 5, 3), np.float32), np.zeros((5, 5, 2), np.float32), np.ones((5, 5), bool))
+    flat = CalibrationPress(np.zeros((5, 5, 3), np.float32), np.zeros((5, 5, 2), np.float32), np.ones((5, 5), bool))
     with pytest.raises(UsageError, match="no pixel"):
         calibrate([flat], "flat")
     with pytest.raises(UsageError, match="one shape"):

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactiledata.rig.contact.contact import contact_times
 from tactiledata.rig.logs.sampling import sample
-from tactiledata.rig.play import Performance, Stage
+from tactiledata.rig.play import PlayedLog, RigSetup
 from tactiledata.rig.record import log_groups
 from tactiledata.rig.scenario.scenario import Scenario, load_scenario
 
@@ -63,7 +63,7 @@ class Log:
     """A log that was played: who plays, and the force readings (n, 6), stamps (n,) and seconds (n,) of its samples."""
 
     scenario: Scenario
-    performance: Performance
+    performance: PlayedLog
     readings: np.ndarray
     stamps: np.ndarray
     seconds: np.ndarray
@@ -81,10 +81,10 @@ class Log:
 
 def played(hidden=(), trajectories=(), **changes):
     scenario = world(hidden, trajectories, **changes)
-    stage = Stage(scenario)
+    rig_setup = RigSetup(scenario)
     ((name, group),) = log_groups(scenario)
-    performance = stage.perform(group, 0, scenario.start_ns)
-    wrench = sample(stage, name, 0, performance).signals["wrench"]
+    performance = rig_setup.perform(group, 0, scenario.start_ns)
+    wrench = sample(rig_setup, name, 0, performance).signals["wrench"]
     seconds = (wrench.host_ns - performance.start_ns) * 1e-9
     return Log(scenario, performance, wrench.values, wrench.stamp_ns, seconds)
 

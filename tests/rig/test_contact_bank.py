@@ -16,7 +16,7 @@ from tactiledata.rig.contact.footprint import GelGrid, footprint
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion import motion
-from tactiledata.rig.play import Stage
+from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.scenario import Gel
 
 pytestmark = pytest.mark.slow
@@ -28,7 +28,7 @@ STEPS = (
 )
 SCENARIO = world(trajectories=[touch(steps=STEPS, tilt=[0.04, 0.0], force_limit=40.0)])
 GEL = Gel()
-INDENTERS = Stage(SCENARIO).indenters
+INDENTERS = RigSetup(SCENARIO).indenters
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +40,10 @@ def setup_of(offset=(0.0, 0.0, 0.0), thickness=GEL.thickness, radius=None, **mat
     (one,) = SCENARIO.trajectories
     rotation = motion.gel_from_indenter_rotation(one)
     indenter = INDENTERS[one.indenter] if radius is None else replace(INDENTERS[one.indenter], radius=radius)
-    print_ = footprint(indenter, rotation, one.position, GelGrid.of(GEL))
+    indenter_footprint = footprint(indenter, rotation, one.position, GelGrid.of(GEL))
     plan = partial(motion.plan, one)
     real = replace(SCENARIO.material, **material)
-    return TouchSetup(one, indenter, rotation, print_, np.array(offset), thickness, real, plan)
+    return TouchSetup(one, indenter, rotation, indenter_footprint, np.array(offset), thickness, real, plan)
 
 
 def solved(setup, missed=None):

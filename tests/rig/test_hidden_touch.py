@@ -319,9 +319,9 @@ def test_sliders_without_factors_are_coulombs():
 def facts_of(play, scenario):
     """What an effect would be told of a touch."""
     from tactiledata.rig.hidden.base import TouchFacts
-    from tactiledata.rig.play import Stage
+    from tactiledata.rig.play import RigSetup
 
-    mounted = Stage(scenario).mounted[play.touch.indenter]
+    mounted = RigSetup(scenario).mounted[play.touch.indenter]
     return TouchFacts(play.touch, scenario, 0.0, 1, 0, mounted, [])
 
 

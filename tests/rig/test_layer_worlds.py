@@ -47,9 +47,9 @@ def setup_of(*steps, shape="sphere", force_limit=13.0, tilt=(0.0, 0.0)):
     sizes = {"radius": 0.004} if shape == "sphere" else {}
     indenter = make_indenter({"shape": shape, **sizes}, None, "test")
     rotation = motion.gel_from_indenter_rotation(touch)
-    print_ = footprint(indenter, rotation, touch.position, GelGrid.of(GEL))
+    indenter_footprint = footprint(indenter, rotation, touch.position, GelGrid.of(GEL))
     plan = partial(motion.plan, touch)
-    return TouchSetup(touch, indenter, rotation, print_, OFFSET, GEL.thickness, Material(), plan)
+    return TouchSetup(touch, indenter, rotation, indenter_footprint, OFFSET, GEL.thickness, Material(), plan)
 
 
 def test_steps_of_the_solver_are_small_and_hit_the_corners():
@@ -93,7 +93,7 @@ def test_the_picture_shows_the_indenter_in_the_gel(layer):
     setup = setup_of(PRESS)
     contact = touch_layer(setup, layer)
     surface = contact.surface(float(contact.path.captures[-1]))
-    grid = setup.print_.grid
+    grid = setup.indenter_footprint.grid
     x, y = np.meshgrid(grid.x - OFFSET[0], grid.y - OFFSET[1])
     near = np.hypot(x, y) < 6e-4
     np.testing.assert_allclose(surface[near], -4.25e-4 + (np.hypot(x, y)[near]) ** 2 / (2 * 0.004), atol=1e-5)
@@ -107,7 +107,7 @@ def test_friction_drags_the_picture(layer):
     setup = setup_of(PRESS, Step("shear", by=(3e-4, 0.0), settle=0.05))
     contact = touch_layer(setup, layer)
     surface = contact.surface(float(contact.path.captures[-1]))
-    grid = setup.print_.grid
+    grid = setup.indenter_footprint.grid
     row = np.abs(grid.y).argmin()
     before, behind = (surface[row, np.abs(grid.x - 3e-4 - side).argmin()] for side in (2.5e-3, -2.5e-3))
     assert before > behind + 5e-6

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from tactiledata.errors import SchemaError
 from tactiledata.rig.logs.sampling import load_on_ft
 from tactiledata.rig.motion.motion import TURNING_CLEARANCE, gel_from_indenter_rotation, plan
-from tactiledata.rig.play import Stage
+from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.scenario import load_scenario
 
 TURNS = [{"turn": {"to": [0.5, 0.0, 0.0], "settle": 0.2}}, {"turn": {"to": [0.0, 0.0, 0.8], "speed": 1.0}}]
@@ -52,15 +52,15 @@ def test_a_press_after_a_turn_is_made_upright():
 def test_only_the_weight_is_felt():
     """The load is the tool's weight, which goes around in the sensor's frame by the angle that was asked for."""
     loaded = scenario(TURNS)
-    stage = Stage(loaded)
-    played = stage.perform(loaded.trajectories, 0, 0)
+    rig_setup = RigSetup(loaded)
+    played = rig_setup.perform(loaded.trajectories, 0, 0)
     play = played.plays[0]
     assert not np.asarray(play.contact.wrench).any()
     moments = play.start_ns + np.rint(play.path.captures * 1e9).astype(np.int64)
     loads = load_on_ft(loaded, played, moments)[:, :3]
     assert np.linalg.norm(loads, axis=1) == pytest.approx(loaded.robot.tool_mass * 9.81)
     turned = Rotation.from_matrix(gel_from_indenter_rotation(play.touch))
-    table = stage.mounted["ball"].matrix[:3, :3].T @ [0.0, 0.0, -1.0]
+    table = rig_setup.mounted["ball"].matrix[:3, :3].T @ [0.0, 0.0, -1.0]
     wanted = [(Rotation.from_matrix(one) * turned).apply(table) for one in play.path.turned(play.path.captures)]
     assert loads @ loads.T == pytest.approx(
         (loaded.robot.tool_mass * 9.81) ** 2 * np.array(wanted) @ np.array(wanted).T

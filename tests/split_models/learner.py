@@ -7,7 +7,7 @@ from pathlib import Path
 
 import torch
 
-from split_models.learning.checkpoint import Stamps
+from split_models.learning.checkpoint import TrainedOn
 from split_models.learning.device import processes
 from split_models.learning.items import TensorItems
 from split_models.learning.objectives import Regression
@@ -15,7 +15,7 @@ from split_models.learning.train import train
 from split_models.learning.train_options import TrainOptions
 from split_models.networks.projection import Projection
 
-STAMPS = Stamps(recipe="r", split="s", items="i")
+STAMPS = TrainedOn(recipe="r", split="s", items="i")
 
 
 class SlowItems(TensorItems):

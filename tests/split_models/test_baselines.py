@@ -9,7 +9,7 @@ from touch_world import UNSEEN, tiny_recipe
 from split_models.methods.baselines import PerUnit, surface_of, unit_touches
 from split_models.methods.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, TITLES
 from split_models.recipe.recipe import load_recipe
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.evaluate import image_values
 from tactiledata.errors import UsageError
 
@@ -17,11 +17,11 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def workshop(touch_store, tmp_path_factory):
+def recipe_run(touch_store, tmp_path_factory):
     folder = tmp_path_factory.mktemp("baselines")
     path = folder / "r.yaml"
     path.write_text(yaml.safe_dump(tiny_recipe(touch_store, "digit_images")))
-    return Workshop(load_recipe(path), folder / "out", torch.device("cpu"))
+    return RecipeRun(load_recipe(path), folder / "out", torch.device("cpu"))
 
 
 def test_every_row_has_a_title_and_is_there():
@@ -32,25 +32,25 @@ def test_every_row_has_a_title_and_is_there():
             assert name in TITLES
 
 
-def test_touches_of_a_unit_are_its_own(workshop):
+def test_touches_of_a_unit_are_its_own(recipe_run):
     """One of each of its trajectories, the deepest; a held-out unit's come from the part that it is in."""
-    frames = workshop.frames("train")
+    frames = recipe_run.frames("train")
     sensor = frames.sensor_names[0]
-    touches = unit_touches(workshop, sensor)
+    touches = unit_touches(recipe_run, sensor)
     mine = frames.sensors == sensor
     assert len(touches) == len(set(frames.trajectories[mine]))
     depths = [np.linalg.norm(touch.displacement, axis=1).max() for touch in touches]
     first = np.flatnonzero(mine & (frames.trajectories == frames.trajectories[mine][0]))
     assert depths[0] == pytest.approx(np.linalg.norm(frames.displacements(first), axis=2).max())
-    assert len(unit_touches(workshop, UNSEEN)) == len(set(workshop.frames("test_unseen").trajectories))
+    assert len(unit_touches(recipe_run, UNSEEN)) == len(set(recipe_run.frames("test_unseen").trajectories))
     with pytest.raises(UsageError, match="no frame of sensor 'D9'"):
-        unit_touches(workshop, "D9")
+        unit_touches(recipe_run, "D9")
 
 
-def test_published_methods_draw_the_touch(workshop):
+def test_published_methods_draw_the_touch(recipe_run):
     """Taxim's picture differs from the background, most of all inside the contact; its row is scored."""
-    method = MESH_TO_IMAGE["taxim_published"](workshop)
-    frames = workshop.frames("test")
+    method = MESH_TO_IMAGE["taxim_published"](recipe_run)
+    frames = recipe_run.frames("test")
     sensor = frames.sensors[0]
     found = method.predict(frames.displacements([0]), frames.background(sensor))
     assert found.shape == (1, 40, 30, 3)
@@ -59,7 +59,7 @@ def test_published_methods_draw_the_touch(workshop):
     assert np.isfinite(values["l1"]).all()
 
 
-def test_units_are_calibrated_once_each(workshop, monkeypatch):
+def test_units_are_calibrated_once_each(recipe_run, monkeypatch):
     """On their own touches, through their own registered view."""
     calls = []
 
@@ -72,10 +72,10 @@ def test_units_are_calibrated_once_each(workshop, monkeypatch):
         calls.append((view, len(touches)))
         return "method"
 
-    method = PerUnit("own", workshop, calibrate)
-    sensor = workshop.frames("train").sensor_names[0]
+    method = PerUnit("own", recipe_run, calibrate)
+    sensor = recipe_run.frames("train").sensor_names[0]
     assert method.for_sensor(sensor) == method.for_sensor(sensor) == "method"
-    assert calls == [("view", len(unit_touches(workshop, sensor)))]
+    assert calls == [("view", len(unit_touches(recipe_run, sensor)))]
     with pytest.raises(UsageError, match="without a unit"):
         method.predict(None, None)
-    assert surface_of(workshop).places.shape == (workshop.topology.n_vertices, 3)
+    assert surface_of(recipe_run).places.shape == (recipe_run.topology.n_vertices, 3)

@@ -11,7 +11,7 @@ from touch_world import UNSEEN, tiny_recipe
 
 from split_models.learning.data import TouchFrames
 from split_models.recipe.recipe import load_recipe
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.alignment_pictures import AS_RECORDED
 from split_models.tables.domain_alignment import alignment_rows, prepare_alignment
 from split_models.tables.paired_truth import overlap, paired_values
@@ -42,8 +42,8 @@ def recipe_file(folder, store, **changes):
     return path
 
 
-def workshop(folder, store, out, **changes):
-    return Workshop(load_recipe(recipe_file(folder, store, **changes)), out, torch.device("cpu"))
+def recipe_run(folder, store, out, **changes):
+    return RecipeRun(load_recipe(recipe_file(folder, store, **changes)), out, torch.device("cpu"))
 
 
 @pytest.mark.slow
@@ -75,7 +75,7 @@ def test_the_command_makes_table_and_pictures(touch_store, out, capsys):
 @pytest.mark.slow
 def test_a_variant_has_rows_of_its_own(touch_store, out):
     """Its own model transfers, and its latent vectors stand beside the recipe's."""
-    rows = alignment_rows(workshop(out, touch_store, out, methods=["latent", "other:latent"]))
+    rows = alignment_rows(recipe_run(out, touch_store, out, methods=["latent", "other:latent"]))
     words = [row["method"] for row in rows if row["part"].endswith("over sources")]
     assert words == ["as recorded (Real)", "latent arithmetic (Synth.)", "latent arithmetic, other (Synth.)"]
     kinds = {row["method"].partition(",")[0] for row in rows if row["part"] == "latent vectors"}
@@ -86,7 +86,7 @@ def test_a_variant_has_rows_of_its_own(touch_store, out):
 
 def test_a_mean_over_sources_is_their_mean(touch_store, out):
     """Rows by source and the row over them tell of the same frames."""
-    rows = alignment_rows(workshop(out, touch_store, out, methods=["no_contact"]))
+    rows = alignment_rows(recipe_run(out, touch_store, out, methods=["no_contact"]))
     part = f"A: {UNSEEN}, "
     of = {
         (row["part"].removeprefix(part), row["source"]): row["scores"]["histogram_correlation"]
@@ -113,7 +113,7 @@ def test_a_mean_over_sources_is_their_mean(touch_store, out):
 )
 def test_wrong_recipes_are_refused_in_words(touch_store, out, tmp_path, changes, error, says):
     """Before anything is learned or scored."""
-    made = workshop(tmp_path, touch_store, out, **changes)
+    made = recipe_run(tmp_path, touch_store, out, **changes)
     with pytest.raises(error, match=says):
         _ = prepare_alignment(made).units
 

@@ -9,7 +9,7 @@ from cli.command import run_command
 from loaders.loader_stores import split_store, write_loader_store
 from small_models import image_vae, mesh_vae
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, load_checkpoint, save_checkpoint
 from split_models.networks.image_vae import ImageVae
 
 pytestmark = pytest.mark.slow
@@ -21,7 +21,7 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tuned")
     split_store(folder / "ds.zarr")
     torch.manual_seed(0)
-    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(image_vae(), Stamps(recipe="5ec1be")))
+    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(image_vae(), TrainedOn(recipe="5ec1be")))
     return folder
 
 
@@ -62,7 +62,7 @@ def test_it_learns_and_again_is_no_change(touch_store, place, capsys):
 def test_wrong_calls(place, capsys, monkeypatch, words, code, says):
     """Said in a line, before anything is written; a model of another kind falls short, all else is wrong usage."""
     monkeypatch.chdir(place)
-    save_checkpoint(place / "mesh.ckpt", Checkpoint.of(mesh_vae(), Stamps()))
+    save_checkpoint(place / "mesh.ckpt", Checkpoint.of(mesh_vae(), TrainedOn()))
     found, _, err = run_command(capsys, "fine-tune", "ds.zarr", "--model", "vae.ckpt", *words, "--out", "none")
     assert found == code
     assert says in err

@@ -5,7 +5,7 @@ import pytest
 import torch
 from small_models import image_vae, mesh_vae, pictures
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
 from split_models.networks.latent import decode_pictures, encode_pictures
 from split_models.transfer.latent_transfer import LatentTransfer, laid_on, load_image_vae, scaled
 from split_models.transfer.methods import LATENT, vae_transfer
@@ -102,6 +102,6 @@ def test_lying_pictures_are_turned_upright_and_back(sensors):
 
 def test_a_mesh_model_is_refused(tmp_path):
     """A checkpoint of another kind, with the topology it was trained on, is named as what it is."""
-    save_checkpoint(tmp_path / "mesh.ckpt", Checkpoint.of(mesh_vae(), Stamps()))
+    save_checkpoint(tmp_path / "mesh.ckpt", Checkpoint.of(mesh_vae(), TrainedOn()))
     with pytest.raises(CheckpointError, match=r"holds a mesh_vae for one mesh topology.*image_vae"):
         load_image_vae(tmp_path / "mesh.ckpt")

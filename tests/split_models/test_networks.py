@@ -5,7 +5,7 @@ import pytest
 import torch
 from small_models import grid_topology, image_vae, mesh_vae, pictures, presses
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, load_checkpoint, save_checkpoint
 from split_models.networks.end_to_end import EndToEnd
 from split_models.networks.force_head import ForceHead, RawForces
 from split_models.networks.image_vae import ImageVae, _enlarge, as_input, as_pictures
@@ -57,7 +57,7 @@ def test_a_vae_without_bounds_is_kept_and_built_again(tmp_path):
     assert vae.features(100 * shown).abs().max() > 1
     assert vae.features(100 * shown).square().mean() < 2
     assert image_vae().features(100 * shown).abs().max() <= 1
-    save_checkpoint(tmp_path / "vae.pt", Checkpoint.of(vae, Stamps("r", "s", "i")))
+    save_checkpoint(tmp_path / "vae.pt", Checkpoint.of(vae, TrainedOn("r", "s", "i")))
     again = load_checkpoint(tmp_path / "vae.pt").network()
     assert torch.equal(again.eval()(shown)[0], vae.eval()(shown)[0])
 

@@ -13,7 +13,7 @@ from split_models.learning.relighting import ArithmeticVaeObjective, relight
 from split_models.methods.methods import mesh_to_image, title_of
 from split_models.recipe.image_vae_recipe import image_vae_objective
 from split_models.recipe.recipe import load_recipe
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.errors import UnknownName, UsageError
 
 
@@ -95,18 +95,18 @@ def test_exchanging_is_learned_from_backgrounds_alone(lights):
     assert np.mean(losses[-5:]) < 0.5 * np.mean(losses[:5])
 
 
-def workshop(folder, store, backgrounds):
+def recipe_run(folder, store, backgrounds):
     relighting = {"relit": 0.5, "exchanged": 0.5, "contact_weight": 4.0, "backgrounds": backgrounds}
     variants = {"relit": {"image_vae": {"learns_on": True, "relighting": relighting}}}
     document = {**tiny_recipe(store, "digit_images"), "variants": variants}
     path = folder / "recipe.yaml"
     path.write_text(yaml.safe_dump(document))
-    return Workshop(load_recipe(path), folder / "out", torch.device("cpu"))
+    return RecipeRun(load_recipe(path), folder / "out", torch.device("cpu"))
 
 
 def test_a_recipe_trains_a_variant(tmp_path, touch_store):
     """Rows of a variant are made with its own image VAE and the mesh VAE of all."""
-    plain = workshop(tmp_path, touch_store, ["digit-bg-5"])
+    plain = recipe_run(tmp_path, touch_store, ["digit-bg-5"])
     row = mesh_to_image(plain, "relit:split")
     assert title_of("relit:split") == "SPLIT, relit"
     other = plain.variant("relit")
@@ -120,7 +120,7 @@ def test_a_recipe_trains_a_variant(tmp_path, touch_store):
 
 def test_light_of_a_unit_that_is_tested_on_is_refused(tmp_path, touch_store):
     """The background of the held-out unit, by the name of the bundled picture."""
-    learning = workshop(tmp_path, touch_store, ["digit-bg-14"]).variant("relit")
+    learning = recipe_run(tmp_path, touch_store, ["digit-bg-14"]).variant("relit")
     with pytest.raises(UsageError, match=f"{UNSEEN}, which is held out"):
         learning.image_vae  # noqa: B018
 
@@ -132,7 +132,7 @@ def test_weight_in_the_contact_counts_alone(tmp_path, touch_store, weight, kind)
     path = tmp_path / "recipe.yaml"
     document = tiny_recipe(touch_store, "digit_images")
     path.write_text(yaml.safe_dump({**document, "variants": {"other": {"image_vae": {"relighting": relighting}}}}))
-    shop = Workshop(load_recipe(path), tmp_path / "out", torch.device("cpu")).variant("other")
+    shop = RecipeRun(load_recipe(path), tmp_path / "out", torch.device("cpu")).variant("other")
     objective = image_vae_objective(shop.recipe.models["image_vae"], shop.frames("train"))
     assert type(objective) is kind
     assert getattr(objective, "contact_weight", 0.0) == weight

@@ -12,10 +12,10 @@ from cli.command import run_command
 from small_models import image_vae
 from touch_world import UNSEEN, tiny_recipe
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, load_checkpoint, save_checkpoint
 from split_models.networks.learned_backgrounds import kept_small
 from split_models.recipe.recipe import load_recipe
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.transfer.methods import BUNDLED_MODEL
 from tactiledata.sensors.backgrounds import ALIASES, load_background
 from tactiledata.sensors.same_sensor import is_same_sensor
@@ -87,7 +87,7 @@ def test_a_checkpoint_keeps_what_it_learned_from(tmp_path):
     """Names and small pictures come back from the file, in their order, two of one name too."""
     vae = image_vae()
     vae.learned_from = kept_small([("D/1", load_background("digit-bg-6")), ("D/1", load_background("digit-bg-7"))])
-    save_checkpoint(tmp_path / "vae.ckpt", Checkpoint.of(vae, Stamps()))
+    save_checkpoint(tmp_path / "vae.ckpt", Checkpoint.of(vae, TrainedOn()))
     kept = load_checkpoint(tmp_path / "vae.ckpt").network().learned_from
     assert [name for name, _ in kept] == ["D/1", "D/1"]
     np.testing.assert_array_equal([picture for _, picture in kept], [picture for _, picture in vae.learned_from])
@@ -115,7 +115,7 @@ def test_training_keeps_the_sensors_of_the_train_part(tmp_path, touch_store):
     document = tiny_recipe(touch_store, "digit_images")
     variants = {"relit": {"image_vae": {"learns_on": True, "relighting": relighting}}}
     (tmp_path / "recipe.yaml").write_text(yaml.safe_dump({**document, "variants": variants}))
-    shop = Workshop(load_recipe(tmp_path / "recipe.yaml"), tmp_path / "out", torch.device("cpu"))
+    shop = RecipeRun(load_recipe(tmp_path / "recipe.yaml"), tmp_path / "out", torch.device("cpu"))
     plain, relit = (
         load_checkpoint(Path(some.kept.folders["image_vae"]) / "best.pt").network()
         for some in (shop, shop.variant("relit"))

@@ -20,7 +20,7 @@ from split_models.learning.items import PictureItems
 from split_models.learning.train import LAST
 from split_models.networks.latent import NoContact
 from split_models.recipe.recipe import load_recipe
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.evaluate import image_values
 from tactiledata.cli.main import run
 from tactiledata.errors import CheckpointError, MissingSplit, StoreError, UsageError
@@ -48,8 +48,8 @@ def command(monkeypatch, capsys, *arguments):
     return ended.value.code, captured.out, captured.err
 
 
-def workshop(folder, store, out, table="digit_images", **options):
-    return Workshop(load_recipe(recipe_file(folder, store, table)), out, torch.device("cpu"), **options)
+def recipe_run(folder, store, out, table="digit_images", **options):
+    return RecipeRun(load_recipe(recipe_file(folder, store, table)), out, torch.device("cpu"), **options)
 
 
 def test_frames_are_those_of_the_store(touch_store):
@@ -169,7 +169,7 @@ def test_a_model_that_is_not_trained_is_said(touch_store, tmp_path, monkeypatch,
 def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tiny_store):
     """No meshes, no background of a sensor, no split, no such device, pictures that do not divide."""
     with pytest.raises(StoreError, match="has no meshes"):
-        _ = workshop(tmp_path, tiny_store, tmp_path / "out").mesh_vae
+        _ = recipe_run(tmp_path, tiny_store, tmp_path / "out").mesh_vae
     with pytest.raises(MissingSplit):
         TouchFrames(touch_store, "train")
     bare = tmp_path / "bare.zarr"
@@ -184,7 +184,7 @@ def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tin
     path = tmp_path / "odd.yaml"
     path.write_text(yaml.safe_dump(document))
     with pytest.raises(UsageError, match="do not divide"):
-        _ = Workshop(load_recipe(path), tmp_path / "out", torch.device("cpu")).image_vae
+        _ = RecipeRun(load_recipe(path), tmp_path / "out", torch.device("cpu")).image_vae
     assert not (tmp_path / "out" / "models").exists()
 
 
@@ -196,14 +196,14 @@ def test_weights_of_another_state_are_refused(touch_store, tmp_path, out):
 
     place = tmp_path / "ds.zarr"
     shutil.copytree(touch_store, place)
-    first = workshop(tmp_path, place, tmp_path / "out")
+    first = recipe_run(tmp_path, place, tmp_path / "out")
     assert first.mesh_vae.topology == first.topology.digest
     replay(place, coarse_replay(material=GelMaterial(0.8e6, 0.45, 0.8)), replace=True)
     with pytest.raises(CheckpointError, match="the frames that it learns from"):
-        _ = workshop(tmp_path, place, tmp_path / "out").mesh_vae
+        _ = recipe_run(tmp_path, place, tmp_path / "out").mesh_vae
     make_split(Store.open(place), by="trajectory,sensor", fractions=(0.4, 0.3, 0.3), force=(0.3, 13.0), replace=True)
     with pytest.raises(CheckpointError, match="the split"):
-        _ = workshop(tmp_path, place, tmp_path / "out").mesh_vae
+        _ = recipe_run(tmp_path, place, tmp_path / "out").mesh_vae
     folder = next((tmp_path / "out" / "models").iterdir())
     assert load_checkpoint(folder / LAST).stamps.topology == first.topology.digest
 

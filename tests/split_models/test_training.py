@@ -14,7 +14,7 @@ import pytest
 import torch
 from learner import STAMPS, items, learn, objective
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, load_checkpoint, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, load_checkpoint, save_checkpoint
 from split_models.learning.device import find_device
 from split_models.learning.items import TensorItems
 from split_models.learning.objectives import Regression
@@ -173,7 +173,7 @@ def test_weights_of_other_data_are_not_gone_on_with(tmp_path):
     learn(tmp_path, epochs=1)
     for name in ("recipe", "split", "items", "topology"):
         with pytest.raises(CheckpointError, match="another state of") as caught:
-            learn(tmp_path, stamps=Stamps(**{**vars(STAMPS), name: "other"}))
+            learn(tmp_path, stamps=TrainedOn(**{**vars(STAMPS), name: "other"}))
         assert caught.value.facts["differing"] == [name]
 
 

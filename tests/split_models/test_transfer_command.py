@@ -10,7 +10,7 @@ from cli.command import run_command
 from small_models import image_vae
 from transfer_stores import write_two_sensors
 
-from split_models.learning.checkpoint import Checkpoint, Stamps, save_checkpoint
+from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
 from split_models.transfer.transfer_picture import sheet
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.read.reader import Store
@@ -78,7 +78,7 @@ def test_latent_without_a_model_says_what_to_do(folder, capsys, monkeypatch):
 def test_a_checkpoint_of_pictures_transfers(folder, capsys):
     """An image VAE's checkpoint is used and its hashes are said; the target keeps its own size."""
     vae = image_vae()
-    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(vae, Stamps(recipe="5ec1be")))
+    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(vae, TrainedOn(recipe="5ec1be")))
     typed = ("transfer", "--to", "ycb-sensorB", "--model", "vae.ckpt")
     code, out, _ = run_command(capsys, *typed, "--json")
     document = json.loads(out)

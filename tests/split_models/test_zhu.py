@@ -12,7 +12,7 @@ from split_models.methods.methods import IMAGE_TO_MESH
 from split_models.methods.zhu import ZhuMethod, ZhuNetwork, ZhuObjective, imprints_of
 from split_models.networks.mesh_graph import build_hierarchy
 from split_models.recipe.recipe import load_recipe
-from split_models.recipe.recipe_run import Workshop
+from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.errors import UsageError
 from tactiledata.optics.height_map import Indentation
 from tactiledata.optics.surface import GelSurface
@@ -137,7 +137,7 @@ def test_it_is_a_row_of_the_mesh_table(touch_store, tmp_path):
     (tmp_path / "r.yaml").write_text(yaml.safe_dump(recipe))
     found = []
     for may_train in (True, False):
-        bench = Workshop(load_recipe(tmp_path / "r.yaml"), tmp_path / "out", torch.device("cpu"), may_train=may_train)
+        bench = RecipeRun(load_recipe(tmp_path / "r.yaml"), tmp_path / "out", torch.device("cpu"), may_train=may_train)
         frames = bench.frames("test")
         method = IMAGE_TO_MESH["zhu"](bench)
         found.append(method.predict(frames.pictures([0, 1]), frames.background(frames.sensors[0])))

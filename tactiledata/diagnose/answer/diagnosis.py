@@ -8,12 +8,12 @@ from typing import Literal
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import Explanation
-from tactiledata.diagnose.naming.name_effects import Naming
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.next_trial.propose import Proposal
 from tactiledata.diagnose.options import DiagnosisOptions
-from tactiledata.diagnose.touches.store_cases import StoreCases
-from tactiledata.diagnose.unseen.compare import Shown
+from tactiledata.diagnose.touches.store_touches import StoreTouches
+from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.zeros.causes import ZeroCause
 
 Verdict = Literal["nothing found", "explained", "partly explained", "not explained"]
@@ -27,9 +27,9 @@ class StoreDiagnosis:
     ----------
     store : str, digest of the store
     options : DiagnosisOptions
-    played : StoreCases
-    naming : Naming
-    shown : Shown
+    played : StoreTouches
+    naming : NamingResult
+    shown : HeldOutComparison
     formula : Explanation, optional
         By a formula, of what no known effect explains.
     proposals : list of Proposal
@@ -44,9 +44,9 @@ class StoreDiagnosis:
 
     store: str
     options: DiagnosisOptions
-    played: StoreCases
-    naming: Naming
-    shown: Shown
+    played: StoreTouches
+    naming: NamingResult
+    shown: HeldOutComparison
     formula: Explanation | None
     proposals: list[Proposal]
     limits: list[str]
@@ -70,6 +70,6 @@ class StoreDiagnosis:
             return "nothing found"
         if self.answer.names or not self.answer.is_missing:
             decision = self.naming.decision
-            is_left = decision.is_more_left or decision.left.is_in_few(ESTIMATED)
+            is_left = decision.is_more_left or decision.left.is_in_few(DEFAULT_THRESHOLDS)
             return "partly explained" if is_left else "explained"
         return "not explained"

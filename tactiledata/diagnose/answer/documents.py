@@ -20,11 +20,11 @@ from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.answer.unseen_page import shown_sentences
 from tactiledata.diagnose.formula.explain import Explanation
 from tactiledata.diagnose.locate.drifts import Drift
-from tactiledata.diagnose.locate.locate import Located
-from tactiledata.diagnose.naming.name_effects import Naming
+from tactiledata.diagnose.locate.locate import LocatorResults
+from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.residuals.gap import Gap
 from tactiledata.diagnose.table_input.residuals_of import Table
-from tactiledata.diagnose.unseen.compare import Shown
+from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.unseen.errors import HeldOutErrors
 from tactiledata.diagnose.unseen.touch_residuals import COMPONENTS, TO_UNIT, UNITS
 from tactiledata.effects import EFFECTS
@@ -118,12 +118,12 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def naming_document(naming: Naming, located: Located, shown: Shown) -> dict[str, Any]:
+def naming_document(naming: NamingResult, located: LocatorResults, shown: HeldOutComparison) -> dict[str, Any]:
     """The parts ``located``, ``left_over``, ``naming`` and ``shown``.
 
     Parameters
     ----------
-    located : Located
+    located : LocatorResults
         Of the plain simulation.
     """
     return {
@@ -134,7 +134,7 @@ def naming_document(naming: Naming, located: Located, shown: Shown) -> dict[str,
     }
 
 
-def shown_document(naming: Naming, shown: Shown) -> dict[str, Any]:
+def shown_document(naming: NamingResult, shown: HeldOutComparison) -> dict[str, Any]:
     """How much better the simulation is on what it has not seen."""
     cases = naming.cases.cases.cases
     return {

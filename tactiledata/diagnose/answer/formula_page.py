@@ -17,7 +17,7 @@ from tactiledata.diagnose.answer.locator_rows import (
 from tactiledata.diagnose.formula.explain import Explanation
 from tactiledata.diagnose.formula.open_form import corrected_words
 from tactiledata.diagnose.locate.drifts import Drift
-from tactiledata.diagnose.locate.locate import Located
+from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.wording import percent, rounded
 from tactiledata.report.diagnosis_plots import draw_dependences, draw_errors, draw_events, draw_map
@@ -118,7 +118,7 @@ def _pictures(explanation: Explanation) -> list[Section]:
     return sections
 
 
-def _drawn(located: Located) -> list[Drift]:
+def _drawn(located: LocatorResults) -> list[Drift]:
     """The drifts over covariates, the strongest first, those over labels left out."""
     covariates = located.projection.residuals.covariates
     return [drift for drift in located.drifts if drift.covariate in covariates][:MOST_PANELS]

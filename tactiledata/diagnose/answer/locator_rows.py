@@ -11,10 +11,10 @@ import numpy as np
 from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.event_locked import EventLocked
-from tactiledata.diagnose.locate.locate import LEVEL, Located
+from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.locate.region_map import RegionMap
 from tactiledata.diagnose.residuals.instruments import is_logarithmic, weighed_quantiles
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.slopes import Change
 from tactiledata.diagnose.residuals.wording import p_text
 from tactiledata.report.diagnosis_plots import Dependence, EventPicture, MapPicture, draw_shares
@@ -24,7 +24,7 @@ from tactiledata.report.plots import png_bytes
 MOST_CELLS = 40
 
 
-def findings(located: Located, most: int = 10) -> list[dict[str, Any]]:
+def findings(located: LocatorResults, most: int = 10) -> list[dict[str, Any]]:
     """The certain findings of each locator that is certain among all, at most so many of each."""
     rows: list[dict[str, Any]] = []
     for locator, listed in _by_locator(located):
@@ -33,7 +33,7 @@ def findings(located: Located, most: int = 10) -> list[dict[str, Any]]:
     return rows
 
 
-def located_document(located: Located) -> dict[str, Any]:
+def located_document(located: LocatorResults) -> dict[str, Any]:
     """As in schemas/diagnosis.json."""
     return {
         "is_structured": located.is_structured,
@@ -57,7 +57,7 @@ def change_document(change: Change) -> dict[str, Any]:
     return {"value": change.value, "half_width": width, "unit": change.parameter.unit, "share": share}
 
 
-def _by_locator(located: Located) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     if located.gate is not None:
         yield "size of the residual", [{"p": located.gate.p, "words": located.gate.words}]
     yield "free air", [{"p": located.free_air.p, "words": located.free_air.words}]
@@ -141,7 +141,7 @@ class Binned:
     errors: Array
 
 
-def dependence(projection: Projection, parameter: str, covariate: str) -> Binned:
+def dependence(projection: ProjectedResiduals, parameter: str, covariate: str) -> Binned:
     """What each bin alone says of a shared parameter, by its name."""
     residuals = projection.residuals
     names = [residuals.parameters[place].name for place in residuals.shared]
@@ -164,7 +164,7 @@ def dependence(projection: Projection, parameter: str, covariate: str) -> Binned
 MOST_BARS = 24
 
 
-def locators_section(located: Located, most: int = 10) -> Section:
+def locators_section(located: LocatorResults, most: int = 10) -> Section:
     """p-values of all locators, and at most so many findings of each."""
     rows = [(name, p_text(p), "yes" if p <= LEVEL else "no") for name, p in located.p.items()]
     said = [("", f"{one['locator']}: {one['words']}") for one in findings(located, most)]
@@ -176,7 +176,7 @@ def locators_section(located: Located, most: int = 10) -> Section:
     return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)
 
 
-def shares_section(located: Located) -> Section | None:
+def shares_section(located: LocatorResults) -> Section | None:
     """Where the squares of the residual sit; ``None`` where there is no excess."""
     cells = sorted(located.energy.cells, key=lambda cell: cell.of_values - cell.share)[:MOST_BARS]
     if not cells:
@@ -186,7 +186,7 @@ def shares_section(located: Located) -> Section | None:
     return Section("Where the squares sit", [("", located.energy.words)], pictures=[picture])
 
 
-def dependence_panel(projection: Projection, after: Projection | None, drift: Drift) -> Dependence:
+def dependence_panel(projection: ProjectedResiduals, after: ProjectedResiduals | None, drift: Drift) -> Dependence:
     """Bins of a drift's covariate before and, where it is known, after."""
     residuals = projection.residuals
     covariate = residuals.covariates[drift.covariate]

@@ -9,13 +9,13 @@ from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.locator_rows import locators_section, shares_section
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.answer.unseen_page import better_section, comparison_sections, doubts, shown_sentences
-from tactiledata.diagnose.locate.locate import Located
-from tactiledata.diagnose.naming.evidence import Judged
-from tactiledata.diagnose.naming.intervals import Interval
-from tactiledata.diagnose.naming.name_effects import Naming
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.locate.locate import LocatorResults
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.intervals import ProfiledInterval
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.residuals.wording import percent, rounded, with_interval
-from tactiledata.diagnose.unseen.compare import Shown
+from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.effects import EFFECTS
 from tactiledata.report.naming_plots import Moved, draw_ladder, draw_movement
 from tactiledata.report.page import Picture, Section, render_page
@@ -30,9 +30,9 @@ OTHERS = {"none": "nothing", "other": "something outside the catalogue"}
 
 def naming_page(
     title: str,
-    naming: Naming,
-    located: Located,
-    shown: Shown,
+    naming: NamingResult,
+    located: LocatorResults,
+    shown: HeldOutComparison,
     trials: Sequence[tuple[str, str]] = (),
     notes: Sequence[str] = (),
     footer: str = "",
@@ -44,7 +44,7 @@ def naming_page(
 
     Parameters
     ----------
-    located : Located
+    located : LocatorResults
         Of the plain simulation.
     trials : sequence of (words, file)
         What to record next.
@@ -72,7 +72,7 @@ def naming_page(
     return render_page(title, sentences, sections, footer, simulated)
 
 
-def naming_sentences(naming: Naming, located: Located, shown: Shown) -> list[str]:
+def naming_sentences(naming: NamingResult, located: LocatorResults, shown: HeldOutComparison) -> list[str]:
     """What is missing, where it shows, how the simulation behaves with it, and how much better it then fits."""
     answer = Answer(naming)
     where = located.sentences()[:MOST_FIRST]
@@ -99,7 +99,7 @@ def title_of(names: Sequence[str]) -> str:
     return " + ".join(EFFECTS[name]().title for name in names)
 
 
-def _what(naming: Naming) -> Section:
+def _what(naming: NamingResult) -> Section:
     ranked = sorted(naming.judged, key=lambda one: -one.evidence)[:MOST_CANDIDATES]
     if not ranked:
         return Section("What is missing", [("", "No effect of the catalogue promises anything: none was refitted.")])
@@ -114,13 +114,13 @@ def _what(naming: Naming) -> Section:
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")
     drawn = draw_ladder(
         [title_of(one.names) for one in ranked], [one.gain for one in ranked], [one.gain_error for one in ranked],
-        ESTIMATED.claim,
+        DEFAULT_THRESHOLDS.claim,
     )  # fmt: skip
     picture = Picture(png_bytes(drawn), "Candidates on trajectories that were held out; bars are two standard errors.")
     return Section("What is missing", said, columns, [_candidate(one) for one in ranked], [picture])
 
 
-def _candidate(one: Judged) -> tuple[str, ...]:
+def _candidate(one: ScoredCandidate) -> tuple[str, ...]:
     alone = one.indenter_gain != one.indenter_gain
     return (
         title_of(one.names),
@@ -128,7 +128,7 @@ def _candidate(one: Judged) -> tuple[str, ...]:
         _unbroken(with_interval(one.gain, one.gain_error, "1")),
         "-" if alone else _unbroken(with_interval(one.indenter_gain, one.indenter_error, "1")),
         _unbroken(f"{one.signature_before:.1f} → {one.signature_after:.1f}"),
-        "; ".join(one.objections(ESTIMATED)) or "none",
+        "; ".join(one.objections(DEFAULT_THRESHOLDS)) or "none",
     )
 
 
@@ -136,7 +136,7 @@ def _unbroken(text: str) -> str:
     return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _probabilities(naming: Naming) -> str:
+def _probabilities(naming: NamingResult) -> str:
     chances = sorted(naming.decision.probabilities.items(), key=lambda one: -one[1])
     listed = [
         f"{OTHERS.get(label) or title_of(label.split(' + '))} {percent(chance)}"
@@ -146,7 +146,7 @@ def _probabilities(naming: Naming) -> str:
     return f"Probabilities: {', '.join(listed)}."
 
 
-def _how(naming: Naming, is_claimed: bool) -> Section:
+def _how(naming: NamingResult, is_claimed: bool) -> Section:
     before, after = naming.intervals_before, naming.intervals if is_claimed else ()
     rows = []
     for place, one in enumerate(after or before):
@@ -162,21 +162,21 @@ def _how(naming: Naming, is_claimed: bool) -> Section:
     return Section("How the simulation behaves", (), columns, rows, [picture])
 
 
-def _scale(one: Interval) -> float:
+def _scale(one: ProfiledInterval) -> float:
     return 1e-3 if one.unit == "Pa" else 1.0
 
 
-def _with_unit(one: Interval) -> str:
+def _with_unit(one: ProfiledInterval) -> str:
     unit = {"Pa": "kPa", "1": ""}.get(one.unit, one.unit)
     name = one.name.replace("_", " ")
     return f"{name}, {unit}" if unit else name
 
 
-def _ends(one: Interval) -> tuple[float, float, float]:
+def _ends(one: ProfiledInterval) -> tuple[float, float, float]:
     return one.low * _scale(one), one.value * _scale(one), one.high * _scale(one)
 
 
-def _said(one: Interval) -> tuple[str, str]:
+def _said(one: ProfiledInterval) -> tuple[str, str]:
     ends = _ends(one)
     half = (ends[2] - ends[0]) / 2
     places = min(max(0, 1 - math.floor(math.log10(half))), 6) if half > 0 else 3
@@ -185,7 +185,7 @@ def _said(one: Interval) -> tuple[str, str]:
     return value, f"{low}{pinned[0]} to {high}{pinned[1]}"
 
 
-def _seen_at_all(naming: Naming) -> list[Section]:
+def _seen_at_all(naming: NamingResult) -> list[Section]:
     """What these trajectories could tell, whatever the measured forces are."""
     known = naming.identifiable
     order = sorted(range(len(known.effects)), key=lambda place: -known.reach[place])
@@ -203,7 +203,7 @@ def _seen_at_all(naming: Naming) -> list[Section]:
     text = (
         "The number of each effect that can be seen best. What it changes, and E, nu, mu, offsets and errors of the "
         "simulation imitate, is hidden. Reach is the signal over noise of what is left, at the end of the plausible "
-        f"range; from {rounded(ESTIMATED.visible)} on it can be claimed."
+        f"range; from {rounded(DEFAULT_THRESHOLDS.visible)} on it can be claimed."
     )
     said = [("info", text)]
     if known.undetectable:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.diagnose.naming.decide import Tie
-from tactiledata.diagnose.naming.evidence import Judged
-from tactiledata.diagnose.naming.intervals import Interval
-from tactiledata.diagnose.naming.name_effects import Naming
-from tactiledata.diagnose.naming.remaining_structure import LeftOver
-from tactiledata.diagnose.naming.simulator_share import blamed_simulation, blamed_words
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.intervals import ProfiledInterval
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
+from tactiledata.diagnose.naming.simulator_share import simulator_share, simulator_share_words
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import rounded, with_interval
 from tactiledata.effects import EFFECTS
@@ -25,7 +25,7 @@ NEAR_BOUND = 0.01
 _SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
 
 
-def numbers_told(found: Sequence[Interval]) -> list[str]:
+def numbers_told(found: Sequence[ProfiledInterval]) -> list[str]:
     """Of the effects, after E, nu and mu; of many only those that are not nothing."""
     fitted = found[3:]
     shown = [one for one in fitted if not one.low <= 0.0 <= one.high] if len(fitted) > MOST_NUMBERS else fitted
@@ -40,7 +40,7 @@ def numbers_told(found: Sequence[Interval]) -> list[str]:
     return [f"{joined_names(numbers)}, as fitted, with 95 % intervals{others}"] if numbers else []
 
 
-def material_moved(before: Sequence[Interval], after: Sequence[Interval]) -> list[str]:
+def material_moved(before: Sequence[ProfiledInterval], after: Sequence[ProfiledInterval]) -> list[str]:
     """E, nu and mu without effects and with them."""
     said = []
     for old, new in zip(before, after[:3], strict=True):
@@ -68,7 +68,7 @@ def material_is_of(settings: Sequence[EffectSetting]) -> list[str]:
     ]
 
 
-def _is_at_bound(one: Interval) -> bool:
+def _is_at_bound(one: ProfiledInterval) -> bool:
     near = NEAR_BOUND * (one.high - one.low)
     return (one.low_is_bound and one.value - one.low <= near) or (one.high_is_bound and one.high - one.value <= near)
 
@@ -79,10 +79,10 @@ class Answer:
 
     Parameters
     ----------
-    naming : Naming
+    naming : NamingResult
     """
 
-    naming: Naming
+    naming: NamingResult
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -118,7 +118,7 @@ class Answer:
             *numbers_told(self.naming.intervals),
             *material_moved(self.naming.intervals_before, self.naming.intervals),
         ]
-        blamed = blamed_words(blamed_simulation(self.naming.cases, decision.best.fit))
+        blamed = simulator_share_words(simulator_share(self.naming.cases, decision.best.fit))
         return [*said, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best), *blamed]
 
     @property
@@ -153,7 +153,7 @@ class Answer:
             said.append(f"Of effects that would show, these numbers could still be off, and not show: {listed}.")
         return said
 
-    def _probability_of(self, best: Judged) -> float:
+    def _probability_of(self, best: ScoredCandidate) -> float:
         """That what is named is missing, alone or with another effect."""
         chances = self.naming.decision.probabilities
         return sum(chances.get(one.label, 0.0) for one in self.naming.judged if set(best.names) <= set(one.names))
@@ -188,7 +188,7 @@ class Answer:
             else None,
             "simulation_errors": [
                 {"of": one.what, "deviations": one.deviations, "share": one.share}
-                for one in blamed_simulation(naming.cases, best.fit if best is not None and self.names else naming.base)
+                for one in simulator_share(naming.cases, best.fit if best is not None and self.names else naming.base)
             ],
             "screen": [{"effect": one.effect, "score": one.score, "evidence": one.evidence} for one in naming.screened],
             "candidates": [_judged(one) for one in sorted(naming.judged, key=lambda each: -each.gain)],
@@ -202,25 +202,25 @@ def _titles(names: Sequence[str]) -> str:
     return joined_names([EFFECTS[name]().title for name in names])
 
 
-def _claim(best: Judged, probability: float) -> str:
+def _claim(best: ScoredCandidate, probability: float) -> str:
     return f"The simulation lacks {_titles(best.names)} (probability {rounded(min(probability, 0.99))})."
 
 
-def _tie(best: Judged, tie: Tie) -> str:
+def _tie(best: ScoredCandidate, tie: Tie) -> str:
     first, second = EFFECTS[tie.instead_of](), EFFECTS[tie.name]()
     alike = (
         "what it changes the other can change, too"
-        if tie.cosine > ESTIMATED.tie
+        if tie.cosine > DEFAULT_THRESHOLDS.tie
         else "what they change differs, yet each explains the data as well"
     )
     this = "It" if len(best.names) == 1 else f"Of the two, {first.title}"
     said = f"{this} cannot be told from {second.title} in these data: {alike} (cosine {rounded(tie.cosine)})"
     said += f", and held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}."
-    return f"{said} {first.told_apart_by}"
+    return f"{said} {first.distinguishing_trial}"
 
 
-def _odd(left: LeftOver) -> list[str]:
-    if not left.is_in_few(ESTIMATED):
+def _odd(left: RemainingStructure) -> list[str]:
+    if not left.is_in_few(DEFAULT_THRESHOLDS):
         return []
     return [
         f"What is left beyond the noise is nearly all in {joined_names(left.odd)}: look at these two touches. Missing"
@@ -228,7 +228,7 @@ def _odd(left: LeftOver) -> list[str]:
     ]
 
 
-def _alarms(best: Judged) -> list[str]:
+def _alarms(best: ScoredCandidate) -> list[str]:
     if not best.at_bounds:
         return []
     return [
@@ -236,14 +236,14 @@ def _alarms(best: Judged) -> list[str]:
     ]
 
 
-def _of_the_known(best: Judged, naming: Naming) -> str:
+def _of_the_known(best: ScoredCandidate, naming: NamingResult) -> str:
     tried = {*naming.identifiable.effects, *naming.identifiable.without_trace}
     said = "this is" if len(best.names) == 1 else "these two are"
     said = f"Of {len(tried)} effects that were tried, {said} the nearest: what acts alike and is not among them"
     return f"{said} would go by the same name."
 
 
-def _interval(one: Interval) -> dict[str, Any]:
+def _interval(one: ProfiledInterval) -> dict[str, Any]:
     return {
         "name": one.name,
         "unit": one.unit,
@@ -253,13 +253,13 @@ def _interval(one: Interval) -> dict[str, Any]:
     }
 
 
-def _judged(one: Judged) -> dict[str, Any]:
+def _judged(one: ScoredCandidate) -> dict[str, Any]:
     alone = one.indenter_gain != one.indenter_gain
     return {
         "effects": list(one.names),
         "gain": one.gain,
         "gain_error": one.gain_error,
-        "gain_of_others": one.gain_of_others,
+        "gain_of_others": one.gain_without_best_two,
         "evidence": one.evidence,
         "evidence_of_others": one.evidence_of_others,
         "indenter_gain": None if alone else one.indenter_gain,

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 from tactiledata.diagnose.answer.locator_rows import dependence_panel, event_picture, map_picture
 from tactiledata.diagnose.locate.drifts import Drift
-from tactiledata.diagnose.locate.locate import LEVEL, Located
-from tactiledata.diagnose.naming.name_effects import Naming
+from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
+from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import change_words, gap_words, p_words, rounded
-from tactiledata.diagnose.unseen.compare import Shown
+from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.unseen.errors import FORCE, HeldOutErrors
 from tactiledata.diagnose.unseen.touch_residuals import COMPONENTS
 from tactiledata.effects import EFFECTS
@@ -31,7 +31,7 @@ FEW = 3
 """Groups; of two, each is predicted by one alone."""
 
 
-def shown_sentences(shown: Shown) -> list[str]:
+def shown_sentences(shown: HeldOutComparison) -> list[str]:
     """What is gained, where it is gained, and what is left; without a claim, that none would help."""
     said = _gained(shown) if shown.names else _unclaimed(shown)
     if shown.flattened is not None:
@@ -55,7 +55,7 @@ def same_digits(*values: float, digits: int = 2) -> tuple[str, ...]:
     return tuple(f"{value:.{places}f}" for value in values)
 
 
-def _gained(shown: Shown) -> list[str]:
+def _gained(shown: HeldOutComparison) -> list[str]:
     first = shown.of_trajectories
     said = [f"On {first.unseen} that it has not seen the force error {_changes(first)}"]
     noise = f"noise alone gives {same_digits(first.force.floor, digits=3)[0]} N"
@@ -74,7 +74,7 @@ def _gained(shown: Shown) -> list[str]:
     return said
 
 
-def doubts(shown: Shown) -> list[str]:
+def doubts(shown: HeldOutComparison) -> list[str]:
     """What speaks against taking a claim as it is, in a sentence beside the claim; nothing where nothing does."""
     if not shown.names:
         return []
@@ -94,7 +94,7 @@ def _changes(errors: HeldOutErrors) -> str:
     return f"{'rises' if errors.change > 0 else 'falls'} from {before} to {after} N"
 
 
-def _unclaimed(shown: Shown) -> list[str]:
+def _unclaimed(shown: HeldOutComparison) -> list[str]:
     errors = shown.of_trajectories
     before, floor = same_digits(errors.force.before, errors.force.floor)
     said = [
@@ -111,7 +111,7 @@ def _signed(share: float) -> str:
     return f"{100 * share:+.1f} %".replace("-", "−")
 
 
-def _flattened(shown: Shown) -> str:
+def _flattened(shown: HeldOutComparison) -> str:
     assert shown.flattened is not None
     before, after = shown.flattened
     first = before.words.split(" (p ")[0]
@@ -120,14 +120,14 @@ def _flattened(shown: Shown) -> str:
     return f"{begin}: in the plain simulation {first}; with the effect it {now} ({p_words(after.p)})."
 
 
-def _left_over(shown: Shown) -> str:
+def _left_over(shown: HeldOutComparison) -> str:
     assert shown.left_over is not None
     if not shown.left_over.is_structured:
         return "With it no locator finds structure any more."
     return f"Structure is left with it. {shown.left_over.sentences()[0]}"
 
 
-def _ceiling(shown: Shown) -> str:
+def _ceiling(shown: HeldOutComparison) -> str:
     errors = shown.of_trajectories
     if shown.ceiling_force >= errors.force.before:
         return "A black box, boosted trees on all covariates, finds nothing that helps on trajectories held out."
@@ -141,7 +141,7 @@ MOST_EVENTS = 3
 PLAIN, BLACK_BOX = "plain", "black box"
 
 
-def better_section(shown: Shown) -> Section:
+def better_section(shown: HeldOutComparison) -> Section:
     """Errors on what was held out, with noise and black box."""
     columns = ("unseen", "error", PLAIN, _after(shown), "noise alone", "gap closed")
     rows = [row for one in shown.errors for row in _rows(one, bool(shown.names))]
@@ -154,15 +154,17 @@ def better_section(shown: Shown) -> Section:
     return Section("How much better", [("info", text)], columns, rows, [picture])
 
 
-def comparison_sections(naming: Naming, located: Located, shown: Shown, heading: str = "") -> list[Section]:
+def comparison_sections(
+    naming: NamingResult, located: LocatorResults, shown: HeldOutComparison, heading: str = ""
+) -> list[Section]:
     """Dependences, events, map and trajectories of a diagnosis, before and after.
 
     Parameters
     ----------
-    naming : Naming
-    located : Located
+    naming : NamingResult
+    located : LocatorResults
         Of the plain simulation.
-    shown : Shown
+    shown : HeldOutComparison
     heading : str
         Above the picture of trajectories: what kind of recordings they are.
     """
@@ -175,7 +177,7 @@ def comparison_sections(naming: Naming, located: Located, shown: Shown, heading:
     return [section for section in found if section is not None]
 
 
-def _after(shown: Shown) -> str:
+def _after(shown: HeldOutComparison) -> str:
     return "with it" if shown.names else "nearest candidate"
 
 
@@ -190,7 +192,7 @@ def _rows(one: HeldOutErrors, is_claimed: bool) -> list[tuple[str, ...]]:
     ]
 
 
-def _panels(shown: Shown) -> list[ErrorPanel]:
+def _panels(shown: HeldOutComparison) -> list[ErrorPanel]:
     names = [one.unseen for one in shown.errors]
     nothing = [float("nan")] * len(names)
     after = _after(shown)
@@ -212,7 +214,7 @@ def _panels(shown: Shown) -> list[ErrorPanel]:
     ]  # fmt: skip
 
 
-def _dependences(located: Located, shown: Shown) -> Section | None:
+def _dependences(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
     covariates = located.projection.residuals.covariates
     drifts: list[Drift] = [shown.flattened[0]] if shown.flattened is not None else []
     for one in located.drifts:
@@ -228,7 +230,7 @@ def _dependences(located: Located, shown: Shown) -> Section | None:
     return Section("On what it depends", pictures=[Picture(png_bytes(drawn), caption)])
 
 
-def _events(located: Located, shown: Shown) -> Section | None:
+def _events(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
     certain = sorted((one for one in located.events if one.p <= LEVEL), key=lambda one: one.p)[:MOST_EVENTS]
     if not certain:
         return None
@@ -244,7 +246,7 @@ def _events(located: Located, shown: Shown) -> Section | None:
     return Section("About events", pictures=[Picture(png_bytes(draw_event_pairs(pairs)), caption)])
 
 
-def _map(located: Located, shown: Shown) -> Section | None:
+def _map(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
     if not located.maps or located.maps[0].p > LEVEL:
         return None
     first = located.maps[0]
@@ -256,7 +258,7 @@ def _map(located: Located, shown: Shown) -> Section | None:
     return Section("Over the gel", [("", first.words)], pictures=[Picture(png_bytes(draw_map_pair(pictures)), caption)])
 
 
-def _overlays(naming: Naming, shown: Shown, heading: str) -> Section:
+def _overlays(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Section:
     white, errors = naming.cases, shown.of_trajectories
     pictures = []
     for number in shown.worst():

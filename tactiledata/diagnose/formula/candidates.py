@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.formula.terms import Atom, Since
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import Contributions, along, joined_refits
 from tactiledata.diagnose.residuals.wording import quantity, with_interval
@@ -171,7 +171,7 @@ class Candidates:
         """Whitened fields of several candidates by their full names."""
         return {self.full_name(number): self.field(number) for number in numbers}
 
-    def scores(self, projection: Projection) -> Contributions:
+    def scores(self, projection: ProjectedResiduals) -> Contributions:
         """Contributions of the units of exchange to all candidates' scores."""
         found = [along(projection, one.field, self.terms) for one in self.carriers]
         return Contributions(

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.formula.candidates import carriers
 from tactiledata.diagnose.formula.open_form import OpenForm, corrected_words, find_candidates, open_form
 from tactiledata.diagnose.formula.shifted import shift_carriers
 from tactiledata.diagnose.formula.surface import Empirical, empirical
-from tactiledata.diagnose.formula.unseen import HeldOut, held_out
-from tactiledata.diagnose.locate.locate import Located, LocateOptions, locate
+from tactiledata.diagnose.formula.unseen import UnseenFormula, held_out
+from tactiledata.diagnose.locate.locate import LocateOptions, LocatorResults, locate
 from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
 from tactiledata.diagnose.residuals.gap import Gap, gap_closed, is_improved, scatter
 from tactiledata.diagnose.residuals.learners import need_learning_library
@@ -22,7 +23,6 @@ from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import gap_words, growth_words, percent
 
-Tell = Callable[..., None]
 Answer = Literal[
     "nothing found", "calibration", "structured, not named", "explained", "partly explained", "not explained"
 ]
@@ -43,27 +43,27 @@ class Explanation:
 
     Parameters
     ----------
-    located : Located
+    located : LocatorResults
     form : OpenForm, optional
         ``None`` where nothing was found to be explained.
-    held : HeldOut, optional
+    held : UnseenFormula, optional
         With and without the formula, on groups that had no part in it.
     gap : Gap, optional
     floor_is : what the gap's floor is, in words
     ceiling : BlackBox
-    left_over : Located, optional
+    left_over : LocatorResults, optional
         Of what the formula leaves.
     surface : Empirical, optional
         For structure without a formula.
     """
 
-    located: Located
+    located: LocatorResults
     form: OpenForm | None
-    held: HeldOut | None
+    held: UnseenFormula | None
     gap: Gap | None
     floor_is: str
     ceiling: BlackBox
-    left_over: Located | None
+    left_over: LocatorResults | None
     surface: Empirical | None
 
     @property
@@ -124,8 +124,8 @@ def explain(
     time: str | None = None,
     scales: Mapping[str, float] | None = None,
     signatures: Mapping[str, Array] | None = None,
-    tell: Tell = lambda done, total, what="": None,
-    located: Located | None = None,
+    tell: Progress = no_progress,
+    located: LocatorResults | None = None,
 ) -> Explanation:
     """A diagnosis of residuals.
 
@@ -135,7 +135,7 @@ def explain(
         See `tactiledata.diagnose.formula.open_form.open_form`.
     tell : callable
         Told how many of the steps are done.
-    located : Located, optional
+    located : LocatorResults, optional
         Of these residuals, with these options, where it is known already.
 
     Raises
@@ -175,7 +175,7 @@ def explain(
     return Explanation(located, form, held, gap, floor_is, ceiling, left_over, surface)
 
 
-def _surface(located: Located, seed: int) -> Empirical | None:
+def _surface(located: LocatorResults, seed: int) -> Empirical | None:
     """Over the two covariates along which parameters drift most; ``None`` where it takes nothing worth a sentence."""
     if not located.is_structured:
         return None

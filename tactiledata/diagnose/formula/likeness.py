@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 
 NEAR = 0.9
 
@@ -26,7 +26,7 @@ class Likeness:
         return abs(self.cosine) > NEAR
 
 
-def likenesses(projection: Projection, field: Array, signatures: Mapping[str, Array]) -> tuple[Likeness, ...]:
+def likenesses(projection: ProjectedResiduals, field: Array, signatures: Mapping[str, Array]) -> tuple[Likeness, ...]:
     """Cosines of a field (n, k) with signatures (n, k) in the whitened metric, the nearest first."""
     if not signatures:
         return ()

@@ -12,7 +12,7 @@ import numpy as np
 
 from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.formula.candidates import Candidates
-from tactiledata.diagnose.residuals.projection import Projection, project
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals, project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import p_value, signs
 
@@ -217,7 +217,7 @@ def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Arra
     return np.array(kept, dtype=np.int64), first
 
 
-def _against_all(projection: Projection, candidates: Candidates, number: int, seed: int) -> float:
+def _against_all(projection: ProjectedResiduals, candidates: Candidates, number: int, seed: int) -> float:
     """p-value of one candidate against the largest of all when signs of whole trajectories are thrown anew."""
     scores = candidates.scores(projection)
     is_asked = (scores.information > VISIBLE * candidates.sizes) & scores.is_testable

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.learners import folds, need_learning_library
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 
 LABEL = "not explained, do not extrapolate"
 MOST_POINTS = 250
@@ -51,7 +51,7 @@ class Empirical:
         return np.where(np.asarray(is_inside)[:, None], np.column_stack(columns), np.nan)
 
 
-def empirical(projection: Projection, covariates: tuple[str, str], seed: int = 0) -> Empirical | None:
+def empirical(projection: ProjectedResiduals, covariates: tuple[str, str], seed: int = 0) -> Empirical | None:
     """The surface over two covariates, or ``None`` where one of them hardly varies."""
     need_learning_library()
     residuals = projection.residuals

@@ -15,7 +15,7 @@ from tactiledata.diagnose.residuals.residuals import Residuals
 
 
 @dataclass(frozen=True)
-class HeldOut:
+class UnseenFormula:
     """Residuals of trajectories, each fitted and explained by others.
 
     Parameters
@@ -35,7 +35,7 @@ class HeldOut:
     counts: Array
 
 
-def held_out(residuals: Residuals, candidates: Candidates, seed: int = 0) -> HeldOut:
+def held_out(residuals: Residuals, candidates: Candidates, seed: int = 0) -> UnseenFormula:
     """Choice, coefficients and refit by four fifths of the units, applied to the fifth that is left."""
     before, after = residuals.values.copy(), residuals.values.copy()
     fold = folds(residuals, seed)
@@ -54,4 +54,4 @@ def held_out(residuals: Residuals, candidates: Candidates, seed: int = 0) -> Hel
     projection = project(residuals)
     squares = [residuals.by_unit((one * projection.weigh(one)).sum(axis=1)) for one in (before, after)]
     counts = residuals.by_unit(np.full(len(before), float(before.shape[1])))
-    return HeldOut(before, after, squares[0], squares[1], counts)
+    return UnseenFormula(before, after, squares[0], squares[1], counts)

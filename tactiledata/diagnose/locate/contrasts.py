@@ -22,7 +22,7 @@ from tactiledata.diagnose.locate.event_effects import SHAPES, directions_of, sha
 from tactiledata.diagnose.locate.events import find_events
 from tactiledata.diagnose.locate.free_air import in_contact
 from tactiledata.diagnose.residuals.instruments import levels, slope
-from tactiledata.diagnose.residuals.projection import Projection, project
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals, project
 from tactiledata.diagnose.residuals.residuals import Residuals, joined_names
 from tactiledata.diagnose.residuals.scores import along
 from tactiledata.diagnose.residuals.slopes import over
@@ -114,7 +114,9 @@ class Sizes:
     variance: Array
 
 
-def contrasts(projection: Projection, errors: Mapping[str, float], inflation: float = 1.0) -> tuple[Contrast, ...]:
+def contrasts(
+    projection: ProjectedResiduals, errors: Mapping[str, float], inflation: float = 1.0
+) -> tuple[Contrast, ...]:
     """The strongest contrast, then the strongest that is certain with the first one fitted, and so on; at most three.
 
     Parameters
@@ -150,7 +152,7 @@ def contrasts(projection: Projection, errors: Mapping[str, float], inflation: fl
 
 
 def sizes_of(
-    projection: Projection, instruments: Instruments, asked: Mapping[str, float], inflation: float = 1.0
+    projection: ProjectedResiduals, instruments: Instruments, asked: Mapping[str, float], inflation: float = 1.0
 ) -> Iterator[Sizes]:
     """Sizes of all contrasts of what is asked, and how noise lets them scatter."""
     for what, direction in _directions(projection.residuals):
@@ -193,7 +195,7 @@ def _directions(residuals: Residuals) -> Iterator[tuple[str, Array]]:
 
 
 def _strongest(
-    projection: Projection,
+    projection: ProjectedResiduals,
     instruments: Instruments,
     errors: Mapping[str, float],
     inflation: float,
@@ -239,7 +241,7 @@ def _near(instruments: Instruments, sizes: Sizes, values: Array, known: set[str]
     return tuple(name for name in names if name not in known)
 
 
-def _shares(projection: Projection, field: Array) -> dict[str, float]:
+def _shares(projection: ProjectedResiduals, field: Array) -> dict[str, float]:
     """Of the energy of a field (n, k) beside all that is refitted, in each component."""
     left = projection.orthogonal(field[:, :, None])
     energy = np.maximum((left * projection.weigh(left)).sum(axis=(0, 2)), 0.0)

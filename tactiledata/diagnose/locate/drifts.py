@@ -18,7 +18,7 @@ from scipy.stats import rankdata
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.instruments import cuts, levels, slope, steps
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals, joined_names
 from tactiledata.diagnose.residuals.scores import Contributions, contributions
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
@@ -70,8 +70,8 @@ class _Pair:
     is_label: bool
 
 
-def instability(
-    projection: Projection, seed: int = 0, draws: int = DRAWS, tested: int | None = None
+def parameter_drifts(
+    projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS, tested: int | None = None
 ) -> tuple[Drift, ...]:
     """Every pair of shared parameter and covariate or label, the strongest first.
 
@@ -103,7 +103,7 @@ def instability(
     return tuple(sorted(drifts, key=lambda drift: (drift.p, -drift.change.sharpness)))
 
 
-def _pairs(projection: Projection, tested: int | None) -> list[_Pair]:
+def _pairs(projection: ProjectedResiduals, tested: int | None) -> list[_Pair]:
     residuals, pairs = projection.residuals, []
     for place in range(len(residuals.tested))[:tested]:
         weights = projection.information(place)
@@ -122,7 +122,7 @@ def _pairs(projection: Projection, tested: int | None) -> list[_Pair]:
 
 
 def _drift(
-    projection: Projection, pair: _Pair, statistic: float, p: float, alike: Mapping[str, tuple[str, ...]]
+    projection: ProjectedResiduals, pair: _Pair, statistic: float, p: float, alike: Mapping[str, tuple[str, ...]]
 ) -> Drift:
     residuals = projection.residuals
     parameter = residuals.parameters[residuals.shared[pair.place]].name

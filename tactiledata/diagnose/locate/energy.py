@@ -12,7 +12,7 @@ import numpy as np
 
 from tactiledata.arrays import Array, Mask
 from tactiledata.diagnose.residuals.instruments import MOST_LEVELS
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import percent, quantity
 
@@ -83,7 +83,7 @@ class _Condition:
     columns: Mask  # (k,)
 
 
-def energy_shares(projection: Projection, noise: float = 1.0, seed: int = 0) -> EnergyShares:
+def energy_shares(projection: ProjectedResiduals, noise: float = 1.0, seed: int = 0) -> EnergyShares:
     """Shares of the excess over ``noise`` (the variance of a value, 0 where it is not known) after the refit."""
     residuals = projection.residuals
     square = projection.left * projection.score - noise

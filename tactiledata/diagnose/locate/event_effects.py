@@ -13,7 +13,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.events import Events
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import along
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
@@ -53,7 +53,7 @@ class EventEffect:
 
 
 def event_effects(
-    projection: Projection, events: Sequence[Events], seed: int = 0, draws: int = DRAWS
+    projection: ProjectedResiduals, events: Sequence[Events], seed: int = 0, draws: int = DRAWS
 ) -> tuple[EventEffect, ...]:
     """Every event and component with its best shape, the most certain first.
 

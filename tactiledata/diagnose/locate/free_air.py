@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.locate.common_offset import Offset, offsets
-from tactiledata.diagnose.locate.drifts import Drift, instability
+from tactiledata.diagnose.locate.drifts import Drift, parameter_drifts
 from tactiledata.diagnose.residuals.projection import project
-from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, Parameter, Residuals
+from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, ResidualParameter, Residuals
 from tactiledata.diagnose.residuals.sign_flips import DRAWS
 
 
@@ -20,7 +20,9 @@ def with_zeros(residuals: Residuals) -> Residuals:
     deviations = np.ones(width) if residuals.deviations is None else residuals.deviations
     units = residuals.units or ("times the noise",) * width
     slopes = np.broadcast_to(np.diag(1.0 / deviations), (len(residuals.values), width, width))
-    zeros = tuple(Parameter(f"zero of {name}", unit) for name, unit in zip(residuals.components, units, strict=True))
+    zeros = tuple(
+        ResidualParameter(f"zero of {name}", unit) for name, unit in zip(residuals.components, units, strict=True)
+    )
     return replace(
         residuals,
         parameters=(*residuals.parameters, *zeros),
@@ -83,7 +85,7 @@ def free_air(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> FreeAir
         text = f"Free air in {alone.unit_count} trajectories only: too few to say anything of the sensor alone."
         return FreeAir(int(rows.sum()), alone.unit_count, 1.0, (), (), text)
     means = offsets(alone, seed, draws)
-    drifts = instability(project(alone), seed + 1, draws)
+    drifts = parameter_drifts(project(alone), seed + 1, draws)
     p = min([1.0, *(2 * mean.p for mean in means), *(2 * drift.p for drift in drifts)])
     return FreeAir(int(rows.sum()), alone.unit_count, p, means, drifts, _words(p, means, drifts))
 

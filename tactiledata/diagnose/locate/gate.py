@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import p_words, rounded
 
@@ -79,7 +79,7 @@ class Gate:
         return self.p > 0.05
 
 
-def gate(projection: Projection, noise: NoiseModel, seed: int = 0, draws: int = DRAWS) -> Gate:
+def gate(projection: ProjectedResiduals, noise: NoiseModel, seed: int = 0, draws: int = DRAWS) -> Gate:
     """The gate for residuals whose noise is known."""
     residuals = projection.residuals
     rng = np.random.default_rng(seed)
@@ -142,7 +142,7 @@ def _slow_draws(residuals: Residuals, rng: np.random.Generator, draws: int) -> A
     return drawn
 
 
-def _numbers(projection: Projection, slow: Array, values: Array) -> Array:
+def _numbers(projection: ProjectedResiduals, slow: Array, values: Array) -> Array:
     """Mean square and slow share (2, d) of residuals (n, k, d) after the projection."""
     weighed = projection.weigh(values)
     refit = np.einsum("pq,nkq,nkd->pd", projection.inverse, projection.directions, weighed, optimize=True)

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.locate.drifts import Drift, instability
+from tactiledata.diagnose.locate.drifts import Drift, parameter_drifts
 from tactiledata.diagnose.locate.simulator_errors import beyond_errors
 from tactiledata.diagnose.residuals.instruments import slope
-from tactiledata.diagnose.residuals.projection import Projection, project
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals, project
 from tactiledata.diagnose.residuals.sign_flips import DRAWS
 
 LEVEL = 0.05
@@ -18,7 +18,7 @@ MOST = 3
 
 
 def leading_drifts(
-    projection: Projection,
+    projection: ProjectedResiduals,
     drifts: Sequence[Drift],
     seed: int = 0,
     draws: int = DRAWS,
@@ -38,7 +38,7 @@ def leading_drifts(
         found.append(first)
         fields[f"{first.parameter} over {first.covariate}, {len(found)}"] = _field(projection, first)
         refitted = project(projection.residuals.with_fields(fields))
-        left = beyond_errors(instability(refitted, seed + len(found), draws, tested), errors)
+        left = beyond_errors(parameter_drifts(refitted, seed + len(found), draws, tested), errors)
     return tuple(found)
 
 
@@ -51,7 +51,7 @@ def _strongest(drifts: Sequence[Drift], is_followed: bool) -> Drift | None:
     return next(iter(steady or ([] if is_followed else certain)), None)
 
 
-def _field(projection: Projection, drift: Drift) -> NDArray[np.float64]:
+def _field(projection: ProjectedResiduals, drift: Drift) -> NDArray[np.float64]:
     """The field (n, k) of a drift with coefficient 1: a slope over a covariate, or a level of a label."""
     residuals = projection.residuals
     place = [residuals.parameters[number].name for number in residuals.shared].index(drift.parameter)

@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata.diagnose.locate.common_offset import Offset, offsets
 from tactiledata.diagnose.locate.contrasts import Contrast, contrasts
-from tactiledata.diagnose.locate.drifts import Drift, instability
+from tactiledata.diagnose.locate.drifts import Drift, parameter_drifts
 from tactiledata.diagnose.locate.energy import EnergyShares, energy_shares
 from tactiledata.diagnose.locate.event_effects import EventEffect, event_effects
 from tactiledata.diagnose.locate.event_locked import EventLocked, event_locked
@@ -20,9 +20,9 @@ from tactiledata.diagnose.locate.leading_drifts import leading_drifts
 from tactiledata.diagnose.locate.own_offsets import own_drifts
 from tactiledata.diagnose.locate.region_map import RegionMap, region_maps
 from tactiledata.diagnose.locate.simulator_errors import beyond_errors
-from tactiledata.diagnose.locate.steps import Step, can_step, change_points
+from tactiledata.diagnose.locate.steps import ChangePoint, can_step, change_points
 from tactiledata.diagnose.locate.tree import Leaf, honest_tree
-from tactiledata.diagnose.residuals.projection import Projection, project
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals, project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, holm
 
@@ -60,12 +60,12 @@ class LocateOptions:
 
 
 @dataclass(frozen=True)
-class Located:
+class LocatorResults:
     """What all locators say.
 
     Parameters
     ----------
-    projection : Projection
+    projection : ProjectedResiduals
         After the refit of the shared parameters.
     gate : Gate, optional
     free_air : FreeAir
@@ -80,7 +80,7 @@ class Located:
         Holm's, over all locators that had something to test.
     """
 
-    projection: Projection
+    projection: ProjectedResiduals
     gate: Gate | None
     free_air: FreeAir
     overall: tuple[Offset, ...]
@@ -90,7 +90,7 @@ class Located:
     events: tuple[EventLocked, ...]
     departures: tuple[EventEffect, ...]
     contrasts: tuple[Contrast, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[ChangePoint, ...]
     maps: tuple[RegionMap, ...]
     leaves: tuple[Leaf, ...]
     energy: EnergyShares
@@ -141,7 +141,7 @@ class Located:
         return said
 
 
-def locate(residuals: Residuals, options: LocateOptions | None = None) -> Located:
+def locate(residuals: Residuals, options: LocateOptions | None = None) -> LocatorResults:
     """Every locator on the same residuals.
 
     Raises
@@ -157,7 +157,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
     air = free_air(residuals, seed, draws)
     common = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
-    drifts = beyond_errors(instability(projection, seed + 2, draws), chosen.errors)
+    drifts = beyond_errors(parameter_drifts(projection, seed + 2, draws), chosen.errors)
     leading = leading_drifts(projection, drifts, seed + 8, draws, chosen.errors)
     own = beyond_errors(own_drifts(projection, seed + 10, draws), chosen.errors)
     found_events = find_events(residuals)
@@ -185,13 +185,13 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locate
     asked = {name: value for name, value in tests.items() if value is not None}
     corrected = holm(np.array(list(asked.values())))
     together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
-    return Located(
+    return LocatorResults(
         projection, opened, air, common, drifts, leading, own, events, departures, differ or (), steps, maps, leaves,
         shares, together,
     )  # fmt: skip
 
 
-def _contrasts(projection: Projection, options: LocateOptions) -> tuple[Contrast, ...] | None:
+def _contrasts(projection: ProjectedResiduals, options: LocateOptions) -> tuple[Contrast, ...] | None:
     """Nothing where noise, its memory, or the simulation's own errors are not known."""
     inflation = None if options.noise is None else options.noise.inflation
     if options.errors is None or inflation is None:

@@ -20,7 +20,7 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.drifts import ALL_ALONG, Drift, about_mean, alike_words, look_alikes
 from tactiledata.diagnose.locate.free_air import in_contact
 from tactiledata.diagnose.residuals.instruments import levels, slope
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import FEWEST_EFFECTIVE
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise
@@ -41,7 +41,7 @@ class _Fact:
     where: str
 
 
-def own_drifts(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tuple[Drift, ...]:
+def own_drifts(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS) -> tuple[Drift, ...]:
     """Every pair of own parameter and covariate or level, the most certain first.
 
     Raises
@@ -72,7 +72,7 @@ def own_drifts(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tup
     return tuple(sorted(found, key=lambda one: (one.p, -abs(one.statistic))))
 
 
-def own_values(projection: Projection) -> dict[str, Array]:
+def own_values(projection: ProjectedResiduals) -> dict[str, Array]:
     """Most likely values (u,) of the own parameters that are asked, in the mean of each unit of exchange.
 
     Under its prior N(0, v) a parameter with sensitivities s stands at ``v sᵀ V⁻¹ r`` for a residual r of covariance V.

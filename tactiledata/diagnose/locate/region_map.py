@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.scores import contributions
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.residuals.slopes import Change, change
@@ -54,7 +54,7 @@ class RegionMap:
 
 
 def region_maps(
-    projection: Projection, across: str = "x", up: str = "y", seed: int = 0, draws: int = DRAWS
+    projection: ProjectedResiduals, across: str = "x", up: str = "y", seed: int = 0, draws: int = DRAWS
 ) -> tuple[RegionMap, ...]:
     """A map of each shared parameter over two covariates, the most certain first; none where the plane is no plane.
 

@@ -15,12 +15,12 @@ from scipy.stats import norm
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.event_effects import EventEffect
 from tactiledata.diagnose.locate.region_map import RegionMap
-from tactiledata.diagnose.locate.steps import Step
+from tactiledata.diagnose.locate.steps import ChangePoint
 from tactiledata.diagnose.locate.tree import Leaf
 from tactiledata.diagnose.residuals.slopes import Change
 
 OF_95 = float(norm.ppf(0.975))
-Found = TypeVar("Found", Drift, EventEffect, Leaf, RegionMap, Step)
+Found = TypeVar("Found", Drift, EventEffect, Leaf, RegionMap, ChangePoint)
 
 
 def beyond_errors(found: Sequence[Found], errors: Mapping[str, float] | None) -> tuple[Found, ...]:
@@ -37,7 +37,7 @@ def beyond_errors(found: Sequence[Found], errors: Mapping[str, float] | None) ->
     return tuple(sorted(amended, key=lambda one: one.p))
 
 
-def _p(one: Drift | EventEffect | Leaf | RegionMap | Step, errors: Mapping[str, float], asked: int) -> float:
+def _p(one: Drift | EventEffect | Leaf | RegionMap | ChangePoint, errors: Mapping[str, float], asked: int) -> float:
     """That errors of the simulation and noise leave so much in any of so many findings (Bonferroni)."""
     if isinstance(one, EventEffect):
         what, size, error = one.component, one.size, one.size / one.statistic if one.statistic else float("inf")

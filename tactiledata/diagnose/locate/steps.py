@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.projection import Projection
-from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, Parameter, Residuals
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
+from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, ResidualParameter, Residuals
 from tactiledata.diagnose.residuals.slopes import Change
 from tactiledata.diagnose.residuals.wording import p_words, quantity
 
@@ -35,21 +35,21 @@ class Series:
 
     Parameters
     ----------
-    parameter : Parameter
+    parameter : ResidualParameter
     values, errors : (t,)
         Departures from the common value, and their standard errors.
     trajectories : (t,)
         Their numbers.
     """
 
-    parameter: Parameter
+    parameter: ResidualParameter
     values: Array
     errors: Array
     trajectories: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Step:
+class ChangePoint:
     """A change between two trajectories.
 
     Parameters
@@ -72,7 +72,7 @@ class Step:
     words: str
 
 
-def series_of(projection: Projection, order_by: str) -> list[Series]:
+def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
     """What each trajectory alone says of each shared parameter, ordered by the trajectories' mean of a covariate."""
     residuals = projection.residuals
     place = np.add.reduceat(residuals.covariates[order_by].values, residuals.starts) / residuals.counts
@@ -97,8 +97,8 @@ def series_of(projection: Projection, order_by: str) -> list[Series]:
 
 
 def change_points(
-    projection: Projection, order_by: str = "index", seed: int = 0, draws: int = DRAWS
-) -> tuple[Step, ...]:
+    projection: ProjectedResiduals, order_by: str = "index", seed: int = 0, draws: int = DRAWS
+) -> tuple[ChangePoint, ...]:
     """Steps of the shared parameters along a covariate, the most certain first; none where they cannot be asked for.
 
     That is where the covariate is not there, and where blocks larger than trajectories are the units of exchange.
@@ -124,7 +124,7 @@ def change_points(
             before, after = int(one.trajectories[border - 1]), int(one.trajectories[border])
             at = f"{order_by} {quantity(float(place[before]), unit)} and {quantity(float(place[after]), unit)}"
             words = f"{moved.words} in one step between {at}{_relabelled(projection, before, after)} ({p_words(p)})"
-            found.append(Step(one.parameter.name, before, after, moved, p, words))
+            found.append(ChangePoint(one.parameter.name, before, after, moved, p, words))
     return tuple(sorted(found, key=lambda step: step.p))
 
 
@@ -198,7 +198,7 @@ def _difference(series: Series, before: slice, after: slice) -> Change:
     return Change(series.parameter, float(second.mean() - first.mean()), float(2.0 * spread))
 
 
-def _relabelled(projection: Projection, before: int, after: int) -> str:
+def _relabelled(projection: ProjectedResiduals, before: int, after: int) -> str:
     """Labels that change where the step is: they may be its cause."""
     residuals = projection.residuals
     rows = residuals.starts[[before, after]]

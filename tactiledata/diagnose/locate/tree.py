@@ -11,7 +11,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.learners import need_learning_library
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import Contributions
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
@@ -46,7 +46,7 @@ class Leaf:
     words: str
 
 
-def honest_tree(projection: Projection, seed: int = 0, draws: int = DRAWS) -> tuple[Leaf, ...]:
+def honest_tree(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS) -> tuple[Leaf, ...]:
     """Leaves whose mean residual is not 0, the most certain first; none with fewer than 16 units of exchange."""
     residuals = projection.residuals
     units = residuals.unit_count

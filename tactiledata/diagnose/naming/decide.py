@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.evidence import Judged, error_of_sum
+from tactiledata.diagnose.naming.evidence import ScoredCandidate, error_of_sum
 from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation, cosines
-from tactiledata.diagnose.naming.remaining_structure import LeftOver
-from tactiledata.diagnose.naming.thresholds import EvidenceScale
+from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 
 Verdict = Literal["nothing is missing", "below detection", "named", "one of a set", "none of the known effects"]
 NONE, OTHER = "none", "other"
@@ -50,35 +50,35 @@ class Decision:
     Parameters
     ----------
     verdict : Verdict
-    best : Judged, optional
+    best : ScoredCandidate, optional
         What is named, or would be if the evidence sufficed.
     ties : tuple of Tie
     probabilities : dict, label -> probability
         Of each candidate, of "none" and of "other".
     objections : tuple of str
         Why ``best`` is not named; empty where it is.
-    left : LeftOver
+    left : RemainingStructure
         What the best fit leaves of trajectories held out.
     is_more_left : bool
         Whether that is structure still.
     """
 
     verdict: Verdict
-    best: Judged | None
+    best: ScoredCandidate | None
     ties: tuple[Tie, ...]
     probabilities: dict[str, float]
     objections: tuple[str, ...]
-    left: LeftOver
+    left: RemainingStructure
     is_more_left: bool
 
 
 def decide(
-    singles: Sequence[Judged],
-    pairs: Sequence[Judged],
+    singles: Sequence[ScoredCandidate],
+    pairs: Sequence[ScoredCandidate],
     gains: dict[str, Array],
     metric: RandomEffects,
-    left: LeftOver,
-    scale: EvidenceScale,
+    left: RemainingStructure,
+    scale: DecisionThresholds,
 ) -> Decision:
     """The answer.
 
@@ -88,12 +88,12 @@ def decide(
         Held-out gain of each candidate by trajectory.
     metric : RandomEffects
         What a refit of the plain simulation could imitate.
-    left : LeftOver
+    left : RemainingStructure
         What the best fit leaves.
     """
     is_left = left.is_structure(scale)
     chances = _probabilities(singles, pairs, scale, is_left)
-    ranked = sorted(singles, key=lambda one: -one.sure_gain(scale))
+    ranked = sorted(singles, key=lambda one: -one.gain_lower_bound(scale))
     best = max((one for one in singles if not one.objections(scale)), key=_evidence, default=None)
     if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
         # another explains far more, and yet cannot be believed: what is there is not what could be
@@ -125,7 +125,7 @@ def decide(
     return Decision("nothing is missing", hint, (), chances, objections, left, is_left)
 
 
-def needed_of(pair: Judged, singles: Sequence[Judged], scale: EvidenceScale) -> Judged:
+def needed_of(pair: ScoredCandidate, singles: Sequence[ScoredCandidate], scale: DecisionThresholds) -> ScoredCandidate:
     """The pair, or one of its two where the other adds nothing of its own beside it.
 
     Nothing of its own is what errors of the simulation bring, too; or what the other would have explained in its place,
@@ -141,16 +141,20 @@ def needed_of(pair: Judged, singles: Sequence[Judged], scale: EvidenceScale) -> 
     return max(found, key=_evidence, default=pair)
 
 
-def _evidence(one: Judged) -> float:
+def _evidence(one: ScoredCandidate) -> float:
     return one.evidence
 
 
-def _exceeds(difference: Array, scale: EvidenceScale) -> bool:
+def _exceeds(difference: Array, scale: DecisionThresholds) -> bool:
     return float(difference.sum()) > max(scale.claim, scale.standard_errors * error_of_sum(difference))
 
 
 def _ties(
-    best: Judged, ranked: Sequence[Judged], gains: dict[str, Array], metric: RandomEffects, scale: EvidenceScale
+    best: ScoredCandidate,
+    ranked: Sequence[ScoredCandidate],
+    gains: dict[str, Array],
+    metric: RandomEffects,
+    scale: DecisionThresholds,
 ) -> tuple[Tie, ...]:
     others = [
         one
@@ -171,7 +175,9 @@ def _ties(
     return tuple(found)
 
 
-def _explains(one: Judged, best: Judged, cosine: float, apart: Array, scale: EvidenceScale) -> bool:
+def _explains(
+    one: ScoredCandidate, best: ScoredCandidate, cosine: float, apart: Array, scale: DecisionThresholds
+) -> bool:
     """Whether another does for the data what the best does.
 
     Parameters
@@ -184,18 +190,18 @@ def _explains(one: Judged, best: Judged, cosine: float, apart: Array, scale: Evi
     explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
     is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error_of_sum(apart)
     # of few touches it can be only where the best is, too
-    is_borne = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
+    has_broad_support = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
     # what simulators that differ bring is no proof of one against the other
     is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
-    return (cosine > scale.tie or explains_as_much or is_rival) and is_borne and is_as_good
+    return (cosine > scale.tie or explains_as_much or is_rival) and has_broad_support and is_as_good
 
 
-def _rivals(one: Judged, best: Judged, scale: EvidenceScale) -> bool:
+def _rivals(one: ScoredCandidate, best: ScoredCandidate, scale: DecisionThresholds) -> bool:
     """Whether all frames together speak for another, though its gain where it was not fitted is uncertain."""
     return one.evidence >= max(best.evidence, scale.claim) and one.gain + one.gain_error >= scale.claim
 
 
-def _is_needless(one: Judged, best: Judged, could: float, scale: EvidenceScale) -> bool:
+def _is_needless(one: ScoredCandidate, best: ScoredCandidate, could: float, scale: DecisionThresholds) -> bool:
     """Whether one holds the best as a special case, with numbers more than needed: the special case is said then.
 
     Parameters
@@ -207,7 +213,9 @@ def _is_needless(one: Judged, best: Judged, could: float, scale: EvidenceScale) 
     return is_wider and best.evidence - one.evidence > scale.needless
 
 
-def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: EvidenceScale) -> tuple[Tie, ...]:
+def ties_of_two(
+    best: ScoredCandidate, twins: Sequence[tuple[ScoredCandidate, ScoredCandidate]], scale: DecisionThresholds
+) -> tuple[Tie, ...]:
     """Effects that could as well stand for one of two that are named.
 
     Parameters
@@ -231,7 +239,7 @@ def ties_of_two(best: Judged, twins: Sequence[tuple[Judged, Judged]], scale: Evi
 
 
 def _probabilities(
-    singles: Sequence[Judged], pairs: Sequence[Judged], scale: EvidenceScale, is_left: bool
+    singles: Sequence[ScoredCandidate], pairs: Sequence[ScoredCandidate], scale: DecisionThresholds, is_left: bool
 ) -> dict[str, float]:
     """Of what was refitted, of nothing, and of what the catalogue does not hold."""
     objected = [bool(one.objections(scale)) for one in singles]

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.held_out import HeldOut
+from tactiledata.diagnose.naming.held_out import GroupedCosts
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.signatures import MATERIAL
-from tactiledata.diagnose.naming.thresholds import EvidenceScale
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.residuals.wording import quantity
 
 MOST_ALONE = 0.98
@@ -72,7 +72,7 @@ STANDS_OUT = 2.0
 
 
 @dataclass(frozen=True)
-class Judged:
+class ScoredCandidate:
     """One effect, or two, beside the plain simulation.
 
     Parameters
@@ -130,12 +130,12 @@ class Judged:
         """Its standard error over trajectories."""
         return error_of_sum(self.gains)
 
-    def sure_gain(self, scale: EvidenceScale) -> float:
+    def gain_lower_bound(self, scale: DecisionThresholds) -> float:
         """By which candidates are ranked."""
         return scale.sure(self.gain, self.gain_error)
 
     @property
-    def gain_of_others(self) -> float:
+    def gain_without_best_two(self) -> float:
         """What is left of the gain without the trajectories that bring most."""
         return float(np.sort(self.gains)[:-BEST].sum())
 
@@ -144,7 +144,7 @@ class Judged:
         """What is left of the evidence without the trajectories that bring most."""
         return self.evidence - float(np.sort(self.falls)[-BEST:].sum())
 
-    def is_borne(self, scale: EvidenceScale) -> bool:
+    def has_broad_support(self, scale: DecisionThresholds) -> bool:
         """Whether all trajectories together speak for it, without the best two still, and those held out not against.
 
         Nulls with a mismatched simulator have most of their evidence from two trajectories.
@@ -155,7 +155,7 @@ class Judged:
             and self.gain >= 0.5 * scale.claim
         )
 
-    def is_certain(self, scale: EvidenceScale) -> bool:
+    def is_certain(self, scale: DecisionThresholds) -> bool:
         """Whether trajectories at large, and not one of them, speak for it.
 
         A gain is a square: an effect that only fast touches show has most of it from few of them, and a large error.
@@ -163,30 +163,34 @@ class Judged:
         an effect of one place is under few touches: what is left without the best of them may be enough. Of all frames
         together something must be left without the best two in any case.
         """
-        hangs_on_two = self.evidence_of_others < scale.of_others and self.gain_of_others < scale.claim
+        hangs_on_two = self.evidence_of_others < scale.of_others and self.gain_without_best_two < scale.claim
         return not hangs_on_two and (
             self.gain >= scale.standard_errors * self.gain_error
             or self.signature_before >= scale.agreement
-            or self.gain_of_others >= scale.claim
-            or self.is_borne(scale)
+            or self.gain_without_best_two >= scale.claim
+            or self.has_broad_support(scale)
         )
 
-    def is_agreed(self, scale: EvidenceScale) -> bool:
+    def is_agreed(self, scale: DecisionThresholds) -> bool:
         """Whether trajectories agree on its direction, or enough of them gain by it on their own."""
-        return self.signature_before >= scale.cure or self.gain_of_others >= scale.claim or self.is_borne(scale)
+        return (
+            self.signature_before >= scale.cure
+            or self.gain_without_best_two >= scale.claim
+            or self.has_broad_support(scale)
+        )
 
-    def is_structure(self, scale: EvidenceScale) -> bool:
+    def is_structure(self, scale: DecisionThresholds) -> bool:
         """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
         return self.gain >= 2.0 * scale.claim and self.is_certain(scale)
 
-    def is_trace(self, scale: EvidenceScale) -> bool:
+    def is_trace(self, scale: DecisionThresholds) -> bool:
         """Whether it could be claimed if a share of what a claim needs were enough."""
         return not self.objections(scale.of_traces)
 
-    def objections(self, scale: EvidenceScale) -> tuple[str, ...]:
+    def objections(self, scale: DecisionThresholds) -> tuple[str, ...]:
         """Why it cannot be claimed; empty where it can."""
         found = []
-        if self.gain < scale.claim and not self.is_borne(scale):
+        if self.gain < scale.claim and not self.has_broad_support(scale):
             found.append(
                 f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim:g}"
             )
@@ -204,7 +208,9 @@ class Judged:
         return (*found, *(f"{name} is not plausible" for name in self.implausible))
 
 
-def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expected: float, dispersion: float) -> Judged:
+def score_candidate(
+    base: JointFit, fit: JointFit, base_out: GroupedCosts, out: GroupedCosts, expected: float, dispersion: float
+) -> ScoredCandidate:
     """A refit beside the plain one.
 
     Parameters
@@ -228,7 +234,7 @@ def judge(base: JointFit, fit: JointFit, base_out: HeldOut, out: HeldOut, expect
         for residual in (base.undone, _without(base, fit))
     )
     implausible, at_bounds = range_checks(fit)
-    return Judged(
+    return ScoredCandidate(
         fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
         error_of_sum(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after,
         implausible, at_bounds,

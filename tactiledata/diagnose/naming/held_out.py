@@ -11,13 +11,13 @@ from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.linearise import bounded_change
 from tactiledata.diagnose.naming.metric import RandomEffects
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 FOLDS = 5
 
 
 @dataclass(frozen=True)
-class HeldOut:
+class GroupedCosts:
     """Squares of what was left of groups that were held out, offsets and numerical errors marginalised.
 
     Parameters
@@ -32,7 +32,7 @@ class HeldOut:
     by_indenter: Array
 
 
-def held_out(cases: WhitenedCases, fit: JointFit, seed: int = 0) -> HeldOut:
+def held_out(cases: WhitenedTouches, fit: JointFit, seed: int = 0) -> GroupedCosts:
     """Each group told by a fit to the others; that fit is a step from the whole one, in its linearisation.
 
     The effects' numbers and E, nu, mu move; what is of one trajectory or one indenter only is left to its prior.
@@ -50,7 +50,7 @@ def held_out(cases: WhitenedCases, fit: JointFit, seed: int = 0) -> HeldOut:
         if kinds > 1
         else []
     )
-    return HeldOut(by_trajectory, by_indenter)
+    return GroupedCosts(by_trajectory, by_indenter)
 
 
 def folds_of(count: int, seed: int = 0) -> Indices:
@@ -62,14 +62,14 @@ def folds_of(count: int, seed: int = 0) -> Indices:
 class LinearRefits:
     """What each trajectory tells: normal equations of its own, to be summed over those that are fitted."""
 
-    cases: WhitenedCases
+    cases: WhitenedTouches
     fit: JointFit
     gram: Array
     told: Array
     undone: Array
 
     @staticmethod
-    def of(cases: WhitenedCases, fit: JointFit) -> LinearRefits:
+    def of(cases: WhitenedTouches, fit: JointFit) -> LinearRefits:
         """Of a fit to these trajectories."""
         undone = fit.residual + fit.own * fit.by_row
         metric = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
@@ -109,5 +109,5 @@ class LinearRefits:
         return costs
 
 
-def _rows(cases: WhitenedCases) -> list[slice]:
+def _rows(cases: WhitenedTouches) -> list[slice]:
     return [slice(start, start + count) for start, count in zip(cases.starts, cases.cases.counts, strict=True)]

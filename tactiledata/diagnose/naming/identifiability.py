@@ -11,12 +11,12 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.metric import RandomEffects, cosines
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, nuisance, playable
 from tactiledata.diagnose.naming.strength import Strength
-from tactiledata.diagnose.naming.thresholds import ESTIMATED
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 
-VISIBLE = ESTIMATED.visible
+VISIBLE = DEFAULT_THRESHOLDS.visible
 """Signal over noise, after all that a refit imitates, from which an effect can be claimed."""
 
 
@@ -116,13 +116,13 @@ class Identifiability:
 
 
 def identifiability(
-    cases: CaseSet, material: GelMaterial, effects: Sequence[str] | None = None, errors: NumericalErrors | None = None
+    cases: TouchSet, material: GelMaterial, effects: Sequence[str] | None = None, errors: NumericalErrors | None = None
 ) -> Identifiability:
     """What trajectories as these could tell of effects, before any of them is measured.
 
     Parameters
     ----------
-    cases : CaseSet
+    cases : TouchSet
         Their measured wrenches only weigh the frames; those of a simulation, or zeros, serve as well.
     material : GelMaterial
     effects : names; all of the catalogue where ``None``
@@ -133,7 +133,7 @@ def identifiability(
         Too few trajectories.
     """
     cases.need_cases()
-    white = WhitenedCases.of(cases, errors)
+    white = WhitenedTouches.of(cases, errors)
     names, not_told = playable(white, effects)
     signatures = effect_signatures(white, material, names)
     return identifiability_of(nuisance(white, material), signatures, tuple(not_told), names)

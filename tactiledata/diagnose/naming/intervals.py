@@ -10,14 +10,14 @@ from tactiledata.arrays import Array
 from tactiledata.calibrate.intervals import RISE
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.signatures import MATERIAL
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 TURNS = 3
 ROUNDS = 3
 
 
 @dataclass(frozen=True)
-class Interval:
+class ProfiledInterval:
     """A number and what is known of it, 95 %.
 
     Parameters
@@ -38,8 +38,8 @@ class Interval:
 
 
 def intervals(
-    cases: WhitenedCases, fit: JointFit, numerical: Array, dispersion: float, profiled: bool = True
-) -> tuple[Interval, ...]:
+    cases: WhitenedTouches, fit: JointFit, numerical: Array, dispersion: float, profiled: bool = True
+) -> tuple[ProfiledInterval, ...]:
     """Of E, nu, mu and each number of the effects; the plain fit has only the first three.
 
     Parameters
@@ -65,12 +65,12 @@ def intervals(
         name, unit = _name(fit, place)
         value, first, last = (_value(fit, place, each) for each in (vector[place], *ends))
         at_bound = bool(ends[0] <= low[place]), bool(ends[1] >= high[place])
-        found.append(Interval(name, unit, value, first, last, *at_bound))
+        found.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
     return tuple(found)
 
 
 def _profiled(
-    cases: WhitenedCases, fit: JointFit, numerical: Array, place: int, side: float, reach: float, room: float,
+    cases: WhitenedTouches, fit: JointFit, numerical: Array, place: int, side: float, reach: float, room: float,
     dispersion: float,
 ) -> float:  # fmt: skip
     """How far the number goes until the cost has risen enough, all else fitted anew; by parabolas through the best."""

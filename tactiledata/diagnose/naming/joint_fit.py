@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.linearise import Linearised, Slopes, Weighed, inverse_of
+from tactiledata.diagnose.naming.linearise import Evaluation, Linearised, Sensitivities, inverse_of
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel, joint_model
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.offsets import PRIOR
 
@@ -117,7 +117,7 @@ class JointFit:
 
 
 def joint_fit(
-    cases: WhitenedCases,
+    cases: WhitenedTouches,
     numerical: Array,
     start: JointModel,
     held: Iterable[int] = (),
@@ -160,8 +160,8 @@ def joint_fit(
 
 
 def _stepped(
-    work: Linearised, model: JointModel, state: Weighed, slopes: Slopes, damping: float
-) -> tuple[JointModel, Weighed, float] | None:
+    work: Linearised, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float
+) -> tuple[JointModel, Evaluation, float] | None:
     """A model that costs less, and the damping to go on with; none where no step promises that, or keeps it."""
     while damping < MOST_DAMPING:
         tried, promised = work.step(model, state, slopes, damping)
@@ -174,7 +174,7 @@ def _stepped(
     return None
 
 
-def plain_fit(white: WhitenedCases, material: GelMaterial) -> JointFit:
+def plain_fit(white: WhitenedTouches, material: GelMaterial) -> JointFit:
     """E, nu, mu, offsets of trajectories and errors of the simulation, from a material to begin with."""
     numerical = white.numerical(material)
     model = joint_model(material, [], len(white.starts), numerical.shape[2], box=white.cases.box)

@@ -12,7 +12,7 @@ from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.naming.signatures import material_fields, material_precision, own_field
 from tactiledata.diagnose.touches.touch_case import Played
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.errors import UsageError
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 
@@ -23,7 +23,7 @@ FARTHEST_STEP = 3.0
 
 
 @dataclass(frozen=True)
-class Weighed:
+class Evaluation:
     """What a model predicts, what is left of it (N, 6), whitened, and its cost with all priors."""
 
     predicted: Played
@@ -32,7 +32,7 @@ class Weighed:
 
 
 @dataclass(frozen=True)
-class Slopes:
+class Sensitivities:
     """Whitened change (N, 6, q) over the entries of a model's vector, (N, 6) over a deviation of each offset."""
 
     shared: Array
@@ -45,13 +45,13 @@ class Linearised:
 
     Parameters
     ----------
-    cases : WhitenedCases
+    cases : WhitenedTouches
     numerical : (N, 6, e)
         Whitened numerical errors.
     held : frozenset of int
     """
 
-    cases: WhitenedCases
+    cases: WhitenedTouches
     numerical: Array
     held: frozenset[int]
 
@@ -67,22 +67,22 @@ class Linearised:
         centre[1] = (low[1] + high[1]) / 2.0
         return centre
 
-    def weighed(self, model: JointModel) -> Weighed:
+    def weighed(self, model: JointModel) -> Evaluation:
         """Prediction, residual and cost."""
         predicted = self.cases.cases.played(model.material, model.settings, model.offsets)
         residual = self.cases.residual(predicted.wrench) - self.numerical @ model.errors
         off = model.vector - self.centre(model)
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
-        return Weighed(predicted, residual, float((residual**2).sum() + priors))
+        return Evaluation(predicted, residual, float((residual**2).sum() + priors))
 
-    def weighed_or_none(self, model: JointModel) -> Weighed | None:
+    def weighed_or_none(self, model: JointModel) -> Evaluation | None:
         """The same; nothing where gel and springs find no balance."""
         try:
             return self.weighed(model)
         except UsageError:
             return None
 
-    def slopes(self, model: JointModel, state: Weighed) -> Slopes:
+    def slopes(self, model: JointModel, state: Evaluation) -> Sensitivities:
         """Differences about a model."""
         settings, offsets = model.settings, model.offsets
         gel = material_fields(self.cases, model.material, settings, offsets, state.predicted)
@@ -97,9 +97,11 @@ class Linearised:
             setting = moved.settings[model.coordinates[place - 3].place]
             changed = self.cases.cases.play_where(setting, state.predicted, moved.material, moved.settings, offsets)
             fields.append(self.cases.white(changed - state.predicted.wrench) / step)
-        return Slopes(np.concatenate([gel, *(one[:, :, None] for one in fields), self.numerical], axis=2), own)
+        return Sensitivities(np.concatenate([gel, *(one[:, :, None] for one in fields), self.numerical], axis=2), own)
 
-    def step(self, model: JointModel, state: Weighed, slopes: Slopes, damping: float) -> tuple[JointModel, float]:
+    def step(
+        self, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float
+    ) -> tuple[JointModel, float]:
         """One damped step of the shared numbers, the offsets following, and by how much it should lessen the cost."""
         vector, (low, high) = model.vector, model.bounds
         precision = self.precision(model)

@@ -9,56 +9,56 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision
-from tactiledata.diagnose.naming.evidence import Judged
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
-from tactiledata.diagnose.naming.intervals import Interval, intervals
+from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.refit import Refits
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures, playable
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 
 
 @dataclass(frozen=True)
-class Naming:
+class NamingResult:
     """Everything that was found on the way.
 
     Parameters
     ----------
-    cases : WhitenedCases
+    cases : WhitenedTouches
     base : JointFit
         Of the plain simulation.
-    intervals_before, intervals : tuple of Interval
+    intervals_before, intervals : tuple of ProfiledInterval
         Of E, nu, mu in the plain fit; of these and the effects' numbers in the best one.
     identifiable : Identifiability
         What these trajectories could tell at all.
     screened : list of Screened
-    judged : list of Judged
+    judged : list of ScoredCandidate
         Singles and pairs that were refitted.
     decision : Decision
     not_tried : effects that the touches do not tell enough for
     """
 
-    cases: WhitenedCases
+    cases: WhitenedTouches
     base: JointFit
-    intervals_before: tuple[Interval, ...]
-    intervals: tuple[Interval, ...]
+    intervals_before: tuple[ProfiledInterval, ...]
+    intervals: tuple[ProfiledInterval, ...]
     identifiable: Identifiability
     screened: list[Screened]
-    judged: list[Judged]
+    judged: list[ScoredCandidate]
     decision: Decision
     not_tried: tuple[str, ...]
 
 
 def name_effects(
-    cases: CaseSet,
+    cases: TouchSet,
     material: GelMaterial,
     options: NamingOptions | None = None,
     progress: Callable[[str], None] = lambda text: None,
-) -> Naming:
+) -> NamingResult:
     """What the simulation lacks.
 
     Parameters
@@ -73,7 +73,7 @@ def name_effects(
     """
     chosen = options or NamingOptions()
     cases.need_cases()
-    white = WhitenedCases.of(cases, chosen.errors)
+    white = WhitenedTouches.of(cases, chosen.errors)
     progress("plain fit")
     base = plain_fit(white, material)
     if chosen.robust:
@@ -97,7 +97,7 @@ def name_effects(
         for fit in (base, best)
     )
     identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
-    return Naming(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
+    return NamingResult(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
 
 
 def _huber(residual: Array, turn: float = 2.0) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from tactiledata.diagnose.naming.thresholds import ESTIMATED, EvidenceScale
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 from tactiledata.diagnose.touches.whitened import NumericalErrors
 
 
@@ -16,7 +16,7 @@ class NamingOptions:
     ----------
     effects : names of candidates; all of the catalogue where ``None``
     errors : NumericalErrors
-    scale : EvidenceScale
+    scale : DecisionThresholds
     promising : float
         Logarithm of the first-order Bayes factor from which an effect is refitted.
     most_singles, most_paired, most_first, most_pairs : int
@@ -33,7 +33,7 @@ class NamingOptions:
 
     effects: tuple[str, ...] | None = None
     errors: NumericalErrors = field(default_factory=NumericalErrors)
-    scale: EvidenceScale = ESTIMATED
+    scale: DecisionThresholds = DEFAULT_THRESHOLDS
     promising: float = 0.0
     most_singles: int = 8
     most_paired: int = 6

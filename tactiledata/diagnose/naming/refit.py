@@ -9,16 +9,16 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision, decide, ties_of_two
-from tactiledata.diagnose.naming.evidence import Judged, judge, range_checks
-from tactiledata.diagnose.naming.held_out import HeldOut, held_out
+from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
+from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.naming.remaining_structure import LeftOver
+from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.naming.strength import Strength
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
@@ -29,14 +29,14 @@ class Refits:
 
     Parameters
     ----------
-    white : WhitenedCases
+    white : WhitenedTouches
     numerical : (N, 6, e)
     base : JointFit
     options : NamingOptions
     progress : callable
     """
 
-    white: WhitenedCases
+    white: WhitenedTouches
     numerical: Array
     base: JointFit
     options: NamingOptions
@@ -83,19 +83,19 @@ class Refits:
             found += [fit] if fit is not None else []
         return found
 
-    def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[Judged], Decision]:
+    def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[ScoredCandidate], Decision]:
         """All refits, judged, and the answer."""
         seed, scale = self.options.seed, self.options.scale
         self.progress("held-out trajectories and indenters")
         base_out = held_out(self.white, self.base, seed)
-        outs: list[HeldOut] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
+        outs: list[GroupedCosts] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
         expected = self.white.expected
         least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
-        left = LeftOver.of(least, expected, [case.name for case in self.white.cases.cases])
+        left = RemainingStructure.of(least, expected, [case.name for case in self.white.cases.cases])
         dispersion = max(1.0, left.dispersion)
 
-        def judged_of(fit: JointFit, out: HeldOut) -> Judged:
-            return judge(self.base, fit, base_out, out, float(expected.sum()), dispersion)
+        def judged_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
+            return score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion)
 
         judged = [judged_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
         gains = {one.label: one.gains for one in judged}

@@ -9,11 +9,11 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.evidence import BEST
-from tactiledata.diagnose.naming.thresholds import EvidenceScale
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 
 
 @dataclass(frozen=True)
-class LeftOver:
+class RemainingStructure:
     """What is left of trajectories held out, over what noise alone would leave.
 
     Physics that is missing shows wherever it acts. A touch that hung on a scrap, or whose slide the simulation ends a
@@ -34,20 +34,20 @@ class LeftOver:
     odd: tuple[str, ...] = ()
 
     @staticmethod
-    def of(squares: Array, expected: Array, names: Sequence[str]) -> LeftOver:
+    def of(squares: Array, expected: Array, names: Sequence[str]) -> RemainingStructure:
         """Of sums (t,) of whitened squares, and what noise alone would leave of each (t,)."""
         worst_last = np.argsort(squares - expected, kind="stable")
         others, worst = worst_last[:-BEST], worst_last[-BEST:]
-        return LeftOver(
+        return RemainingStructure(
             float(squares.sum() / expected.sum()),
             float(squares[others].sum() / expected[others].sum()),
             tuple(names[number] for number in worst[::-1]),
         )
 
-    def is_structure(self, scale: EvidenceScale) -> bool:
+    def is_structure(self, scale: DecisionThresholds) -> bool:
         """Whether it is more than noise in trajectories at large."""
         return self.at_large > scale.dispersion
 
-    def is_in_few(self, scale: EvidenceScale) -> bool:
+    def is_in_few(self, scale: DecisionThresholds) -> bool:
         """Whether it is more than noise, yet not without the odd two."""
         return not self.is_structure(scale) and self.dispersion > scale.dispersion

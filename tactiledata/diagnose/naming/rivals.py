@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
-from tactiledata.diagnose.naming.name_effects import Naming
+from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.signatures import strengths_of
 from tactiledata.diagnose.naming.strength import Strength, set_at
@@ -90,7 +90,7 @@ class Rivals:
         return Rivals(tuple(members), tuple(pairs))
 
 
-def rivals_of(naming: Naming, most: int = 4) -> Rivals:
+def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     """What an answer leaves open.
 
     Of a set, the named effect and its ties; of a name alone, it and what came nearest; of an abstention, the strongest
@@ -118,7 +118,7 @@ def rivals_of(naming: Naming, most: int = 4) -> Rivals:
     return Rivals.around(found[:most], supports[:most])
 
 
-def _screened(naming: Naming, start: Sequence[EffectSetting]) -> Rival:
+def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
     """An effect that was not refitted, as its first-order score has it."""
     base = naming.base.model
     errors = len(base.errors)
@@ -129,7 +129,7 @@ def _screened(naming: Naming, start: Sequence[EffectSetting]) -> Rival:
     )
 
 
-def _unseen(naming: Naming) -> Rivals:
+def _unseen(naming: NamingResult) -> Rivals:
     plain = Rival(NOTHING, naming.base)
     known = naming.identifiable
     members = [plain]
@@ -140,7 +140,7 @@ def _unseen(naming: Naming) -> Rivals:
     return Rivals(tuple(members), tuple(Pair(place, 0, False) for place in range(1, len(members))))
 
 
-def _at_its_strongest(naming: Naming, strength: Strength) -> Rival:
+def _at_its_strongest(naming: NamingResult, strength: Strength) -> Rival:
     base, cases = naming.base, naming.cases
     setting = set_at(strength.effect, {strength.name: strength.end}, strength.place)
     model = replace(base.model, settings=(setting,), coordinates=())

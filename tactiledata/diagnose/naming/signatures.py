@@ -14,7 +14,7 @@ from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.strength import Strength, set_at
 from tactiledata.diagnose.touches.touch_case import Played
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import Parameter
@@ -97,7 +97,7 @@ def deviation_of(parameter: Parameter) -> float:
     return parameter.deviation or (parameter.plausible[1] - parameter.plausible[0]) / 4.0
 
 
-def playable(cases: WhitenedCases, names: Iterable[str] | None = None) -> tuple[list[str], list[str]]:
+def playable(cases: WhitenedTouches, names: Iterable[str] | None = None) -> tuple[list[str], list[str]]:
     """Names of effects that the touches tell enough for, and of those that they do not.
 
     Parameters
@@ -116,7 +116,7 @@ def playable(cases: WhitenedCases, names: Iterable[str] | None = None) -> tuple[
 
 
 def effect_signatures(
-    cases: WhitenedCases,
+    cases: WhitenedTouches,
     material: GelMaterial,
     names: Iterable[str],
     settings: Sequence[EffectSetting] = (),
@@ -172,7 +172,7 @@ def _looked_at(parameter: Parameter, look: int) -> float:
     return parameter.grid[look] / deviation_of(parameter) if parameter.grid else SHARE
 
 
-def places_of(cases: WhitenedCases, effect: Effect) -> tuple[str, ...]:
+def places_of(cases: WhitenedTouches, effect: Effect) -> tuple[str, ...]:
     """Where an effect has strengths of its own: one empty name where it is the same everywhere."""
     if not effect.each:
         return ("",)
@@ -181,7 +181,7 @@ def places_of(cases: WhitenedCases, effect: Effect) -> tuple[str, ...]:
 
 
 def _playable_change(
-    cases: WhitenedCases,
+    cases: WhitenedTouches,
     material: GelMaterial,
     settings: list[EffectSetting],
     strength: str,
@@ -203,7 +203,7 @@ def _playable_change(
 
 
 def _change(
-    cases: WhitenedCases, material: GelMaterial, settings: list[EffectSetting], offsets: Array | None, before: Played
+    cases: WhitenedTouches, material: GelMaterial, settings: list[EffectSetting], offsets: Array | None, before: Played
 ) -> Array:
     """What the last setting changes (N, 6); without offsets where, with them, gel and springs find no balance."""
     last = settings[-1]
@@ -222,7 +222,7 @@ def material_steps(bounds: Bounds) -> Array:
 
 
 def material_fields(
-    cases: WhitenedCases,
+    cases: WhitenedTouches,
     material: GelMaterial,
     settings: Sequence[EffectSetting],
     offsets: Array | None,
@@ -244,7 +244,7 @@ def material_fields(
 
 
 def own_field(
-    cases: WhitenedCases, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
+    cases: WhitenedTouches, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
 ) -> Array:
     """Whitened change (N, 6) over one standard deviation of each trajectory's offset."""
     moved = cases.cases.play(material, settings, offsets + OWN_STEP, before)
@@ -257,7 +257,7 @@ def material_precision() -> Array:
     return np.array([0.0, half**-2, 0.0])
 
 
-def nuisance(cases: WhitenedCases, material: GelMaterial) -> RandomEffects:
+def nuisance(cases: WhitenedTouches, material: GelMaterial) -> RandomEffects:
     """What a refit of the plain simulation and its numerical errors could imitate."""
     before = cases.cases.played(material, [])
     own = own_field(cases, material, [], np.zeros(len(cases.starts)), before)

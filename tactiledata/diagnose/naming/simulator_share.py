@@ -9,14 +9,14 @@ import numpy as np
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import percent
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 TOLD = 0.05
 """Share of an indenter's forces from which on a fit says what it takes off them."""
 
 
 @dataclass(frozen=True)
-class Blamed:
+class SimulatorError:
     """One error of the simulation.
 
     Parameters
@@ -36,18 +36,18 @@ class Blamed:
     indenter: str = ""
 
 
-def blamed_simulation(white: WhitenedCases, fit: JointFit) -> list[Blamed]:
-    """The errors of a fit, in the order of `WhitenedCases.numerical`."""
+def simulator_share(white: WhitenedTouches, fit: JointFit) -> list[SimulatorError]:
+    """The errors of a fit, in the order of `WhitenedTouches.numerical`."""
     names = [str(name) for name in np.unique(white.cases.indenters)]
     words = [*(f"all forces of {name}" for name in names), "the growth of force with depth", "shear that sticks"]
     scales = [*([white.errors.shape] * len(names)), white.errors.law, white.errors.shear]
     return [
-        Blamed(what, float(size), float(size) * scale, name)
+        SimulatorError(what, float(size), float(size) * scale, name)
         for what, size, scale, name in zip(words, fit.model.errors, scales, [*names, "", ""], strict=True)
     ]
 
 
-def blamed_words(blamed: list[Blamed]) -> list[str]:
+def simulator_share_words(blamed: list[SimulatorError]) -> list[str]:
     """What a replay does not have, in a sentence; nothing where that is little."""
     off = [one for one in blamed if one.indenter and abs(one.share) >= TOLD]
     if not off:

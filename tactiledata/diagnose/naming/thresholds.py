@@ -25,7 +25,7 @@ Number = TypeVar("Number", float, Array)
 
 
 @dataclass(frozen=True)
-class EvidenceScale:
+class DecisionThresholds:
     """Thresholds and slopes.
 
     Parameters
@@ -105,7 +105,7 @@ class EvidenceScale:
         return float(np.sqrt(2.0 * self.claim))
 
     @property
-    def of_traces(self) -> EvidenceScale:
+    def of_traces(self) -> DecisionThresholds:
         """What a trace needs."""
         return replace(self, claim=self.trace * self.claim, of_others=self.trace * self.of_others)
 
@@ -132,4 +132,4 @@ class EvidenceScale:
         return shares / shares.sum()
 
 
-ESTIMATED = EvidenceScale()
+DEFAULT_THRESHOLDS = DecisionThresholds()

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.touches.touch_case import BaseFamily, CaseSet
+from tactiledata.diagnose.touches.touch_case import BaseFamily, TouchSet
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.closed_form.punch_on_layer import PunchOnLayer
 from tactiledata.effects.touch.response import BaseResponse
@@ -88,7 +88,7 @@ class TrialBench:
     force_limit: float = FORCE_LIMIT
 
     @staticmethod
-    def of(cases: CaseSet, material: GelMaterial, base: BaseFamily | None = None) -> TrialBench:
+    def of(cases: TouchSet, material: GelMaterial, base: BaseFamily | None = None) -> TrialBench:
         """The rig of recorded trajectories; the sensor of the first."""
         first = cases.cases[0]
         own = [case.touch for case in cases.cases if case.touch.sensor == first.touch.sensor]

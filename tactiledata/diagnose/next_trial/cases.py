@@ -8,7 +8,7 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.path import FREE_AIR, TrialPath, trial_path
 from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch
-from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.diagnose.touches.touch_case import TouchCase, TouchSet
 from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch.touch import Touch
@@ -21,7 +21,7 @@ POSES = 125.0
 """Hz at which the robot would tell where it is."""
 
 
-def trial_cases(trial: Trial, bench: TrialBench) -> CaseSet:
+def trial_cases(trial: Trial, bench: TrialBench) -> TouchSet:
     """The trajectories; what they measure is what the plain simulation answers, which only weighs the frames."""
     spots = _Spots(bench)
     since, touches = 0.0, []
@@ -32,10 +32,10 @@ def trial_cases(trial: Trial, bench: TrialBench) -> CaseSet:
         touches.append(_touch(trial, one, path, bench, since, spots))
         since += path.duration + trial.pause
     blank = [_case(trial, number, touch, np.zeros((len(touch), 6)), bench) for number, touch in enumerate(touches)]
-    plain = CaseSet(blank, bench.base).play(bench.material, [])
+    plain = TouchSet(blank, bench.base).play(bench.material, [])
     rows = np.split(plain, np.cumsum([len(touch) for touch in touches])[:-1])
     cases = [_case(trial, number, touch, rows[number], bench) for number, touch in enumerate(touches)]
-    return CaseSet(cases, bench.base)
+    return TouchSet(cases, bench.base)
 
 
 def duration(trial: Trial) -> float:

@@ -14,8 +14,8 @@ from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.linearise import bounded_change
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel
-from tactiledata.diagnose.touches.touch_case import CaseSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedCases
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
 
 NEAR = np.array([0.03, 0.005, 0.05])
 """Of ln E, nu and mu: so near to those of the truth a refit begins where the recorded data leave them open, as slopes
@@ -82,7 +82,7 @@ class TrialRows:
 
     Parameters
     ----------
-    white : WhitenedCases
+    white : WhitenedTouches
     numerical : (n, 6, e)
         Numerical errors of the trial: one an indenter, by name, then those of all.
     columns : (e,) int
@@ -91,20 +91,20 @@ class TrialRows:
         How many numerical errors there are in all, and in the recorded data.
     """
 
-    white: WhitenedCases
+    white: WhitenedTouches
     numerical: Array
     columns: NDArray[np.int64]
     errors: int
     recorded: int
 
     @staticmethod
-    def of(trial: CaseSet, recorded: WhitenedCases) -> TrialRows:
+    def of(trial: TouchSet, recorded: WhitenedTouches) -> TrialRows:
         """Of a trial beside what was recorded, with the same numerical errors."""
         before = sorted(set(recorded.cases.indenters))
         now = sorted(set(trial.indenters))
         new = [name for name in now if name not in before]
         errors: NumericalErrors = recorded.errors
-        white = WhitenedCases.of(trial, errors)
+        white = WhitenedTouches.of(trial, errors)
         numerical = white.numerical(trial.cases[0].touch.material)
         common = numerical.shape[2] - len(now)
         known = len(before) + common

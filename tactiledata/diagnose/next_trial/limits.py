@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.diagnose.touches.touch_case import TouchCase, TouchSet
 from tactiledata.gel.elasticity.material import GelMaterial
 
 STILL = 1e-5
@@ -21,7 +21,7 @@ FEWEST = 20
 """Readings, to speak of a share."""
 
 
-def limits(cases: CaseSet, material: GelMaterial) -> list[str]:
+def limits(cases: TouchSet, material: GelMaterial) -> list[str]:
     """In sentences: what cannot be concluded, and what to record; empty where nothing stands in the way.
 
     Parameters
@@ -48,7 +48,7 @@ def limits(cases: CaseSet, material: GelMaterial) -> list[str]:
     return said
 
 
-def _one_indenter(cases: CaseSet) -> str:
+def _one_indenter(cases: TouchSet) -> str:
     if len(set(cases.indenters)) > 1:
         return ""
     return (
@@ -57,7 +57,7 @@ def _one_indenter(cases: CaseSet) -> str:
     )
 
 
-def _no_dwell(cases: CaseSet) -> str:
+def _no_dwell(cases: TouchSet) -> str:
     if any(_dwells(case) for case in cases.cases):
         return ""
     return (
@@ -77,7 +77,7 @@ def _dwells(case: TouchCase) -> bool:
     return False
 
 
-def _no_free_air(cases: CaseSet) -> str:
+def _no_free_air(cases: TouchSet) -> str:
     without = sum(not case.free_air.any() for case in cases.cases)
     if without < len(cases.cases):
         return ""
@@ -87,7 +87,7 @@ def _no_free_air(cases: CaseSet) -> str:
     )
 
 
-def _no_free_samples(cases: CaseSet) -> str:
+def _no_free_samples(cases: TouchSet) -> str:
     without = sum(case.free_samples < 1 for case in cases.cases)
     if not without:
         return ""
@@ -97,7 +97,7 @@ def _no_free_samples(cases: CaseSet) -> str:
     )
 
 
-def _one_speed(cases: CaseSet) -> str:
+def _one_speed(cases: TouchSet) -> str:
     speeds = np.concatenate([case.touch.lateral_speed[~case.free_air] for case in cases.cases])
     moving = speeds[speeds > 1e-4]
     if not len(moving):
@@ -111,7 +111,7 @@ def _one_speed(cases: CaseSet) -> str:
     )
 
 
-def _clipped(cases: CaseSet) -> str:
+def _clipped(cases: TouchSet) -> str:
     readings = np.concatenate([case.measured[~case.free_air] for case in cases.cases])[:, :3]
     readings = readings[np.isfinite(readings).all(axis=1)]
     if len(readings) < FEWEST:
@@ -127,7 +127,7 @@ def _clipped(cases: CaseSet) -> str:
     return ""
 
 
-def _dead(cases: CaseSet) -> str:
+def _dead(cases: TouchSet) -> str:
     readings = np.concatenate([case.measured for case in cases.cases])
     dead = [
         name
@@ -142,7 +142,7 @@ def _dead(cases: CaseSet) -> str:
     )
 
 
-_CHECKS: tuple[Callable[[CaseSet], str], ...] = (
+_CHECKS: tuple[Callable[[TouchSet], str], ...] = (
     _dead,
     _one_indenter,
     _no_dwell,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.name_effects import Naming
+from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.rivals import Pair, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.cases import trial_cases
@@ -16,7 +16,7 @@ from tactiledata.diagnose.next_trial.distance import Recorded, TrialRows, error_
 from tactiledata.diagnose.next_trial.kinds import TRIALS
 from tactiledata.diagnose.next_trial.trial import Trial
 from tactiledata.diagnose.touches.touch_case import BaseFamily
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.errors import UsageError
 
 Way = tuple[int, int]
@@ -86,7 +86,7 @@ class Proposal:
 
 
 def propose_trials(
-    naming: Naming,
+    naming: NamingResult,
     base: BaseFamily | None = None,
     bench: TrialBench | None = None,
     trials: Sequence[Callable[[TrialBench], Trial]] = TRIALS,
@@ -115,7 +115,7 @@ def propose_trials(
 
 def ranked_trials(
     rivals: Rivals,
-    recorded: WhitenedCases,
+    recorded: WhitenedTouches,
     bench: TrialBench,
     dispersion: float = 1.0,
     trials: Sequence[Callable[[TrialBench], Trial]] = TRIALS,

@@ -9,7 +9,7 @@ from scipy.stats import t as student
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.learners import folds, need_learning_library
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 
 
@@ -55,7 +55,7 @@ class BlackBox:
         return self.explained >= WORTH and self.p <= LEVEL
 
 
-def black_box(projection: Projection, seed: int = 0) -> BlackBox:
+def black_box(projection: ProjectedResiduals, seed: int = 0) -> BlackBox:
     """Boosted trees on the refitted residual, trajectories held out by fives."""
     need_learning_library()
     from sklearn.ensemble import HistGradientBoostingRegressor
@@ -89,7 +89,7 @@ def black_box(projection: Projection, seed: int = 0) -> BlackBox:
     return BlackBox(predicted, squares, explained, _p(projection, predicted))
 
 
-def _p(projection: Projection, predicted: Array) -> float:
+def _p(projection: ProjectedResiduals, predicted: Array) -> float:
     """Chance of so much agreement of residuals with their predictions.
 
     A pair of units of different folds predicts one another, so that agreements come in pairs: their sum scatters by the

@@ -16,7 +16,7 @@ SINGULAR = 1e-10
 
 
 @dataclass(frozen=True)
-class Projection:
+class ProjectedResiduals:
     """Residuals after own parameters are marginalised and shared ones refitted, in the metric that this leaves.
 
     A parameter b ~ N(0, v) of one trajectory, with sensitivities s, is the same as the covariance ``I + v s sᵀ`` over
@@ -71,7 +71,7 @@ class Projection:
         return self.residuals.by_unit(np.einsum("nkc,nkc->nc", field, other))
 
 
-def project(residuals: Residuals) -> Projection:
+def project(residuals: Residuals) -> ProjectedResiduals:
     """The projection of residuals."""
     shared = list(residuals.shared)
     own = [place for place in range(len(residuals.parameters)) if place not in shared]
@@ -84,7 +84,7 @@ def project(residuals: Residuals) -> Projection:
     refit = inverse @ np.einsum("nkp,nk->p", directions, weighed_values)
     left = residuals.values - directions @ refit
     score = weighed_values - weighed @ refit
-    return Projection(residuals, basis, directions, weighed, inverse, refit, left, score)
+    return ProjectedResiduals(residuals, basis, directions, weighed, inverse, refit, left, score)
 
 
 def _pseudo_inverse(gram: Array) -> Array:

@@ -41,7 +41,7 @@ class Covariate:
 
 
 @dataclass(frozen=True)
-class Parameter:
+class ResidualParameter:
     """A parameter of the simulation that was fitted, or might have been.
 
     Parameters
@@ -79,7 +79,7 @@ class Residuals:
     labels : dict, name -> (n,) texts
         For example indenter, sensor, ``phase`` ("free air", "approach", "press", "dwell", "shear", "leave") and
         ``contact`` ("stick", "slip").
-    parameters : sequence of Parameter
+    parameters : sequence of ResidualParameter
     sensitivities : (n, k, p)
         Change of the whitened simulation over that of each parameter.
     blocks : (n,), optional
@@ -105,7 +105,7 @@ class Residuals:
     groups: Indices
     covariates: Mapping[str, Covariate] = field(default_factory=dict)
     labels: Mapping[str, Names] = field(default_factory=dict)
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[ResidualParameter, ...] = ()
     sensitivities: Array | None = None
     blocks: Indices | None = None
     units: tuple[str, ...] = ()
@@ -212,7 +212,7 @@ class Residuals:
             return self
         return replace(
             self,
-            parameters=(*self.parameters, *(Parameter(name) for name in fields)),
+            parameters=(*self.parameters, *(ResidualParameter(name) for name in fields)),
             sensitivities=np.concatenate([self.slopes, np.stack(list(fields.values()), axis=2)], axis=2),
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.projection import Projection
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 
 FEWEST_EFFECTIVE = 5.0
 """Units of exchange that an alternative rests on, counted by their information."""
@@ -121,12 +121,12 @@ class Contributions:
         return np.where(is_known, self.by_unit.sum(axis=0) / np.where(is_known, self.information, 1.0), 0.0)
 
 
-def contributions(projection: Projection, place: int, instruments: Array) -> Contributions:
+def contributions(projection: ProjectedResiduals, place: int, instruments: Array) -> Contributions:
     """Scores of letting a shared parameter, by its place among them, vary with instruments: see `along`."""
     return along(projection, projection.directions[:, :, place], instruments)
 
 
-def along(projection: Projection, direction: Array, instruments: Array) -> Contributions:
+def along(projection: ProjectedResiduals, direction: Array, instruments: Array) -> Contributions:
     """Scores of fields ``instrument * direction``, orthogonal to all shared and own parameters.
 
     Parameters

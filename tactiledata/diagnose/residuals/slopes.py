@@ -8,8 +8,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.projection import Projection
-from tactiledata.diagnose.residuals.residuals import Parameter
+from tactiledata.diagnose.residuals.projection import ProjectedResiduals
+from tactiledata.diagnose.residuals.residuals import ResidualParameter
 from tactiledata.diagnose.residuals.scores import IMITATED
 from tactiledata.diagnose.residuals.wording import TOO, quantity, signed_change, with_interval
 
@@ -20,12 +20,12 @@ class Change:
 
     Parameters
     ----------
-    parameter : Parameter
+    parameter : ResidualParameter
     value, half_width : float
         In the parameter's unit; the 95 % interval is value ± half_width.
     """
 
-    parameter: Parameter
+    parameter: ResidualParameter
     value: float
     half_width: float
 
@@ -66,7 +66,7 @@ class Change:
         return self.value, self.half_width, self.parameter.unit
 
 
-def change(projection: Projection, place: int, instrument: Array) -> Change:
+def change(projection: ProjectedResiduals, place: int, instrument: Array) -> Change:
     """The change of a shared parameter along an instrument (n,), all other parameters refitted with it.
 
     Its variance is the sandwich of the units of exchange at the fit that includes the change.
@@ -85,7 +85,7 @@ def change(projection: Projection, place: int, instrument: Array) -> Change:
     return Change(parameter, value, _half_width(misfit, information / total))
 
 
-def refitted(projection: Projection) -> list[Change]:
+def refitted(projection: ProjectedResiduals) -> list[Change]:
     """By how much a linear refit moves each shared parameter, with intervals from what the units disagree on."""
     residuals, inverse = projection.residuals, projection.inverse
     moved = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score)) @ inverse

@@ -13,7 +13,7 @@ from tactiledata.arrays import Array
 from tactiledata.contract.wording import counted
 from tactiledata.diagnose.locate.free_air import in_contact
 from tactiledata.diagnose.residuals.instruments import MOST_LEVELS
-from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, Covariate, Parameter, Residuals
+from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, Covariate, ResidualParameter, Residuals
 from tactiledata.diagnose.residuals.wording import quantity
 from tactiledata.diagnose.table_input.columns import Columns, columns_of, is_text
 from tactiledata.diagnose.table_input.held_steps import times_since_steps
@@ -255,7 +255,7 @@ def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
 
 def _offset_and_scale(
     columns: Columns, observed: Array, predicted: Array, scatter: Array, noise: Array, notes: list[str]
-) -> tuple[tuple[Parameter, ...], Array]:
+) -> tuple[tuple[ResidualParameter, ...], Array]:
     parameters, slopes = [], []
     for place, one in enumerate(columns.quantities):
         has_scale = _tells_scale(observed[:, place], predicted[:, place], float(scatter[place]))
@@ -271,7 +271,9 @@ def _offset_and_scale(
             slope = np.zeros_like(predicted)
             slope[:, place] = field / noise[:, place]
             slopes.append(slope)
-            parameters.append(Parameter(f"the {name} of {one.name}", one.unit if name == "offset" else "1", value))
+            parameters.append(
+                ResidualParameter(f"the {name} of {one.name}", one.unit if name == "offset" else "1", value)
+            )
     return tuple(parameters), np.stack(slopes, axis=2)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Covariate, Names
-from tactiledata.diagnose.touches.touch_case import CaseSet, TouchCase
+from tactiledata.diagnose.touches.touch_case import TouchCase, TouchSet
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.effects.simulate.simulator import with_effects
 from tactiledata.effects.touch.response import ContactResponse
@@ -21,7 +21,7 @@ VARIES = 1e-6
 """Of its size, by which a covariate must vary to be one."""
 
 
-def contacts(cases: CaseSet, material: GelMaterial, offsets: Array) -> list[ContactResponse]:
+def contacts(cases: TouchSet, material: GelMaterial, offsets: Array) -> list[ContactResponse]:
     """What the plain simulation says of each contact, every trajectory deeper by its offset (t,), m."""
     base = with_effects(cases.base(material), [])
     found = []
@@ -31,7 +31,7 @@ def contacts(cases: CaseSet, material: GelMaterial, offsets: Array) -> list[Cont
     return found
 
 
-def case_covariates(cases: CaseSet, answers: Sequence[ContactResponse]) -> dict[str, Covariate]:
+def case_covariates(cases: TouchSet, answers: Sequence[ContactResponse]) -> dict[str, Covariate]:
     """Covariates (N,) that all touches tell and that vary; where a value is unknown, that of the frame before.
 
     Parameters
@@ -78,7 +78,7 @@ def phases(case: TouchCase) -> Names:
     return named
 
 
-def _slowest(cases: CaseSet) -> float:
+def _slowest(cases: TouchSet) -> float:
     """The slowest shear, mm/s, but for a few frames."""
     shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in cases.cases]
     speeds = 1e3 * np.concatenate(shears)

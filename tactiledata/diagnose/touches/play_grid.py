@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.player import play_nodes, played_or_kept
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
@@ -79,8 +80,6 @@ def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
     return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)
 
 
-Tell = Callable[..., None]
-
 SHIFT = 5e-5
 """m: paths are played this much to either side along x and y."""
 KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
@@ -94,7 +93,7 @@ def play_touches(
     touches: Sequence[MeasuredTouch],
     bounds: Bounds,
     workers: int = 1,
-    tell: Tell = lambda done, total, what="": None,
+    tell: Progress = no_progress,
     variants: Sequence[GelVariant] = (),
 ) -> list[TouchPlays]:
     """The plays of each touch; frames that one of them could not solve are NaN in all.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +12,11 @@ from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.measured import Measured, kept_rows, read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
 from tactiledata.diagnose.touches.played_response import PlayedFamily
-from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, CaseSet, TouchCase
+from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, TouchCase, TouchSet
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import TactileDataError
@@ -28,19 +28,17 @@ from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.sensors.base import GelGeometry
 from tactiledata.store.read.reader import Store
 
-Tell = Callable[..., None]
-
 FREE_AIR = 1e-4
 """m: a tip higher than this above the gel touches nothing, whatever its offset."""
 
 
 @dataclass(frozen=True)
-class StoreCases:
+class StoreTouches:
     """What a store gives to a diagnosis.
 
     Parameters
     ----------
-    cases : CaseSet
+    cases : TouchSet
     start : GelMaterial
         Where fits begin.
     effects : tuple of str
@@ -54,7 +52,7 @@ class StoreCases:
         Of the trajectories that take part, in order.
     """
 
-    cases: CaseSet
+    cases: TouchSet
     start: GelMaterial
     effects: tuple[str, ...]
     not_played: dict[str, str]
@@ -64,9 +62,7 @@ class StoreCases:
     uids: tuple[str, ...]
 
 
-def store_cases(
-    store: Store, options: CalibrationOptions, tell: Tell = lambda done, total, what="": None
-) -> StoreCases:
+def store_touches(store: Store, options: CalibrationOptions, tell: Progress = no_progress) -> StoreTouches:
     """The trajectories of a store that options ask for.
 
     Raises
@@ -102,8 +98,8 @@ def store_cases(
     family = PlayedFamily([case.touch for case in cases], kept)
     lost = sum(len(touch.seconds) for touch in measured.touches) - sum(len(case.touch) for case in cases)
     # an effect may move E far: held at a durometer's bound, errors of the simulation would take up what is missing
-    asked = CaseSet(cases, family, box.with_free_modulus)
-    return StoreCases(asked, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
+    asked = TouchSet(cases, family, box.with_free_modulus)
+    return StoreTouches(asked, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:

@@ -100,7 +100,7 @@ class Played:
 
 
 @dataclass(frozen=True)
-class CaseSet:
+class TouchSet:
     """Trajectories and the simulation that is to play them, all frames one after the other: N rows of t trajectories.
 
     Parameters

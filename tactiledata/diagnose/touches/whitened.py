@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.residuals.history import largest_so_far
-from tactiledata.diagnose.touches.touch_case import CaseSet
+from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.numerical import (
     CENTRE_SCATTER,
@@ -58,27 +58,27 @@ class NumericalErrors:
 
 
 @dataclass(frozen=True)
-class WhitenedCases:
+class WhitenedTouches:
     """The same trajectories, ready for least squares: N rows of t trajectories.
 
     Parameters
     ----------
-    cases : CaseSet
+    cases : TouchSet
     errors : NumericalErrors
     trust : (N,)
         Factors on the weight of frames, of a robust fit.
     """
 
-    cases: CaseSet
+    cases: TouchSet
     errors: NumericalErrors
     trust: Array
 
     @staticmethod
-    def of(cases: CaseSet, errors: NumericalErrors | None = None) -> WhitenedCases:
+    def of(cases: TouchSet, errors: NumericalErrors | None = None) -> WhitenedTouches:
         """All frames trusted alike."""
-        return WhitenedCases(cases, errors or NumericalErrors(), np.ones(int(cases.counts.sum())))
+        return WhitenedTouches(cases, errors or NumericalErrors(), np.ones(int(cases.counts.sum())))
 
-    def trusting(self, trust: Array) -> WhitenedCases:
+    def trusting(self, trust: Array) -> WhitenedTouches:
         """The same with factors (N,) on the weight of frames."""
         return replace(self, trust=trust)
 
@@ -168,7 +168,7 @@ class WhitenedCases:
         white = self._scattered[0].transpose(0, 2, 1) @ field
         return zero_power(white, self.zero_gains, self.starts, self.tare, -0.5).reshape(rows.shape)
 
-    def part(self, chosen: NDArray[np.bool_]) -> WhitenedCases:
+    def part(self, chosen: NDArray[np.bool_]) -> WhitenedTouches:
         """Some of the trajectories (t,)."""
         kept = [case for case, is_kept in zip(self.cases.cases, chosen, strict=True) if is_kept]
         return replace(self, cases=replace(self.cases, cases=kept), trust=self.trust[chosen[self.trajectory]])

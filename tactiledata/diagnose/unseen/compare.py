@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.diagnose.locate.drifts import Drift
-from tactiledata.diagnose.locate.locate import LEVEL, Located
+from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.joint_fit import JointFit
-from tactiledata.diagnose.naming.name_effects import Naming
-from tactiledata.diagnose.naming.simulator_share import blamed_simulation
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.simulator_share import simulator_share
 from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
 from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.unseen.errors import FORCE, HeldOutErrors, held_out_errors
@@ -22,7 +22,7 @@ STRETCHED = 3.0
 
 
 @dataclass(frozen=True)
-class Shown:
+class HeldOutComparison:
     """How much better the simulation tells what it has not seen.
 
     Parameters
@@ -33,9 +33,9 @@ class Shown:
         Effects that "after" speaks of: those that are claimed, else the nearest candidate; empty where there is none.
     errors : list of HeldOutErrors
         Of trajectories, indenters, sensors, in that order.
-    located : Located
+    located : LocatorResults
         Of the plain simulation.
-    left_over : Located, optional
+    left_over : LocatorResults, optional
         Of what the claimed effects leave; ``None`` where none is claimed.
     ceiling : BlackBox
         Boosted trees on what the plain simulation leaves, trajectories held out.
@@ -48,8 +48,8 @@ class Shown:
     names: tuple[str, ...]
     tried: tuple[str, ...]
     errors: list[HeldOutErrors]
-    located: Located
-    left_over: Located | None
+    located: LocatorResults
+    left_over: LocatorResults | None
     ceiling: BlackBox
     ceiling_force: float
     stretched: dict[str, float]
@@ -94,12 +94,12 @@ class Shown:
 
 
 def show(
-    naming: Naming,
+    naming: NamingResult,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
-    located: Located | None = None,
-    left_over: Located | None = None,
-) -> Shown:
+    located: LocatorResults | None = None,
+    left_over: LocatorResults | None = None,
+) -> HeldOutComparison:
     """The plain simulation and the best fit on trajectories, indenters and sensors that were held out.
 
     Held-out numbers are those of `tactiledata.diagnose.unseen.errors`: refits to the others are linearised about
@@ -107,7 +107,7 @@ def show(
 
     Parameters
     ----------
-    located, left_over : Located, optional
+    located, left_over : LocatorResults, optional
         Of the plain fit and of that with the effects, where they are known already.
 
     Raises
@@ -132,13 +132,13 @@ def show(
     elif left_over is None:
         progress("what is left")
         left_over = locate_touches(white, after, seed)
-    return Shown(
+    return HeldOutComparison(
         names, after.names, errors, located, left_over, ceiling, _ceiling_force(naming, errors[0], ceiling),
         _stretched(naming, base),
     )  # fmt: skip
 
 
-def _ceiling_force(naming: Naming, errors: HeldOutErrors, ceiling: BlackBox) -> float:
+def _ceiling_force(naming: NamingResult, errors: HeldOutErrors, ceiling: BlackBox) -> float:
     """Root mean square, N, of the force that black box and plain simulation leave together of trajectories held out."""
     white = naming.cases
     rows = known_rows(white, errors.before)
@@ -151,6 +151,6 @@ def _ceiling_force(naming: Naming, errors: HeldOutErrors, ceiling: BlackBox) -> 
     return min(float(np.sqrt((left**2).mean())), errors.force.before)
 
 
-def _stretched(naming: Naming, base: JointFit) -> dict[str, float]:
-    found = blamed_simulation(naming.cases, base)
+def _stretched(naming: NamingResult, base: JointFit) -> dict[str, float]:
+    found = simulator_share(naming.cases, base)
     return {one.what: one.deviations for one in found if abs(one.deviations) >= STRETCHED}

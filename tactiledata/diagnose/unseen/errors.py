@@ -15,14 +15,14 @@ from tactiledata.diagnose.naming.linearise import offset_steps
 from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.naming.signatures import own_field
 from tactiledata.diagnose.residuals.gap import Gap, gap_closed
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.touch_residuals import known_rows
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 
 ROUNDS = 2
 
 
-def held_out_wrenches(white: WhitenedCases, fit: JointFit, groups: NDArray[np.int64], numerical: Array) -> Array:
+def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.int64], numerical: Array) -> Array:
     """Wrenches (N, 6), N and N m, each group's by numbers that were fitted to the others; NaN where not simulated.
 
     E, nu, mu, the effects' numbers and the errors of the simulation move to where the other groups have them: one step
@@ -49,13 +49,13 @@ def held_out_wrenches(white: WhitenedCases, fit: JointFit, groups: NDArray[np.in
     return predicted
 
 
-def zero_shares(white: WhitenedCases) -> Array:
+def zero_shares(white: WhitenedTouches) -> Array:
     """Shares (t,) of a trajectory's mean residual that are taken for its zero, from what its free air tells of it."""
     known = np.add.reduceat(white.weights**2, white.starts) * white.tare
     return known / (1.0 + known)
 
 
-def _own_zeros(part: WhitenedCases, predicted: Array) -> Array:
+def _own_zeros(part: WhitenedTouches, predicted: Array) -> Array:
     """Most likely zeros (N, 6), N and N m, of trajectories beside what is predicted of them."""
     weights = np.where(np.isfinite(predicted).all(axis=1), part.weights**2, 0.0)
     off = weights[:, None] * np.nan_to_num(part.measured - predicted)
@@ -64,7 +64,7 @@ def _own_zeros(part: WhitenedCases, predicted: Array) -> Array:
     return zeros[part.trajectory]
 
 
-def _with_own_offsets(part: WhitenedCases, model: JointModel, numerical: Array) -> Array:
+def _with_own_offsets(part: WhitenedTouches, model: JointModel, numerical: Array) -> Array:
     """What a model says of trajectories (N, 6), their offsets (t,) fitted to them."""
     material, settings, errors = model.material, model.settings, numerical @ model.errors
     offsets = model.offsets
@@ -130,7 +130,9 @@ class HeldOutErrors:
         return self.force.after / self.force.before - 1.0
 
 
-def held_out_errors(white: WhitenedCases, fits: Sequence[JointFit], numerical: Array, seed: int) -> list[HeldOutErrors]:
+def held_out_errors(
+    white: WhitenedTouches, fits: Sequence[JointFit], numerical: Array, seed: int
+) -> list[HeldOutErrors]:
     """Of trajectories, and of indenters and sensors where there are at least two.
 
     Parameters
@@ -155,7 +157,7 @@ def held_out_errors(white: WhitenedCases, fits: Sequence[JointFit], numerical: A
     return found
 
 
-def _errors(white: WhitenedCases, unseen: str, count: int, before: Array, after: Array, seed: int) -> HeldOutErrors:
+def _errors(white: WhitenedTouches, unseen: str, count: int, before: Array, after: Array, seed: int) -> HeldOutErrors:
     rows = known_rows(white, before) & known_rows(white, after)
     frames = np.add.reduceat(rows.astype(np.float64), white.starts)
     floors = _noise(white, frames)
@@ -186,7 +188,7 @@ def _errors(white: WhitenedCases, unseen: str, count: int, before: Array, after:
     return HeldOutErrors(unseen, count, gap(FORCE, 1.0), gap(TORQUE, 1e3), losses, before, after, by_trajectory)
 
 
-def _noise(white: WhitenedCases, frames: Array, offsets: float = 1.0 / 3.0) -> Array:
+def _noise(white: WhitenedTouches, frames: Array, offsets: float = 1.0 / 3.0) -> Array:
     """What noise alone leaves (N, 6), N and N m, once each trajectory has taken its offset and its zero from itself.
 
     Parameters

@@ -10,13 +10,13 @@ from scipy.optimize import brentq
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.locate.gate import NoiseModel
-from tactiledata.diagnose.locate.locate import Located, LocateOptions, locate
+from tactiledata.diagnose.locate.locate import LocateOptions, LocatorResults, locate
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.signatures import effect_signatures
-from tactiledata.diagnose.residuals.residuals import Names, Parameter, Residuals
+from tactiledata.diagnose.residuals.residuals import Names, ResidualParameter, Residuals
 from tactiledata.diagnose.residuals.sign_flips import DRAWS
 from tactiledata.diagnose.touches.covariates import case_covariates, contacts, phases
-from tactiledata.diagnose.touches.whitened import WhitenedCases
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects import EFFECTS
 from tactiledata.nuisance.offsets import PRIOR
 
@@ -49,12 +49,12 @@ TO_UNIT = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
 """N and N m into these units."""
 
 
-def known_rows(white: WhitenedCases, predicted: Array) -> NDArray[np.bool_]:
+def known_rows(white: WhitenedTouches, predicted: Array) -> NDArray[np.bool_]:
     """Rows (N,) with a measured wrench, and a simulated one (N, 6)."""
     return (white.weights > 0) & np.isfinite(predicted).all(axis=1)
 
 
-def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
+def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
     """Whitened residuals of a fit, frames that were not measured or not simulated left out.
 
     E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset and
@@ -72,7 +72,7 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
     slopes = white.with_zeros(np.stack(fields, axis=2))
     zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
-    names = tuple(Parameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
+    names = tuple(ResidualParameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
     deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
     return Residuals(
         white.with_zeros(fit.residual + fit.own * fit.by_row) * single,
@@ -88,7 +88,7 @@ def case_residuals(white: WhitenedCases, fit: JointFit) -> Residuals:
     ).part(rows)
 
 
-def slide_ways(white: WhitenedCases) -> dict[str, Array]:
+def slide_ways(white: WhitenedTouches) -> dict[str, Array]:
     """Directions (N, 6) of shear along each trajectory's first slide, and of its torque; 0 where nothing slides."""
     ways = np.zeros((len(white.trajectory), 2))
     for number, case in enumerate(white.cases.cases):
@@ -102,7 +102,7 @@ def slide_ways(white: WhitenedCases) -> dict[str, Array]:
     return {"shear along the slide": force, "torque of shear along the slide": torque}
 
 
-def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
+def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
     """What each strength of each effect would change in such residuals (n, 6), by the effect's title."""
     answers = contacts(white.cases, fit.model.material, fit.model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
@@ -115,7 +115,7 @@ def signature_fields(white: WhitenedCases, fit: JointFit, effects: Sequence[str]
     return fields
 
 
-def case_noise(white: WhitenedCases, fit: JointFit) -> NoiseModel:
+def case_noise(white: WhitenedTouches, fit: JointFit) -> NoiseModel:
     """The noise of such residuals, for the gate: that of neighbours alike, and scatter of the simulation."""
     inflation = float(np.mean([case.noise.inflation for case in white.cases.cases]))
     answers = contacts(white.cases, fit.model.material, fit.model.offsets)
@@ -124,13 +124,13 @@ def case_noise(white: WhitenedCases, fit: JointFit) -> NoiseModel:
     return NoiseModel((inflation - 1.0) / (inflation + 1.0), scatter=scatter)
 
 
-def locating(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
+def locating(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
     """How to locate in such residuals: their noise is known, and they are those of a fit."""
     noise = case_noise(white, fit)
     return LocateOptions(noise=noise, seed=seed, draws=draws, is_fitted=True, errors=OF_THE_GEL)
 
 
-def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> Located:
+def locate_touches(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocatorResults:
     """Where recordings and a fit to them differ.
 
     Raises
@@ -141,12 +141,12 @@ def locate_touches(white: WhitenedCases, fit: JointFit, seed: int = 0, draws: in
     return locate(case_residuals(white, fit), locating(white, fit, seed, draws))
 
 
-def _single(white: WhitenedCases) -> Array:
+def _single(white: WhitenedTouches) -> Array:
     """Factors (N, 1): noise was widened for neighbours that resemble one another; a value's own variance is to be 1."""
     return np.sqrt(np.array([case.noise.inflation for case in white.cases.cases]))[white.trajectory, None]
 
 
-def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, ...], list[Array]]:
+def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualParameter, ...], list[Array]]:
     """Parameters and whitened changes (N, 6) over each."""
     gel, model = fit.model.material, fit.model
     low, high = (end[:3] for end in model.bounds)
@@ -155,28 +155,28 @@ def _parameters(white: WhitenedCases, fit: JointFit) -> tuple[tuple[Parameter, .
     modulus = gel.youngs_modulus * 1e-3
     by_log = fit.shared[:, :, 0]
     listed = [
-        Parameter("E", "kPa", modulus, is_tested=bool(is_free[0])),
-        Parameter("nu", "1", gel.poisson_ratio, is_tested=bool(is_free[1])),
-        Parameter("mu", "1", gel.friction, is_tested=bool(is_free[2])),
-        Parameter("contact offset", "mm", own_deviation=1e3 * PRIOR),
+        ResidualParameter("E", "kPa", modulus, is_tested=bool(is_free[0])),
+        ResidualParameter("nu", "1", gel.poisson_ratio, is_tested=bool(is_free[1])),
+        ResidualParameter("mu", "1", gel.friction, is_tested=bool(is_free[2])),
+        ResidualParameter("contact offset", "mm", own_deviation=1e3 * PRIOR),
     ]
     fields = [by_log / modulus, fit.shared[:, :, 1], fit.shared[:, :, 2], fit.own / (1e3 * PRIOR)]
     for place, one in enumerate(model.coordinates):
-        listed.append(Parameter(model.name_of(one), one.parameter.unit, is_tested=False))
+        listed.append(ResidualParameter(model.name_of(one), one.parameter.unit, is_tested=False))
         fields.append(fit.shared[:, :, 3 + place])
     # a factor on an indenter's forces is a modulus of its own: the very field of E, so that E beside it is no question
     owner = white.indenter[white.trajectory]
     kinds = int(white.indenter.max()) + 1
     for kind in range(kinds):
-        listed.append(Parameter(f"forces of indenter {kind}", is_tested=False))
+        listed.append(ResidualParameter(f"forces of indenter {kind}", is_tested=False))
         fields.append(by_log * (owner == kind)[:, None])
     for place in range(len(model.errors) - kinds):
-        listed.append(Parameter(f"error of the simulation {place}", is_tested=False))
+        listed.append(ResidualParameter(f"error of the simulation {place}", is_tested=False))
         fields.append(fit.shared[:, :, 3 + len(model.coordinates) + kinds + place])
     return tuple(listed), fields
 
 
-def _labels(white: WhitenedCases, slides: NDArray[np.bool_]) -> dict[str, Names]:
+def _labels(white: WhitenedTouches, slides: NDArray[np.bool_]) -> dict[str, Names]:
     """Labels (N,); a name that says what another one says already is left out."""
     cases = white.cases.cases
     by_trajectory = {

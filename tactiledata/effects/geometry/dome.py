@@ -30,7 +30,9 @@ class Dome(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("pad_edge", "soft_region", "thickness", "mount_offset")
-    told_apart_by = "The same press at five places: the change grows with the square of the distance from the middle."
+    distinguishing_trial = (
+        "The same press at five places: the change grows with the square of the distance from the middle."
+    )
     detectability = "At 5 mm from the middle, 1000 1/m^2 is 0.1 mm of height: 0.6 to 1.5 N; in the middle nothing."
     reference = "geometry"
     designs: ClassVar = {"curvature": (-2e3, 2e3)}

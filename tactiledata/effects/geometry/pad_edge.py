@@ -40,7 +40,7 @@ class PadEdge(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("dome", "soft_region", "thickness")
-    told_apart_by = "The same press at 1, 2, 4 and 8 mm from the border: only the nearest differ."
+    distinguishing_trial = "The same press at 1, 2, 4 and 8 mm from the border: only the nearest differ."
     detectability = (
         "A drop of 30 % is 0.5 N of 5 at one contact radius (1 to 2 mm) from the border; 8 mm further in nothing."
     )

@@ -58,7 +58,9 @@ class SoftRegion(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("dome", "pad_edge", "wear", "mullins")
-    told_apart_by = "The same press on a grid of places, on two sensors: the loss stays with one place of one sensor."
+    distinguishing_trial = (
+        "The same press on a grid of places, on two sensors: the loss stays with one place of one sensor."
+    )
     detectability = "30 % in a 2 mm spot under the contact are 0.9 N of 5; 6 mm beside it 0.05 N are left."
     reference = "first-order perturbation of the elastic energy"
 
@@ -89,7 +91,7 @@ class SoftRegion(Effect):
         complete = self.complete(values)
         return GelVariant(spots=(SoftSpot(complete["x"], complete["y"], complete["radius"], complete["normal_loss"]),))
 
-    def beside_engine(self, values: Mapping[str, float]) -> Mapping[str, float]:
+    def parameters_not_played_by_gel(self, values: Mapping[str, float]) -> Mapping[str, float]:
         complete = self.complete(values)
         # a softer modulus loses both alike
         lost = complete["normal_loss"]

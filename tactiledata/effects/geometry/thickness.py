@@ -31,7 +31,9 @@ class Thickness(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("strain_stiffening", "arm_compliance", "dome", "mount_offset")
-    told_apart_by = "Balls of 2 and 10 mm at one depth: the change follows sqrt(R d) / h, with one h for all indenters."
+    distinguishing_trial = (
+        "Balls of 2 and 10 mm at one depth: the change follows sqrt(R d) / h, with one h for all indenters."
+    )
     detectability = "10 % at a 4 mm ball, 1 mm deep, is some 0.3 N; E and nu hide 98 % of its variance."
     reference = "Dimitriadis et al., Biophys. J. 82, 2002"
     designs: ClassVar = {"error": (-0.15, 0.15)}

@@ -85,7 +85,7 @@ class Adhesion(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("mullins", "relaxation", "lag")
-    told_apart_by = (
+    distinguishing_trial = (
         "Leave slowly from a flat punch, without shear and after it: only adhesion pulls, and shear ends it."
     )
     detectability = (

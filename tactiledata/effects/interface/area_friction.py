@@ -36,7 +36,7 @@ class AreaFriction(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("rate_friction", "partial_slip", "static_friction", "adhesion")
-    told_apart_by = (
+    distinguishing_trial = (
         "Slides at one speed under 1, 3 and 10 N, with a ball and a flat punch: mu follows A / N, not speed."
     )
     detectability = "0.1 MPa: mu differs by 0.2 between 2 and 10 N of a 4 mm ball, 0.3 N of shear at 2 N."

@@ -49,7 +49,7 @@ class PartialSlip(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("stem_bending", "static_friction", "lag", "rate_friction")
-    told_apart_by = (
+    distinguishing_trial = (
         "Small shear to and fro, below sliding: open loops without dependence on speed, an annulus in the image."
     )
     detectability = "At the knee 0.19 mu N: 0.8 N at 5 N and mu 0.8; nothing in the plateau, nor on a base that has it."

@@ -43,7 +43,7 @@ class RateFriction(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("static_friction", "area_friction", "lag")
-    told_apart_by = "Slides at 0.1, 1 and 10 mm/s under one load: the plateau moves, the normal force does not."
+    distinguishing_trial = "Slides at 0.1, 1 and 10 mm/s under one load: the plateau moves, the normal force does not."
     detectability = "beta = 0.1: 0.4 N of shear per decade at 5 N and mu 0.8; only while sliding."
     reference = "Vorvolakos and Chaudhury, Langmuir 19, 2003"
 

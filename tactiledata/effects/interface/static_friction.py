@@ -55,7 +55,7 @@ class StaticFriction(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("rate_friction", "partial_slip", "area_friction")
-    told_apart_by = (
+    distinguishing_trial = (
         "Hold for 1, 10 and 100 s, then slide twice: the first peak grows with the rest, the second has none."
     )
     detectability = "excess 0.2: a peak of 0.8 N at 5 N and mu 0.8, gone after some tenths of a millimetre."

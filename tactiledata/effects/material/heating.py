@@ -53,7 +53,7 @@ class Heating(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("wear", "sensor_drift", "mullins")
-    told_apart_by = (
+    distinguishing_trial = (
         "The same press every five minutes from power-on, then after a pause: heating starts anew, wear goes on."
     )
     detectability = "10 K: 12 um are 0.12 N, 5 % of stiffness 0.25 N at 5 N; E hides 91 % of its variance."

@@ -41,7 +41,7 @@ class Mullins(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("relaxation", "wear", "adhesion")
-    told_apart_by = (
+    distinguishing_trial = (
         "Load, unload and load again, slowly, at a fresh spot: the second way up follows the first way down."
     )
     detectability = "10 % softening is 0.2 to 0.4 N in the middle of an unloading from 5 N."

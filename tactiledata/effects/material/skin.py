@@ -31,7 +31,7 @@ class Skin(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("thickness", "strain_stiffening", "mount_offset")
-    told_apart_by = (
+    distinguishing_trial = (
         "Shallow presses with balls of 2 and 10 mm: a coating stiffens small contacts most, a thin gel large ones."
     )
     detectability = "0.2 mm (50 um, 5 E) stiffens a contact of 1 mm radius by some 6 %: 0.06 N at 1 N, 0.2 N at 5 N."

@@ -35,7 +35,7 @@ class StrainStiffening(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("thickness", "skin", "arm_compliance", "mullins")
-    told_apart_by = (
+    distinguishing_trial = (
         "Deep presses with balls of 2 and 10 mm: the change follows a / R and d / h, not force and not depth."
     )
     detectability = "c20 = 0.1 changes a 0.8 mm press by some 2 %, 0.1 N at 4 N; E and nu hide 86 % of its variance."

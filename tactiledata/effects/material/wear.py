@@ -37,7 +37,7 @@ class Wear(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("heating", "mullins", "soft_region")
-    told_apart_by = "A spot that was never touched beside one that was, at the same minute since power-on."
+    distinguishing_trial = "A spot that was never touched beside one that was, at the same minute since power-on."
     detectability = "10 % is 0.5 N at 5 N; cannot be told from heating where days and indenters do not interleave."
     reference = "DTact issue 1 (residual deformation)"
     needs = ("earlier_contacts",)

@@ -53,7 +53,7 @@ class ArmCompliance(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("thickness", "gain_crosstalk", "strain_stiffening", "stem_bending", "mount_offset")
-    told_apart_by = "A flat punch pressed on a steel block: only the arm yields."
+    distinguishing_trial = "A flat punch pressed on a steel block: only the arm yields."
     detectability = "0.01 mm/N at 10 N is 0.1 mm: 0.6 to 1.5 N, 96 % of which E and nu take."
     reference = "Dumas et al., Robot. Comput.-Integr. Manuf. 27, 2011"
     feeds_back = True

@@ -47,7 +47,9 @@ class MountOffset(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("arm_compliance", "thickness", "heating", "dome")
-    told_apart_by = "The same press with two mountings of one indenter: the onset of contact moves with the mounting."
+    distinguishing_trial = (
+        "The same press with two mountings of one indenter: the onset of contact moves with the mounting."
+    )
     detectability = "0.1 mm is 0.6 to 1.5 N; a depth offset fitted for each trajectory hides it completely."
     reference = "rigid-body kinematics"
     designs: ClassVar = {"radius_error": (-0.03, 0.03)}

@@ -41,7 +41,7 @@ class StemBending(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("arm_compliance", "partial_slip", "lag")
-    told_apart_by = (
+    distinguishing_trial = (
         "The same slide with a thick and a thin stem: shear stiffness follows the stem, the normal force does not."
     )
     detectability = "Stick only: a stem of 3.5 N/mm halves the shear stiffness of 2 to 4 N/mm; a slide's plateau stays."

@@ -46,7 +46,7 @@ class CableDrag(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("tool_weight", "sensor_drift")
-    told_apart_by = (
+    distinguishing_trial = (
         "Turn the last joint to and fro in free air about a vertical axis: gravity stays, the cable's pull does not."
     )
     detectability = "0.1 N/rad is the noise of one reading at one radian; averaged over a turn in free air it shows."

@@ -74,7 +74,7 @@ class Clipping(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("quantisation", "sensor_drift", "mount_offset")
-    told_apart_by = "Choose the frames by depth in place of force: the bias is gone."
+    distinguishing_trial = "Choose the frames by depth in place of force: the bias is gone."
     detectability = "0.1 N of noise biases frames at the 1 N threshold by 0.08 N, those at 1.2 N by nothing."
     reference = "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, ch. 13"
 

@@ -37,7 +37,9 @@ class FrameRotation(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("gain_crosstalk", "tool_weight", "mount_offset")
-    told_apart_by = "Press straight and weigh a known mass in three orientations: all turn alike, forces and torques."
+    distinguishing_trial = (
+        "Press straight and weigh a known mass in three orientations: all turn alike, forces and torques."
+    )
     detectability = "1 degree leaks 0.09 N of 5 N into shear; a loss of force norms cannot see it at all."
     reference = "rigid-body statics"
 

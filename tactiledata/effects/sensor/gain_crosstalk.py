@@ -46,7 +46,7 @@ class GainCrosstalk(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("frame_rotation", "arm_compliance", "thickness")
-    told_apart_by = "Known masses hung from the sensor in three orientations: gains need no gel at all."
+    distinguishing_trial = "Known masses hung from the sensor in three orientations: gains need no gel at all."
     detectability = "2 % of 5 N is 0.1 N; E takes the gain of z exactly, and 91 % is hidden from a loss of norms."
     reference = "arXiv 2312.09846"
 

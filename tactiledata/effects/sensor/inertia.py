@@ -40,7 +40,7 @@ class Inertia(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("lag", "tool_weight")
-    told_apart_by = "Start and stop in free air: peaks at the accelerations, none at constant speed."
+    distinguishing_trial = "Start and stop in free air: peaks at the accelerations, none at constant speed."
     detectability = "0.5 kg at 0.2 m/s^2 is 0.1 N, at starts and for some tenths of a second after stops only."
     reference = "Newton's second law"
 

@@ -33,7 +33,7 @@ class Lag(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("clock_skew", "relaxation", "inertia", "partial_slip")
-    told_apart_by = (
+    distinguishing_trial = (
         "The same path at two speeds: the residual follows dF/dt on all axes; in a dwell of a second it is gone."
     )
     detectability = "20 ms at 10 N/s are 0.2 N; frames taken at rest show nothing of it."

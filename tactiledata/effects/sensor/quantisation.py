@@ -58,7 +58,9 @@ class Quantisation(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("clipping", "mount_offset")
-    told_apart_by = "A slow press from free air: a staircase, or zeros below one value; a histogram shows the comb."
+    distinguishing_trial = (
+        "A slow press from free air: a staircase, or zeros below one value; a histogram shows the comb."
+    )
     detectability = "A step of 0.1 N is 0.03 N rms; a dead-band of 0.3 N is 0.3 N at every small component."
     reference = "Robotiq FT 300-S instruction manual, data stream"
 

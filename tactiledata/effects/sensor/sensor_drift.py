@@ -46,7 +46,7 @@ class SensorDrift(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("heating", "tool_weight", "cable_drag")
-    told_apart_by = (
+    distinguishing_trial = (
         "Free air before and after each touch: a bias is there without contact, and does not grow with depth."
     )
     detectability = "With a zero per trajectory only the slope is left: 3 N in 20 min are 0.02 N over a touch of 10 s."

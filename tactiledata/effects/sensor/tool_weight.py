@@ -42,7 +42,7 @@ class ToolWeight(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("sensor_drift", "cable_drag", "frame_rotation")
-    told_apart_by = "Turn the wrist in free air: a sinusoid of the angle, in force and torque, without contact."
+    distinguishing_trial = "Turn the wrist in free air: a sinusoid of the angle, in force and torque, without contact."
     detectability = "20 g are 0.4 N between wrist up and wrist down; at one orientation the tare hides it."
     reference = "rigid-body statics"
     needs = ("gravity",)

@@ -38,7 +38,7 @@ class ClockSkew(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("lag", "relaxation")
-    told_apart_by = (
+    distinguishing_trial = (
         "A tap at the start and at the end of one recording: the lag between them grows, and starts anew with the file."
     )
     detectability = "50 ppm are 30 ms after ten minutes: 0.3 N where the force changes by 10 N/s."

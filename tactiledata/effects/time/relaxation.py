@@ -41,7 +41,7 @@ class Relaxation(Effect):
         ),
     )  # fmt: skip
     look_alikes = ("lag", "mullins", "heating", "clock_skew")
-    told_apart_by = (
+    distinguishing_trial = (
         "A dwell of 60 s at one depth: force falls at zero motion; a lag does not, and ends within a second."
     )
     detectability = "share 0.1: 0.5 N at 5 N in the first dwell second; E and mu hide 50 to 84 % of its variance."

@@ -15,7 +15,7 @@ from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding, Image, ImageSink, Trajectory
 from tactiledata.formats.folder.files import LogFolder
 from tactiledata.formats.folder.signals import TIME, ignored_columns, open_table
-from tactiledata.formats.folder.trajectories import Touches
+from tactiledata.formats.folder.trajectories import TouchTable
 from tactiledata.formats.reading.backgrounds import read_image_file
 from tactiledata.formats.reading.corpus import stream_name
 from tactiledata.formats.reading.csv_cells import listed, shortened
@@ -49,14 +49,14 @@ class FrameReader:
     ----------
     folder : LogFolder
     description : LogDescription
-    touches : Touches
+    touches : TouchTable
     cameras : dict
         Sensor -> stream name, from a mapping; the sensor's model otherwise.
     """
 
     folder: LogFolder
     description: LogDescription
-    touches: Touches
+    touches: TouchTable
     cameras: Mapping[str, str] = field(default_factory=dict)
     _named: dict[str, str] = field(default_factory=dict)
 

@@ -21,7 +21,7 @@ REQUIRED = ("trajectory", "start_ns", "end_ns")
 
 
 @dataclass(frozen=True)
-class Touches:
+class TouchTable:
     """The trajectories of a log, looked up by name or by time.
 
     Parameters
@@ -60,7 +60,7 @@ class Touches:
         return next((touch for touch in known if touch.start_ns <= t_ns < touch.end_ns), known[0] if known else None)
 
 
-def read_trajectories(folder: LogFolder, description: LogDescription) -> Touches:
+def read_trajectories(folder: LogFolder, description: LogDescription) -> TouchTable:
     """The trajectories that a log names.
 
     Raises
@@ -83,7 +83,7 @@ def read_trajectories(folder: LogFolder, description: LogDescription) -> Touches
     findings.extend(faults)
     findings.extend(_unknown_names(rows, description))
     trajectories, recorded, faults = _unique(rows)
-    return Touches(tuple(trajectories), recorded, (*findings, *faults, *_overlaps(trajectories)))
+    return TouchTable(tuple(trajectories), recorded, (*findings, *faults, *_overlaps(trajectories)))
 
 
 def _rows(table: CsvTable) -> tuple[list[Trajectory], list[Finding]]:

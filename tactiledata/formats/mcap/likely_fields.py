@@ -37,7 +37,7 @@ column's names that occurs is taken."""
 
 
 @dataclass(frozen=True)
-class Proposal:
+class FieldGuess:
     """Fields that could be a signal, and why; ``is_named`` where the fields' own names say so.
 
     With ``is_rotation_vector`` they are six of a tcp, the last three a rotation vector.
@@ -50,13 +50,13 @@ class Proposal:
     is_rotation_vector: bool = False
 
 
-def proposal_for(topic: str, places: Sequence[Place]) -> Proposal | None:
+def proposal_for(topic: str, places: Sequence[Place]) -> FieldGuess | None:
     """The signal that a message's numbers could be; ``None`` where nothing speaks for one."""
     numbers = measured(places)
     for signal in CALLED:
         fields = _called(signal, numbers)
         if fields:
-            return Proposal(signal, fields, f"the names of its fields are those of a {signal}", True)
+            return FieldGuess(signal, fields, f"the names of its fields are those of a {signal}", True)
     for place in numbers:
         found = _counted(f"{topic} {place.path}".lower(), place.fields) if place.is_array else None
         if found is not None:
@@ -103,18 +103,18 @@ def _endings(path: str) -> set[str]:
     return {parts[-1], "".join(parts[-2:])}
 
 
-def _counted(text: str, fields: tuple[str, ...]) -> Proposal | None:
+def _counted(text: str, fields: tuple[str, ...]) -> FieldGuess | None:
     """What an array of six or seven numbers could be."""
     if len(fields) == 7 and not speaks_for("joints", text):
-        return Proposal("tcp", fields, "seven numbers, as a position and a quaternion have (x, y, z, qx, qy, qz, qw)")
+        return FieldGuess("tcp", fields, "seven numbers, as a position and a quaternion have (x, y, z, qx, qy, qz, qw)")
     if len(fields) != 6:
         return None
     if speaks_for("joints", text):
-        return Proposal("joints", fields, "six numbers, as six joints have (base to wrist)")
+        return FieldGuess("joints", fields, "six numbers, as six joints have (base to wrist)")
     if speaks_for("tcp", text) and not speaks_for("wrench", text):
         reason = "six numbers, as a position and a rotation vector have (x, y, z, rx, ry, rz; other angles are no tcp)"
-        return Proposal("tcp", fields, reason, is_rotation_vector=True)
+        return FieldGuess("tcp", fields, reason, is_rotation_vector=True)
     columns = ", ".join(SIGNAL_COLUMNS["wrench"])
-    return Proposal(
+    return FieldGuess(
         "wrench", fields, f"six numbers, as a wrench has ({columns}); six joints would be called joints, in rad"
     )

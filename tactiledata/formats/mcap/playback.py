@@ -22,7 +22,7 @@ from tactiledata.formats.mcap.layout import (
     SCHEMA,
     chunk_head,
 )
-from tactiledata.formats.mcap.records import Loss, Record, RecordWalker
+from tactiledata.formats.mcap.records import LostSpan, Record, RecordWalker
 from tactiledata.formats.mcap.survey import Survey
 
 Handler = Callable[[bytes, int, int, int, int], None]
@@ -52,7 +52,7 @@ class Playback:
         self._handler_for = handler_for
         self._handlers: dict[int, Handler | None] = {}
         self._unknown: Counter[int] = Counter()
-        self._losses: list[Loss] = []
+        self._losses: list[LostSpan] = []
         self._open: list[int] = []
         self._bad_times = 0
         self._chunks_without_crc = 0
@@ -69,7 +69,7 @@ class Playback:
             self._handlers[channel.id] = self._handler_for(channel, inventory.schemas.get(channel.schema_id))
         with inventory.path.open("rb") as stream:
             walker = RecordWalker(stream, inventory.size, inventory.landmarks, with_crc=bool(inventory.data_crc))
-            bad_chunk: Loss | None = None
+            bad_chunk: LostSpan | None = None
             for record in walker:
                 if bad_chunk is not None:
                     if isinstance(record, Record) and record.opcode == MESSAGE_INDEX:
@@ -77,7 +77,7 @@ class Playback:
                         continue
                     self._lose(bad_chunk)
                     bad_chunk = None
-                if isinstance(record, Loss):
+                if isinstance(record, LostSpan):
                     self._lose(record)
                 elif record.opcode == CHUNK_RECORD:
                     bad_chunk = self._play_chunk(record)
@@ -96,7 +96,7 @@ class Playback:
         elif record.opcode in (SCHEMA, CHANNEL):
             self._define(record.opcode, record.body)
 
-    def _play_chunk(self, record: Record) -> Loss | None:
+    def _play_chunk(self, record: Record) -> LostSpan | None:
         """A chunk's messages to their handlers, or what is lost with it."""
         self._chunks += 1
         head = chunk_head(record.body)
@@ -105,12 +105,12 @@ class Playback:
             head, content = chunk_content(record.body)
         except BrokenLog as fault:
             where = f"{fault.found} at byte {record.offset}"
-            return Loss(fault.facts["code"], where, *_plausible_span(*span))
+            return LostSpan(fault.facts["code"], where, *_plausible_span(*span))
         self._chunks_without_crc += head.crc == 0
         try:
             self._drain(content)
         except BrokenLog as fault:
-            self._lose(Loss(fault.facts["code"], f"{fault.found} (chunk at byte {record.offset})"))
+            self._lose(LostSpan(fault.facts["code"], f"{fault.found} (chunk at byte {record.offset})"))
         return None
 
     def _drain(self, content: bytes) -> None:
@@ -182,7 +182,7 @@ class Playback:
             self._losses[index] = replace(self._losses[index], end_ns=log_ns)
         self._open.clear()
 
-    def _lose(self, loss: Loss) -> None:
+    def _lose(self, loss: LostSpan) -> None:
         if loss.start_ns is None:
             loss = replace(loss, start_ns=self.last_ns)
         if loss.end_ns is None:
@@ -209,7 +209,7 @@ class Playback:
             )
         return found
 
-    def _counted(self) -> tuple[list[Loss], int]:
+    def _counted(self) -> tuple[list[LostSpan], int]:
         """The losses with their numbers of messages, and how many more the file's statistics miss."""
         stated = self._inventory.statistics
         losses = list(self._losses)
@@ -249,7 +249,7 @@ class Playback:
         return Finding(code, severity, text, start_ns=self.first_ns, end_ns=self.last_ns, count=max(count, 1))
 
 
-def _with_indexed(loss: Loss, body: bytes) -> Loss:
+def _with_indexed(loss: LostSpan, body: bytes) -> LostSpan:
     """The loss of a chunk, with the messages that the index record behind it lists."""
     return replace(loss, count=(loss.count or 0) + (len(body) - 6) // 16)
 

@@ -52,7 +52,7 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True)
-class Loss:
+class LostSpan:
     """A part of a file that cannot be read.
 
     ``start_ns`` and ``end_ns`` are log times where the file tells them; ``None`` means: between the neighbours.
@@ -102,13 +102,13 @@ class RecordWalker:
         self.data_crc: int | None = None
         self.reached_end = False
 
-    def __iter__(self) -> Iterator[Record | Loss]:
+    def __iter__(self) -> Iterator[Record | LostSpan]:
         position = len(MAGIC)
         head = self._bytes_at(position, HEAD.size)
         while position < self._stop:
             opcode, length = self._unpacked(head)
             if opcode in SUMMARY_ONLY and is_head(opcode, length, self._size - position - HEAD.size):
-                yield Loss("no-data-end", f"the end of the data section is missing before byte {position}")
+                yield LostSpan("no-data-end", f"the end of the data section is missing before byte {position}")
                 return
             if opcode == DATA_END and is_head(opcode, length, self._size - position - HEAD.size):
                 self.reached_end = True
@@ -119,7 +119,7 @@ class RecordWalker:
             yield from step.found
             position, head = step.position, step.head
         if self._landmarks.stop is not None:
-            yield Loss("no-data-end", f"the end of the data section is missing before byte {position}")
+            yield LostSpan("no-data-end", f"the end of the data section is missing before byte {position}")
 
     # one record ahead, or over damage
 
@@ -130,7 +130,7 @@ class RecordWalker:
         if length > MAX_RECORD_BYTES and opcode != ATTACHMENT:
             if not self._is_chain(position + HEAD.size + length, CHAIN):
                 return self._recover(position, opcode)
-            loss = Loss("record-size", f"a record of {length} bytes at byte {position} is too large to be read")
+            loss = LostSpan("record-size", f"a record of {length} bytes at byte {position} is too large to be read")
             return self._forward(position + HEAD.size + length, [loss])
         body, head = self._body(position, opcode, length)
         after = position + HEAD.size + length
@@ -149,7 +149,7 @@ class RecordWalker:
         if record.opcode in UNVOUCHED and not self._is_begun(after, head):
             text = f"the record at byte {record.offset} ends where bytes begin that are no records: it is not used"
             count = 1 if record.opcode == MESSAGE_RECORD else 0
-            return _Step([Loss("record-damaged", text, count=count)], after, head)
+            return _Step([LostSpan("record-damaged", text, count=count)], after, head)
         return _Step([self._noted(record)], after, head)
 
     def _is_begun(self, position: int, head: bytes) -> bool:
@@ -181,7 +181,7 @@ class RecordWalker:
                 return self._mended(position, head.data_start, length)
         if start + head.record_length > self._size and self._next_record(position + 1) is None:
             torn = f"the file ends inside the chunk at byte {position}"
-            return self._forward(self._size, [Loss("torn-chunk", torn, head.start_ns, head.end_ns)])
+            return self._forward(self._size, [LostSpan("torn-chunk", torn, head.start_ns, head.end_ns)])
         return None
 
     def _mended(self, position: int, data_start: int, length: int) -> _Step:
@@ -189,10 +189,12 @@ class RecordWalker:
         body = self._bytes_at(position + HEAD.size, length)
         stored = (length - data_start).to_bytes(8, "little")
         record = Record(CHUNK_RECORD, position, length, body[: data_start - 8] + stored + body[data_start:])
-        loss = Loss("record-length", f"the lengths of the chunk at byte {position} disagree; one of them fits", count=0)
+        loss = LostSpan(
+            "record-length", f"the lengths of the chunk at byte {position} disagree; one of them fits", count=0
+        )
         return self._forward(position + HEAD.size + length, [loss, self._noted(record)])
 
-    def _forward(self, position: int, found: Sequence[Record | Loss]) -> _Step:
+    def _forward(self, position: int, found: Sequence[Record | LostSpan]) -> _Step:
         self._crc = None
         return _Step(found, position, self._bytes_at(position, HEAD.size))
 
@@ -201,10 +203,10 @@ class RecordWalker:
         self._saw_message |= record.opcode == MESSAGE_RECORD
         return record
 
-    def _loss(self, start: int, stop: int, code: str) -> Loss:
+    def _loss(self, start: int, stop: int, code: str) -> LostSpan:
         content = self._bytes_at(start, min(stop - start, SCAN_WINDOW))
         what = "zeros" if not content.strip(b"\0") else "bytes that are no records"
-        return Loss(code, f"{stop - start} {what} from byte {start} on")
+        return LostSpan(code, f"{stop - start} {what} from byte {start} on")
 
     # reading
 
@@ -279,6 +281,6 @@ class RecordWalker:
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    found: Sequence[Record | Loss]
+    found: Sequence[Record | LostSpan]
     position: int
     head: bytes

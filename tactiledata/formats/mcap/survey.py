@@ -45,7 +45,7 @@ from tactiledata.formats.mcap.layout import (
     STATISTICS,
     parse,
 )
-from tactiledata.formats.mcap.records import Landmarks, Loss, RecordWalker
+from tactiledata.formats.mcap.records import Landmarks, LostSpan, RecordWalker
 
 MAX_SUMMARY_BYTES = 2**29
 MAX_METADATA_BYTES = 2**26
@@ -270,7 +270,7 @@ def _walk(inventory: Survey, stream: BinaryIO) -> None:
     """The inventory from the data section itself; what is lost there is reported when messages are read."""
     known = replace(inventory, findings=[], schemas={}, channels={}, metadata=[], attachments={})
     for record in RecordWalker(stream, inventory.size, inventory.landmarks):
-        if isinstance(record, Loss):
+        if isinstance(record, LostSpan):
             continue
         if record.opcode == HEADER:
             _take_header(known, record.body)

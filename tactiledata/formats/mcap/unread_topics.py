@@ -12,7 +12,7 @@ import yaml
 from tactiledata.contract.description import PLACEHOLDER
 from tactiledata.contract.wording import counted
 from tactiledata.formats.mcap.contents import Contents, Place
-from tactiledata.formats.mcap.likely_fields import Proposal, measured, proposal_for, speaks_for
+from tactiledata.formats.mcap.likely_fields import FieldGuess, measured, proposal_for, speaks_for
 from tactiledata.formats.mcap.roles import (
     COLUMNS_OF,
     IMAGE_KINDS,
@@ -123,7 +123,7 @@ def _chosen(topics: Sequence[Topic], glimpses: Mapping[str, Glimpse], taken: Col
     return {signal: min(listed)[-1] for signal, listed in rivals.items() if signal not in taken}
 
 
-def _proposal(topic: Topic, glimpse: Glimpse) -> Proposal | None:
+def _proposal(topic: Topic, glimpse: Glimpse) -> FieldGuess | None:
     if not topic.is_readable or topic.kind in (TF_KIND, *IMAGE_KINDS) or glimpse.contents is None or glimpse.joints:
         return None
     return proposal_for(topic.name, glimpse.contents.places)
@@ -166,7 +166,7 @@ def _tree(topic: Topic, chosen: Mapping[str, str], remarks: list[str]) -> tuple[
 
 
 def _numbers(
-    topic: Topic, contents: Contents, proposal: Proposal | None, own: str, taken: set[str], remarks: list[str]
+    topic: Topic, contents: Contents, proposal: FieldGuess | None, own: str, taken: set[str], remarks: list[str]
 ) -> dict[str, Any]:
     """The entry that reads a topic's numbers: as the signal that it could be, else all of them under its own name."""
     fields = proposal.fields if proposal else _all_fields(contents.places)
@@ -191,7 +191,7 @@ def _numbers(
     return {name: entry}
 
 
-def _units(proposal: Proposal | None, count: int) -> list[str]:
+def _units(proposal: FieldGuess | None, count: int) -> list[str]:
     if proposal is None:
         return ["?"] * count
     return list(ROTATION_VECTOR_UNITS if proposal.is_rotation_vector else signal_units(COLUMNS_OF[proposal.signal]))

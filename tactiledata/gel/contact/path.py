@@ -6,10 +6,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tactiledata.arrays import Array
+from tactiledata.gel.contact.contact_path import LARGEST_STEP, way_points
 from tactiledata.gel.contact.gap import APART, height_above
 from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.gel.contact.relief import IndenterRelief
-from tactiledata.gel.contact.walker import LARGEST_STEP, way_points
 
 DEEPEST = 0.5
 """Share of the pad's thickness beyond which nothing is solved: cells would be crushed."""

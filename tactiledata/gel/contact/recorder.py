@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.gel.contact.contact_path import ContactPath
 from tactiledata.gel.contact.history import FrameStatus, GelHistory
-from tactiledata.gel.contact.walker import ContactWalk
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
 
@@ -40,7 +40,7 @@ class FrameRecorder:
         self.residual = np.full(count, np.nan)
         self.iterations = np.zeros(count, dtype=np.int64)
 
-    def keep(self, frame: int, walk: ContactWalk, residual: float) -> None:
+    def keep(self, frame: int, walk: ContactPath, residual: float) -> None:
         """The contact of a frame is solved; ``put_displacement`` follows."""
         self.wrench[frame] = walk.wrench() * self._modulus
         self.node_forces[frame] = self._surface.averaging.T @ walk.state.forces * self._modulus

@@ -10,12 +10,12 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
+from tactiledata.gel.contact.contact_path import ContactPath, ContactState
 from tactiledata.gel.contact.gap import APART
 from tactiledata.gel.contact.history import GelHistory, GelTouch
-from tactiledata.gel.contact.journey import Journey
 from tactiledata.gel.contact.recorder import FrameRecorder, Keep
 from tactiledata.gel.contact.relief import IndenterRelief, indenter_relief
-from tactiledata.gel.contact.walker import ContactState, ContactWalk
+from tactiledata.gel.contact.trajectory_solve import TrajectorySolve
 from tactiledata.gel.elasticity.compliance import FactorisedPad, patch_compliance, surface_response
 from tactiledata.gel.elasticity.internal_forces import NEO_HOOKEAN, ElasticPad
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -99,14 +99,14 @@ class FemEngine:
             solver = FiniteStrainSolver(self._pad, self._elastic, self.surface, self._tolerance, self._stiffening)
             yield from solver.run(journeys, width)
 
-    def _journey(self, number: int, touch: GelTouch, material: GelMaterial, keep: Keep) -> Journey:
+    def _journey(self, number: int, touch: GelTouch, material: GelMaterial, keep: Keep) -> TrajectorySolve:
         nodes = self.surface.nodes
         is_linear = self.fidelity == "linear"
         patches = len(self.surface.corners)
         nowhere = np.full((4, 4), np.nan)
         moving = len(nodes) if is_linear else len(self.mesh.vertices)
         state = ContactState(nowhere, np.zeros((patches, 3)), np.zeros((moving, 3)), np.full(patches, APART))
-        walk = ContactWalk(
+        walk = ContactPath(
             self.surface,
             self._compliance,
             self.mesh.vertices[nodes],
@@ -116,7 +116,7 @@ class FemEngine:
             state,
         )
         recorder = FrameRecorder(len(touch.poses), self.mesh, self.surface, material.youngs_modulus, keep)
-        return Journey(number, touch, walk, recorder, self.mesh.thickness)
+        return TrajectorySolve(number, touch, walk, recorder, self.mesh.thickness)
 
     def _relief(self, indenter: Indenter) -> IndenterRelief:
         key = json.dumps(indenter.document, sort_keys=True)

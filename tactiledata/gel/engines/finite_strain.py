@@ -11,7 +11,7 @@ from threadpoolctl import ThreadpoolController
 
 from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.history import GelHistory
-from tactiledata.gel.contact.journey import Journey
+from tactiledata.gel.contact.trajectory_solve import TrajectorySolve
 from tactiledata.gel.elasticity.compliance import FactorisedPad
 from tactiledata.gel.elasticity.internal_forces import NEO_HOOKEAN, ElasticPad, internal_forces
 from tactiledata.gel.elasticity.mixing import SecantMixer
@@ -36,10 +36,10 @@ BELOW_SURFACE = 3
 """Every so manieth node below the surface measures how far an iterate is from the solution."""
 
 
-class Traveller:
+class LoadStepSolve:
     """A journey with its iterate: the whole pad's displacement (v, 3), m, and the patch forces (m, 3), m^2."""
 
-    def __init__(self, journey: Journey, tolerance: float, measured: Indices) -> None:
+    def __init__(self, journey: TrajectorySolve, tolerance: float, measured: Indices) -> None:
         self.journey = journey
         self._tolerance = tolerance
         state = journey.walk.state
@@ -127,13 +127,13 @@ class FiniteStrainSolver:
         self._measured = _measured(pad.mesh, surface)
         self._libraries = ThreadpoolController()
 
-    def run(self, journeys: Iterator[Journey], width: int) -> Iterator[tuple[int, GelHistory]]:
+    def run(self, journeys: Iterator[TrajectorySolve], width: int) -> Iterator[tuple[int, GelHistory]]:
         """Solve journeys, ``width`` at a time; a new one sets out when another has arrived."""
-        active: list[Traveller] = []
+        active: list[LoadStepSolve] = []
         with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:
             while True:
                 while len(active) < width and (journey := next(journeys, None)) is not None:
-                    active.append(Traveller(journey, self._tolerance, self._measured))
+                    active.append(LoadStepSolve(journey, self._tolerance, self._measured))
                     active[-1].set_out()
                 if not active:
                     return
@@ -146,7 +146,7 @@ class FiniteStrainSolver:
                     with self._libraries.limit(limits=1, user_api="blas"):
                         self._iterate(active, threads)
 
-    def _iterate(self, active: list[Traveller], threads: ThreadPoolExecutor) -> None:
+    def _iterate(self, active: list[LoadStepSolve], threads: ThreadPoolExecutor) -> None:
         """One iteration of every traveller's load step."""
         displacement = np.stack([traveller.displacement for traveller in active])
         unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio, threads, self._stiffening)

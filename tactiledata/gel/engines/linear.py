@@ -14,7 +14,7 @@ from threadpoolctl import ThreadpoolController
 
 from tactiledata.arrays import Array
 from tactiledata.gel.contact.history import GelHistory
-from tactiledata.gel.contact.journey import Journey
+from tactiledata.gel.contact.trajectory_solve import TrajectorySolve
 from tactiledata.gel.elasticity.compliance import BATCH, FactorisedPad
 from tactiledata.gel.mesh.surface import ContactSurface
 
@@ -45,7 +45,7 @@ class LinearSolver:
         # one row for each patch and direction: a step reads those of the pressed patches only
         self._by_patch = np.ascontiguousarray(response.transpose(2, 3, 0, 1)).reshape(*response.shape[2:], -1)
 
-    def run(self, journeys: Iterator[Journey]) -> Iterator[tuple[int, GelHistory]]:
+    def run(self, journeys: Iterator[TrajectorySolve]) -> Iterator[tuple[int, GelHistory]]:
         """Solve journeys, one on each thread."""
         count = len(os.sched_getaffinity(0))
         with ThreadPoolExecutor(count) as threads, ThreadpoolController().limit(limits=1, user_api="blas"):
@@ -54,7 +54,7 @@ class LinearSolver:
                 yield under_way.popleft().result()
                 under_way.extend(threads.submit(self._play, journey) for journey in itertools.islice(journeys, 1))
 
-    def _play(self, journey: Journey) -> tuple[int, GelHistory]:
+    def _play(self, journey: TrajectorySolve) -> tuple[int, GelHistory]:
         kept: dict[int, Array] = {}
         while journey.next_step():
             frame = self._solve_step(journey)
@@ -64,7 +64,7 @@ class LinearSolver:
             self._fill(journey, kept)
         return journey.number, journey.recorder.history()
 
-    def _solve_step(self, journey: Journey) -> int | None:
+    def _solve_step(self, journey: TrajectorySolve) -> int | None:
         walk = journey.walk
         forces, displacement = walk.state.forces, walk.state.displacement
         for iteration in range(MOST_ITERATIONS):
@@ -87,7 +87,7 @@ class LinearSolver:
         displacement = forces[pressed].astype(np.float32).ravel() @ columns
         return displacement.astype(float).reshape(-1, 3)
 
-    def _fill(self, journey: Journey, kept: dict[int, Array]) -> None:
+    def _fill(self, journey: TrajectorySolve, kept: dict[int, Array]) -> None:
         """The volume's displacement of all frames that were solved."""
         frames = list(kept)
         for start in range(0, len(frames), BATCH):

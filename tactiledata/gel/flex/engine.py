@@ -8,12 +8,12 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
+from tactiledata.gel.contact.contact_path import way_points
 from tactiledata.gel.contact.gap import height_above
 from tactiledata.gel.contact.history import FrameStatus, GelHistory, GelTouch
 from tactiledata.gel.contact.path import judge_pose, load_steps
 from tactiledata.gel.contact.recorder import FrameRecorder, Keep
 from tactiledata.gel.contact.relief import IndenterRelief, indenter_relief
-from tactiledata.gel.contact.walker import way_points
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.flex.model import FlexModel, require_convex, tetrahedra_of
 from tactiledata.gel.mesh.pad import PadMesh

@@ -87,7 +87,7 @@ class ContactBank:
     def contact(
         self, gel: Gel, setup: TouchSetup, path: Path | None = None, missed: RealArray | None = None
     ) -> BankedContact:
-        """The contact of a touch, as `tactiledata.rig.play.Stage` asks for it.
+        """The contact of a touch, as `tactiledata.rig.play.RigSetup` asks for it.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class ContactBank:
         if key not in self._springs:
             wrench = MODULUS * self._solution(gel, setup, path, offset).wrench
             positions = path.at(contact_times(path)) + np.array([0.0, 0.0, offset])
-            law = contact_law(setup.indenter, setup.print_, setup.thickness, material)
+            law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, material)
             stiffness = law.columns_at(positions[:, 2])[1]
             self._springs[key] = own_springs(positions, wrench[:, 2], stiffness, material.friction, -wrench[:, :2])
         return self._springs[key]
@@ -163,8 +163,10 @@ class ContactBank:
         if (real, material) not in self._layers:
             grid = LayerGrid.of(gel.outline, self.pitch)
             self._layers[real, material] = Layer(grid, setup.thickness, material)
-        print_ = footprint(setup.indenter, setup.rotation, setup.touch.position, GelGrid.of(gel))
-        there = replace(setup, material=material, print_=print_, offset=np.array([0.0, 0.0, offset]))
+        indenter_footprint = footprint(setup.indenter, setup.rotation, setup.touch.position, GelGrid.of(gel))
+        there = replace(
+            setup, material=material, indenter_footprint=indenter_footprint, offset=np.array([0.0, 0.0, offset])
+        )
         found = touch_layer(there, self._layers[real, material], path)
         return Solution(found.wrench / MODULUS, found.slipping, found.unsettled)
 
@@ -219,7 +221,7 @@ def _placed(
     out = wrench.copy()
     if missed is not None and missed[:, :2].any():
         positions = path.at(contact_times(path))
-        law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
+        law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
         stiffness, centre = law.columns_at(positions[:, 2] + setup.offset[2] + missed[:, 2])[1:]
         friction = setup.material.friction
         normal = wrench[:, 2] * beyond_coulomb(wrench[:, :2], friction * wrench[:, 2])

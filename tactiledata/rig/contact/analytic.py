@@ -41,13 +41,13 @@ class AnalyticContact:
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
         """See `Contact.surface`."""
-        print_ = self.setup.print_
+        indenter_footprint = self.setup.indenter_footprint
         moment = np.array([seconds])
         x, y, depth = self.path.at(moment)[0] + self.setup.offset + missed_at(self.missed, moment)[0]
         ticks = np.arange(len(self.history.drag))
         drag = [float(np.interp(seconds * CONTACT_RATE, ticks, column)) for column in self.history.drag.T]
-        moved = (float(x - print_.position[0]), float(y - print_.position[1]))
-        return surface(print_, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
+        moved = (float(x - indenter_footprint.position[0]), float(y - indenter_footprint.position[1]))
+        return surface(indenter_footprint, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
 
 
 def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: RealArray | None = None) -> Contact:
@@ -63,7 +63,7 @@ def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: RealArra
     """
     if setup.cap.curvature:
         return touch_inclined(setup, path, missed, touch_analytic)
-    law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
+    law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
     share = setup.normal_limit / setup.touch.force_limit
     path = path or setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))
     positions = path.at(contact_times(path)) + setup.offset

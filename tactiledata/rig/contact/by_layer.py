@@ -53,10 +53,10 @@ class LayerContact:
         index = min(int(place), len(self.marks) - 2)
         first, second = self.surfaces[index], self.surfaces[index + 1]
         displacement = first + np.float32(place - index) * (second - first)
-        moved = (float(x - setup.print_.position[0]), float(y - setup.print_.position[1]))
-        fine = setup.print_.grid
+        moved = (float(x - setup.indenter_footprint.position[0]), float(y - setup.indenter_footprint.position[1]))
+        fine = setup.indenter_footprint.grid
         fall = setup.cap.fall_from(setup.touch.position, *np.meshgrid(fine.x, fine.y)).astype(np.float32)
-        return drawn_surface(displacement, self.grid, setup.print_, moved, float(depth), fall)
+        return drawn_surface(displacement, self.grid, setup.indenter_footprint, moved, float(depth), fall)
 
 
 def touch_layer(
@@ -157,7 +157,7 @@ class _Walk:
     def _pose(self, position: RealArray) -> RealArray:
         pose = np.eye(4)
         pose[:3, :3] = self._setup.rotation
-        pose[:3, 3] = position[0], position[1], -position[2] - self._setup.print_.lowest
+        pose[:3, 3] = position[0], position[1], -position[2] - self._setup.indenter_footprint.lowest
         return pose
 
 

@@ -33,7 +33,7 @@ class TouchSetup:
     indenter : Indenter
     rotation : (3, 3)
         gel_from_indenter.
-    print_ : Footprint
+    indenter_footprint : Footprint
     offset : (3,), metres
         What the arm and the mount really add to the path: x, y, depth.
     thickness : metres, of the gel
@@ -47,7 +47,7 @@ class TouchSetup:
     touch: Touch
     indenter: Indenter
     rotation: RealArray
-    print_: Footprint
+    indenter_footprint: Footprint
     offset: RealArray
     thickness: float
     material: Material

@@ -85,9 +85,13 @@ def footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, fl
     return Footprint(grid, np.clip(heights - lowest, 0.0, CEILING), position, lowest)
 
 
-def moved_heights(print_: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
+def moved_heights(indenter_footprint: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
     """Heights (n_y, n_x), m, with the indenter moved by ``offset`` (2,), m, over the gel."""
-    return shifted(print_.heights.astype(np.float32), offset, float(print_.grid.x[1] - print_.grid.x[0]))
+    return shifted(
+        indenter_footprint.heights.astype(np.float32),
+        offset,
+        float(indenter_footprint.grid.x[1] - indenter_footprint.grid.x[0]),
+    )
 
 
 def shifted(values: NDArray[Any], offset: tuple[float, float], pitch: float) -> NDArray[Any]:

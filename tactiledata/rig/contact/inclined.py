@@ -79,20 +79,26 @@ def _in_plane(
     Moves (3, 3) turn x, y, depth over the gel into those over the plane.
     """
     rotation = gel_from_plane.T @ setup.rotation
-    grid = setup.print_.grid
-    print_ = footprint(setup.indenter, rotation, setup.touch.position, grid)
+    grid = setup.indenter_footprint.grid
+    indenter_footprint = footprint(setup.indenter, rotation, setup.touch.position, grid)
     beside = (grid.x - setup.touch.position[0])[None, :], (grid.y - setup.touch.position[1])[:, None]
-    print_ = replace(print_, heights=np.minimum(print_.heights + setup.cap.fall(*beside), CEILING))
+    indenter_footprint = replace(
+        indenter_footprint, heights=np.minimum(indenter_footprint.heights + setup.cap.fall(*beside), CEILING)
+    )
     place = np.array([*setup.touch.position, 0.0])
     # depths are of the lowest point, which is another part of the body over the plane
-    lowest = moves @ np.array([0.0, 0.0, setup.print_.lowest]) - np.array([0.0, 0.0, print_.lowest])
+    lowest = moves @ np.array([0.0, 0.0, setup.indenter_footprint.lowest]) - np.array(
+        [0.0, 0.0, indenter_footprint.lowest]
+    )
     positions = (path.positions - place) @ moves.T + lowest
     positions[:, 2] -= setup.cap.fall(positions[:, 0], positions[:, 1])
     body: Any = setup.indenter
     if body.shape == "sphere":
         # its closed form asks for the radius: curvatures add (Hertz)
         body = replace(body, radius=1 / (1 / body.radius + setup.cap.curvature))
-    flat = replace(level, indenter=body, rotation=rotation, print_=print_, offset=moves @ setup.offset)
+    flat = replace(
+        level, indenter=body, rotation=rotation, indenter_footprint=indenter_footprint, offset=moves @ setup.offset
+    )
     return flat, replace(path, positions=positions + place)
 
 

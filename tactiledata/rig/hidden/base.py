@@ -17,7 +17,7 @@ from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.transforms import Transform
 
 if TYPE_CHECKING:
-    from tactiledata.rig.play import Performance
+    from tactiledata.rig.play import PlayedLog
 
 Parameters = Mapping[str, float]
 
@@ -176,7 +176,7 @@ class HiddenEffect:
         """Share (n,) of a tangential pull that the gel still holds after so many samples, 1 at once."""
         return None
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
+    def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
         """A further load (n, 6) on the force sensor, in its frame, at sorted moments of the host clock."""
         return None
 

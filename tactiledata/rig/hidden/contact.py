@@ -75,7 +75,7 @@ def touch_hidden(
 class _Touch:
     def __init__(self, setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], path: Path) -> None:
         self._setup, self._facts, self._effects, self._path = setup, facts, effects, path
-        self._law = contact_law(setup.indenter, setup.print_, setup.thickness, setup.material)
+        self._law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
 
     def felt(self, contact: Contact) -> Felt:
         positions = self._path.at(contact_times(self._path)) + self._setup.offset

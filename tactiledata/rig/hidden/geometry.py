@@ -119,5 +119,5 @@ class IndenterMount(HiddenEffect):
         real = {**entry, "radius": setup.indenter.sizes["radius"] * (1 + signs[1] * self.radius)}
         indenter = make_indenter(real, facts.scenario.folder, f"indenters.{facts.touch.indenter}")
         grid = GelGrid.of(facts.scenario.sensors[facts.touch.sensor].gel)
-        print_ = footprint(indenter, setup.rotation, facts.touch.position, grid)
-        return replace(setup, indenter=indenter, print_=print_)
+        indenter_footprint = footprint(indenter, setup.rotation, facts.touch.position, grid)
+        return replace(setup, indenter=indenter, indenter_footprint=indenter_footprint)

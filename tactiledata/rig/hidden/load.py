@@ -16,7 +16,7 @@ from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.transforms import move_wrench
 
 if TYPE_CHECKING:
-    from tactiledata.rig.play import Performance
+    from tactiledata.rig.play import PlayedLog
 
 GRAVITY = 9.81
 """m/s²."""
@@ -55,10 +55,10 @@ class ToolWeight(HiddenEffect):
     mass: float = 0.0
     lever: float = 0.0
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
+    def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
         """See `HiddenEffect.load`."""
         robot = scenario.robot
-        down = -performance.tcp(moments)[:, 2, :3]
+        down = -played_log.tcp(moments)[:, 2, :3]
         stated = np.asarray(robot.centre_of_gravity)
         real = stated + np.array([self.lever / 2, 0.0, self.lever])
         more = (robot.tool_mass + self.mass) * np.concatenate([down, np.cross(real, down)], axis=1)
@@ -90,11 +90,11 @@ class CableDrag(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"force": (0.0, 5.0)}
     force: float = 0.0
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
+    def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
         """See `HiddenEffect.load`."""
-        grid = _grid(performance, CABLE_RATE)
+        grid = _grid(played_log, CABLE_RATE)
         robot = scenario.robot
-        joints = ur5e.inverse(performance.tcp(grid) @ robot.flange_from_tcp.inverse().matrix)
+        joints = ur5e.inverse(played_log.tcp(grid) @ robot.flange_from_tcp.inverse().matrix)
         size = 0.5 * np.sin(joints[:, 5]) + 0.3 * (joints[:, 4] - np.pi / 2) + 0.7 * bouc_wen(joints[:, 5] / CABLE_SLIP)
         at = self.force * np.interp(moments - grid[0], grid - grid[0], size)
         pull = at[:, None] * np.asarray(CABLE_FORCE)
@@ -142,16 +142,16 @@ class Inertia(HiddenEffect):
     mass: float = 0.0
     frequency: float = 18.0
 
-    def load(self, moments: Times, performance: Performance, scenario: Scenario) -> RealArray | None:
+    def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
         """See `HiddenEffect.load`."""
-        grid = _grid(performance, SHAKE_RATE)
-        places = performance.tcp(grid)[:, :3, 3]
+        grid = _grid(played_log, SHAKE_RATE)
+        places = played_log.tcp(grid)[:, :3, 3]
         acceleration = np.zeros_like(places)
         acceleration[1:-1] = np.diff(places, 2, axis=0) * SHAKE_RATE**2
         shaken = second_order(acceleration, self.frequency, 0.08, SHAKE_RATE)
         ticks = grid - grid[0]
         at = np.stack([np.interp(moments - grid[0], ticks, column) for column in shaken.T], axis=1)
-        turned = np.einsum("nji,nj->ni", performance.tcp(moments)[:, :3, :3], at)
+        turned = np.einsum("nji,nj->ni", played_log.tcp(moments)[:, :3, :3], at)
         push = -self.mass * turned
         cog = np.asarray(scenario.robot.centre_of_gravity)
         wrench = np.concatenate([push, np.cross(cog, push)], axis=1)
@@ -167,6 +167,6 @@ def second_order(values: RealArray, frequency: float, damping: float, rate: floa
     return answer
 
 
-def _grid(performance: Performance, rate: float) -> Times:
-    count = int((performance.end_ns - performance.start_ns) * 1e-9 * rate) + 2
-    return performance.start_ns + np.rint(np.arange(count) * 1e9 / rate).astype(np.int64)
+def _grid(played_log: PlayedLog, rate: float) -> Times:
+    count = int((played_log.end_ns - played_log.start_ns) * 1e-9 * rate) + 2
+    return played_log.start_ns + np.rint(np.arange(count) * 1e9 / rate).astype(np.int64)

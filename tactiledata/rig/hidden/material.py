@@ -114,7 +114,7 @@ class PadEdge(HiddenEffect):
         """See `HiddenEffect.normal`."""
         if self.inset == 0:
             return force
-        half = np.asarray(felt.setup.print_.grid.outline) / 2 - self.inset
+        half = np.asarray(felt.setup.indenter_footprint.grid.outline) / 2 - self.inset
         away = np.maximum((half - np.abs(felt.positions[:, :2])).min(axis=1), 0.0)
         return force * (1 - 0.5 * np.exp(-away / np.maximum(felt.radius, 1e-6)))
 

@@ -21,7 +21,7 @@ PARTS_OF_STIFFNESS = (1.0, 1.0, 1.0, 0.4, 0.4, 0.4)
 def sensor_poses(positions: RealArray, setup: TouchSetup, facts: TouchFacts) -> RealArray:
     """base_from_gel (n, 4, 4) of positions (n, 3) over the gel."""
     tcp_from_gel = facts.scenario.robot.tcp_from_gel
-    tcp = motion.base_from_tcp(positions, setup.rotation, setup.print_.lowest, facts.mounted, tcp_from_gel)
+    tcp = motion.base_from_tcp(positions, setup.rotation, setup.indenter_footprint.lowest, facts.mounted, tcp_from_gel)
     return tcp @ tcp_from_gel.matrix
 
 

@@ -13,31 +13,31 @@ from tactiledata.rig.hidden.base import HIDDEN, HiddenEffect
 from tactiledata.rig.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from tactiledata.rig.play import Performance
+    from tactiledata.rig.play import PlayedLog
 
 Loads = Callable[[Times], RealArray]
 
 
-def hidden_loads(scenario: Scenario, performance: Performance, moments: Times) -> RealArray:
+def hidden_loads(scenario: Scenario, played_log: PlayedLog, moments: Times) -> RealArray:
     """What hidden effects add (n, 6) to the load on the force sensor, in its frame, at sorted moments."""
     out = np.zeros((len(moments), 6))
     for effect in scenario.hidden:
-        load = effect.load(moments, performance, scenario)
+        load = effect.load(moments, played_log, scenario)
         if load is not None:
             out += load
     return out
 
 
-def sensed_loads(scenario: Scenario, performance: Performance, index: int, loads: Loads, moments: Times) -> RealArray:
+def sensed_loads(scenario: Scenario, played_log: PlayedLog, index: int, loads: Loads, moments: Times) -> RealArray:
     """What the force sensor makes (n, 6) of loads, before its zero is set, at sorted moments of the host clock.
 
     A slow sensor is fed evenly over the whole log.
     """
-    start = performance.start_ns
+    start = played_log.start_ns
     slow = [effect for effect in scenario.hidden if effect.delayed(np.zeros((2, 6)), CONTACT_RATE) is not None]
     if not slow:
         return _sensed(scenario, index, loads(moments), (moments - start) * 1e-9)
-    count = int((performance.end_ns - start) * 1e-9 * CONTACT_RATE) + 2
+    count = int((played_log.end_ns - start) * 1e-9 * CONTACT_RATE) + 2
     seconds = np.arange(count) / CONTACT_RATE
     values = _sensed(scenario, index, loads(start + np.rint(seconds * 1e9).astype(np.int64)), seconds)
     for effect in slow:

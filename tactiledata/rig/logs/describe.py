@@ -8,26 +8,28 @@ from typing import Any
 from tactiledata import __version__
 from tactiledata.contract.description import LOG_FORMAT, LogDescription
 from tactiledata.rig.logs.ros2_messages import FRAMES
-from tactiledata.rig.play import Performance, Play, Stage
+from tactiledata.rig.play import PlayedLog, PlayedTrajectory, RigSetup
 from tactiledata.rig.scenario.scenario import Scenario, SensorSetup
 
 DECIMALS = 12
 """Of numbers in descriptions: a picometre, and no digits of arithmetic."""
 
 
-def describe(stage: Stage, performance: Performance, serials: Sequence[str], tares: Sequence[int]) -> dict[str, Any]:
+def describe(
+    rig_setup: RigSetup, played_log: PlayedLog, serials: Sequence[str], tares: Sequence[int]
+) -> dict[str, Any]:
     """The description of one log, checked."""
-    scenario = stage.scenario
+    scenario = rig_setup.scenario
     robot = scenario.robot
-    used = dict.fromkeys(play.touch.indenter for play in performance.plays)
+    used = dict.fromkeys(play.touch.indenter for play in played_log.plays)
     document = {
         "format": LOG_FORMAT,
         **({"title": scenario.title} if scenario.title else {}),
         "sensors": {
-            serial: _sensor(scenario.sensors[serial], performance.start_ns - int(scenario.recordings.powered * 1e9))
+            serial: _sensor(scenario.sensors[serial], played_log.start_ns - int(scenario.recordings.powered * 1e9))
             for serial in serials
         },
-        "indenters": {name: _indenter(stage, name) for name in used},
+        "indenters": {name: _indenter(rig_setup, name) for name in used},
         "robot": {
             "model": "ur5e",
             "tcp_from_gel": _rounded(robot.tcp_from_gel.document()),
@@ -65,12 +67,12 @@ def _sensor(setup: SensorSetup, power_on_ns: int) -> dict[str, Any]:
     }
 
 
-def _indenter(stage: Stage, name: str) -> dict[str, Any]:
-    entry = stage.scenario.indenters[name]
-    solid = dict(stage.indenters[name].document)
+def _indenter(rig_setup: RigSetup, name: str) -> dict[str, Any]:
+    entry = rig_setup.scenario.indenters[name]
+    solid = dict(rig_setup.indenters[name].document)
     if "mesh" in entry:
         solid = {"mesh": f"indenters/{name}.stl", "unit": entry["unit"]}
-    return {**solid, "base_from_indenter": _rounded(stage.mounted[name].document())}
+    return {**solid, "base_from_indenter": _rounded(rig_setup.mounted[name].document())}
 
 
 def _clocks(scenario: Scenario) -> dict[str, Any]:
@@ -85,9 +87,9 @@ def _rounded(document: dict[str, list[float]]) -> dict[str, list[float]]:
     return {key: [round(value, DECIMALS) + 0.0 for value in values] for key, values in document.items()}
 
 
-def trajectory_rows(performance: Performance) -> Iterator[dict[str, Any]]:
+def trajectory_rows(played_log: PlayedLog) -> Iterator[dict[str, Any]]:
     """Rows of trajectories.csv; the free columns are what an operator knows: commands, not outcomes."""
-    for play in performance.plays:
+    for play in played_log.plays:
         yield {
             "trajectory": play.touch.name,
             "start_ns": play.start_ns,
@@ -98,7 +100,7 @@ def trajectory_rows(performance: Performance) -> Iterator[dict[str, Any]]:
         }
 
 
-def _commands(play: Play) -> dict[str, Any]:
+def _commands(play: PlayedTrajectory) -> dict[str, Any]:
     press = next((step for step in play.touch.steps if step.kind == "press"), None)
     shear = next((step for step in play.touch.steps if step.kind == "shear"), None)
     by = (0.0, 0.0) if shear is None else shear.by

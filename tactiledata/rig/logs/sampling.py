@@ -19,7 +19,7 @@ from tactiledata.rig.logs.describe import describe, trajectory_rows
 from tactiledata.rig.logs.reflectance import HEIGHT, WIDTH, Camera, Optics
 from tactiledata.rig.logs.tape import Samples, Shot, Tape
 from tactiledata.rig.motion import ur5e
-from tactiledata.rig.play import Performance, Play, Stage
+from tactiledata.rig.play import PlayedLog, PlayedTrajectory, RigSetup
 from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.transforms import matrix_poses, move_wrench
@@ -34,95 +34,95 @@ SAMPLING, PICTURES = 6, 7
 """Numbers of the random streams."""
 
 
-def sample(stage: Stage, name: str, index: int, performance: Performance) -> Tape:
+def sample(rig_setup: RigSetup, name: str, index: int, played_log: PlayedLog) -> Tape:
     """The tape of one log."""
-    scenario = stage.scenario
+    scenario = rig_setup.scenario
     rng = np.random.default_rng([scenario.seed, SAMPLING, index])
-    tares = tare_times(scenario, performance)
+    tares = tare_times(scenario, played_log)
     signals = {
-        "tcp": _tcp(scenario, performance, rng),
-        "wrench": wrench_samples(scenario, performance, index, tares, rng),
+        "tcp": _tcp(scenario, played_log, rng),
+        "wrench": wrench_samples(scenario, played_log, index, tares, rng),
     }
     if scenario.streams.joints > 0:
-        signals["joints"] = _joints(scenario, performance, rng)
+        signals["joints"] = _joints(scenario, played_log, rng)
     if scenario.streams.arm_wrench > 0:
-        signals["arm_wrench"] = _arm_wrench(scenario, performance, rng)
-    serials = list(dict.fromkeys(play.touch.sensor for play in performance.plays))
+        signals["arm_wrench"] = _arm_wrench(scenario, played_log, rng)
+    serials = list(dict.fromkeys(play.touch.sensor for play in played_log.plays))
     backgrounds = {serial: background_of(scenario, serial) for serial in serials}
-    shots = _shots(scenario, performance, backgrounds, index, rng)
+    shots = _shots(scenario, played_log, backgrounds, index, rng)
     names_trajectories = scenario.recordings.name_trajectories
     files = {
         f"indenters/{key}.stl": path_inside(scenario.folder, entry["mesh"], f"indenters.{key}.mesh")
         for key, entry in scenario.indenters.items()
-        if "mesh" in entry and any(play.touch.indenter == key for play in performance.plays)
+        if "mesh" in entry and any(play.touch.indenter == key for play in played_log.plays)
     }
     return Tape(
         name=name,
         index=index,
         scenario=scenario,
-        description=describe(stage, performance, serials, tares),
-        trajectories=tuple(trajectory_rows(performance)) if names_trajectories else (),
+        description=describe(rig_setup, played_log, serials, tares),
+        trajectories=tuple(trajectory_rows(played_log)) if names_trajectories else (),
         signals=signals,
         shots=tuple(shots),
         backgrounds={f"backgrounds/{serial}.png": picture for serial, picture in backgrounds.items()},
         files=files,
-        truth={"performance": performance},
+        truth={"performance": played_log},
     )
 
 
-def _tcp(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:
+def _tcp(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) -> Samples:
     clock = scenario.clock("tcp")
-    host = _times(performance, scenario.streams.tcp, clock.jitter, rng)
-    poses = matrix_poses(performance.tcp(host))
+    host = _times(played_log, scenario.streams.tcp, clock.jitter, rng)
+    poses = matrix_poses(played_log.tcp(host))
     poses[:, :3] += rng.normal(0.0, scenario.imperfections.tcp_noise, (len(host), 3))
     return Samples(host, imperfections.stream_stamps(host, clock), poses)
 
 
-def _joints(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:
+def _joints(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) -> Samples:
     clock = scenario.clock("joints")
-    host = _times(performance, scenario.streams.joints, clock.jitter, rng)
-    base_from_flange = performance.tcp(host) @ scenario.robot.flange_from_tcp.inverse().matrix
+    host = _times(played_log, scenario.streams.joints, clock.jitter, rng)
+    base_from_flange = played_log.tcp(host) @ scenario.robot.flange_from_tcp.inverse().matrix
     return Samples(host, imperfections.stream_stamps(host, clock), ur5e.inverse(base_from_flange))
 
 
-def _times(performance: Performance, rate: float, jitter: float, rng: np.random.Generator) -> NDArray[np.int64]:
-    return imperfections.sampling_times(performance.start_ns, performance.end_ns, rate, jitter, rng)
+def _times(played_log: PlayedLog, rate: float, jitter: float, rng: np.random.Generator) -> NDArray[np.int64]:
+    return imperfections.sampling_times(played_log.start_ns, played_log.end_ns, rate, jitter, rng)
 
 
-def tare_times(scenario: Scenario, performance: Performance) -> list[int]:
+def tare_times(scenario: Scenario, played_log: PlayedLog) -> list[int]:
     """When the force sensor is set to zero, ns of the host clock."""
     setup = scenario.recordings.tare
     if setup == "log":
-        return [performance.start_ns + TARE_DELAY_NS]
+        return [played_log.start_ns + TARE_DELAY_NS]
     if setup == "trajectory":
-        return [play.start_ns + TARE_DELAY_NS for play in performance.plays]
+        return [play.start_ns + TARE_DELAY_NS for play in played_log.plays]
     return []
 
 
-def load_on_ft(scenario: Scenario, performance: Performance, host_ns: NDArray[np.int64]) -> RealArray:
+def load_on_ft(scenario: Scenario, played_log: PlayedLog, host_ns: NDArray[np.int64]) -> RealArray:
     """What the world exerts on the tool side (n, 6), in the force sensor's frame: contact and the tool's weight."""
     robot = scenario.robot
     ft_from_tcp = robot.tcp_from_ft.inverse().matrix
-    on_gel = -performance.wrench(host_ns)
+    on_gel = -played_log.wrench(host_ns)
     contact = move_wrench(on_gel, ft_from_tcp @ robot.tcp_from_gel.matrix)
-    down = performance.tcp(host_ns)[:, 2, :3] * (-robot.tool_mass * GRAVITY)
+    down = played_log.tcp(host_ns)[:, 2, :3] * (-robot.tool_mass * GRAVITY)
     weight = np.concatenate([down, np.cross(np.asarray(robot.centre_of_gravity), down)], axis=1)
-    return contact + move_wrench(weight, ft_from_tcp) + hidden_loads(scenario, performance, host_ns)
+    return contact + move_wrench(weight, ft_from_tcp) + hidden_loads(scenario, played_log, host_ns)
 
 
 def wrench_samples(
-    scenario: Scenario, performance: Performance, index: int, tares: list[int], rng: np.random.Generator
+    scenario: Scenario, played_log: PlayedLog, index: int, tares: list[int], rng: np.random.Generator
 ) -> Samples:
     """What the force sensor says (n, 6) over a whole log, N and N m, in its own frame."""
     setup, streams, clock = scenario.imperfections, scenario.streams, scenario.clock("wrench")
-    host = _times(performance, streams.wrench, clock.jitter, rng)
-    seconds = (host - performance.start_ns) * 1e-9
+    host = _times(played_log, streams.wrench, clock.jitter, rng)
+    seconds = (host - played_log.start_ns) * 1e-9
     moments = np.concatenate([host, np.asarray(tares, dtype=np.int64)])
     order = np.argsort(moments, kind="stable")
     loads = np.empty((len(moments), 6))
-    load = partial(load_on_ft, scenario, performance)
-    loads[order] = sensed_loads(scenario, performance, index, load, moments[order])
-    loads += imperfections.bias_over_time((moments - performance.start_ns) * 1e-9, setup, rng)
+    load = partial(load_on_ft, scenario, played_log)
+    loads[order] = sensed_loads(scenario, played_log, index, load, moments[order])
+    loads += imperfections.bias_over_time((moments - played_log.start_ns) * 1e-9, setup, rng)
     reading: RealArray = loads[: len(host)].copy()
     for tare_ns, zero in zip(tares, loads[len(host) :], strict=True):
         reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
@@ -137,14 +137,14 @@ def wrench_samples(
     return Samples(host, stamps, reading)
 
 
-def _arm_wrench(scenario: Scenario, performance: Performance, rng: np.random.Generator) -> Samples:
+def _arm_wrench(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) -> Samples:
     """The arm's own wrist sensor: the same load seen elsewhere, noisier, never set to zero. A decoy."""
     setup = scenario.imperfections
-    host = _times(performance, scenario.streams.arm_wrench, 0.0, rng)
+    host = _times(played_log, scenario.streams.arm_wrench, 0.0, rng)
     at_flange = move_wrench(
-        load_on_ft(scenario, performance, host), (scenario.robot.flange_from_tcp @ scenario.robot.tcp_from_ft).matrix
+        load_on_ft(scenario, played_log, host), (scenario.robot.flange_from_tcp @ scenario.robot.tcp_from_ft).matrix
     )
-    at_flange += imperfections.bias_over_time((host - performance.start_ns) * 1e-9, setup, rng)
+    at_flange += imperfections.bias_over_time((host - played_log.start_ns) * 1e-9, setup, rng)
     scale = ARM_NOISE * np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])
     noise = imperfections.coloured_noise(len(host), scale, scenario.streams.arm_wrench, setup, rng)
     return Samples(host, imperfections.stream_stamps(host, scenario.clock("joints")), at_flange + noise)
@@ -152,7 +152,7 @@ def _arm_wrench(scenario: Scenario, performance: Performance, rng: np.random.Gen
 
 def _shots(
     scenario: Scenario,
-    performance: Performance,
+    played_log: PlayedLog,
     backgrounds: dict[str, NDArray[np.uint8]],
     index: int,
     rng: np.random.Generator,
@@ -166,7 +166,7 @@ def _shots(
         for serial, background in backgrounds.items()
     }
     clock = scenario.clock("frames")
-    moments = sorted(_capture_moments(scenario, performance, clock.jitter, rng), key=lambda moment: moment[0])
+    moments = sorted(_capture_moments(scenario, played_log, clock.jitter, rng), key=lambda moment: moment[0])
     dropped = imperfections.chosen(len(moments), scenario.imperfections.dropped_frames, rng)
     shots = []
     for number, ((host_ns, serial, play), lost) in enumerate(zip(moments, dropped, strict=True)):
@@ -184,7 +184,7 @@ def _shots(
     return shots
 
 
-def _draw(camera: Camera, play: Play | None, host_ns: int, seed: list[int]) -> NDArray[np.uint8]:
+def _draw(camera: Camera, play: PlayedTrajectory | None, host_ns: int, seed: list[int]) -> NDArray[np.uint8]:
     rng = np.random.default_rng(seed)
     if play is None:
         return camera.picture(camera.at_rest, rng)
@@ -192,26 +192,26 @@ def _draw(camera: Camera, play: Play | None, host_ns: int, seed: list[int]) -> N
 
 
 def _capture_moments(
-    scenario: Scenario, performance: Performance, jitter: float, rng: np.random.Generator
-) -> list[tuple[int, str, Play | None]]:
+    scenario: Scenario, played_log: PlayedLog, jitter: float, rng: np.random.Generator
+) -> list[tuple[int, str, PlayedTrajectory | None]]:
     """When which camera takes a picture, and of which touch; all cameras of a video run through the whole log."""
     setup = scenario.images
-    moments: list[tuple[int, str, Play | None]] = []
+    moments: list[tuple[int, str, PlayedTrajectory | None]] = []
     if setup.capture in ("step", "both"):
-        for play in performance.plays:
+        for play in played_log.plays:
             late = np.abs(rng.normal(0.0, jitter, len(play.path.captures))) if jitter else 0.0
             host = play.start_ns + np.rint((play.path.captures - late) * 1e9).astype(np.int64)
             moments.extend((int(moment), play.touch.sensor, play) for moment in np.unique(host))
     if setup.capture in ("video", "both"):
-        for serial in dict.fromkeys(play.touch.sensor for play in performance.plays):
-            host = _times(performance, setup.rate, jitter, rng)
+        for serial in dict.fromkeys(play.touch.sensor for play in played_log.plays):
+            host = _times(played_log, setup.rate, jitter, rng)
             for moment in host.tolist():
-                moments.append((moment, serial, _touching(performance, serial, moment)))
+                moments.append((moment, serial, _touching(played_log, serial, moment)))
     return moments
 
 
-def _touching(performance: Performance, serial: str, moment: int) -> Play | None:
-    for play in performance.plays:
+def _touching(played_log: PlayedLog, serial: str, moment: int) -> PlayedTrajectory | None:
+    for play in played_log.plays:
         if play.start_ns <= moment < play.end_ns:
             return play if play.touch.sensor == serial else None
     return None

@@ -14,7 +14,7 @@ from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.rig.hidden.contact import hidden_entries
 from tactiledata.rig.logs.reflectance import Optics
 from tactiledata.rig.logs.tape import Tape
-from tactiledata.rig.play import Performance, Play
+from tactiledata.rig.play import PlayedLog, PlayedTrajectory
 
 WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 
@@ -23,7 +23,7 @@ def write_truth(tape: Tape, folder: Path) -> None:
     """``<log>.json``: parameters, offsets, times of contact; ``<log>.parquet``: the contact at every wrench sample and
     frame, on the host clock.
     """
-    performance: Performance = tape.truth["performance"]
+    played_log: PlayedLog = tape.truth["performance"]
     scenario = tape.scenario
     write_json_atomic(
         folder / f"{tape.name}.json",
@@ -32,13 +32,13 @@ def write_truth(tape: Tape, folder: Path) -> None:
             "contact": {"form": scenario.contact, "pitch": scenario.contact_pitch},
             "imperfections": asdict(scenario.imperfections),
             "clocks": {name: asdict(scenario.clock(name)) for name in ("wrench", "tcp", "joints", "frames")},
-            "sensors": {serial: _sensor(tape, serial) for serial in {play.touch.sensor for play in performance.plays}},
+            "sensors": {serial: _sensor(tape, serial) for serial in {play.touch.sensor for play in played_log.plays}},
             **({"hidden": hidden_entries(scenario.hidden)} if scenario.hidden else {}),
-            "trajectories": {play.touch.name: _trajectory(play) for play in performance.plays},
+            "trajectories": {play.touch.name: _trajectory(play) for play in played_log.plays},
         },
     )
     sink = pa.BufferOutputStream()
-    pq.write_table(_contacts(tape, performance), sink, compression="zstd")
+    pq.write_table(_contacts(tape, played_log), sink, compression="zstd")
     write_atomic(folder / f"{tape.name}.parquet", sink.getvalue().to_pybytes())
 
 
@@ -47,7 +47,7 @@ def _sensor(tape: Tape, serial: str) -> dict[str, Any]:
     return {"gel": asdict(setup.gel), "optics": asdict(Optics.of_unit(serial, tape.scenario.seed, setup.optics))}
 
 
-def _trajectory(play: Play) -> dict[str, Any]:
+def _trajectory(play: PlayedTrajectory) -> dict[str, Any]:
     seconds = np.arange(0.0, play.path.duration, 1e-4)
     host = play.start_ns + np.rint(seconds * 1e9).astype(np.int64)
     touching = np.flatnonzero(play.true_positions(host)[:, 2] > 0)
@@ -70,17 +70,17 @@ def _trajectory(play: Play) -> dict[str, Any]:
     }
 
 
-def _contacts(tape: Tape, performance: Performance) -> pa.Table:
+def _contacts(tape: Tape, played_log: PlayedLog) -> pa.Table:
     """Rows in time: stream, host_ns, stamp_ns, trajectory, contact wrench on the indenter in the gel frame, depth."""
     samples = tape.signals["wrench"]
     frames = np.array([shot.host_ns for shot in tape.shots], dtype=np.int64)
     stamps = np.array([shot.stamp_ns for shot in tape.shots], dtype=np.int64)
     parts = []
     for stream, host, stamp in (("wrench", samples.host_ns, samples.stamp_ns), ("frames", frames, stamps)):
-        wrench = performance.wrench(host)
+        wrench = played_log.wrench(host)
         names = np.full(len(host), "", dtype=object)
         depth = np.full(len(host), -1.0)
-        for play in performance.plays:
+        for play in played_log.plays:
             first, last = np.searchsorted(host, [play.start_ns, play.end_ns])
             names[first:last] = play.touch.name
             depth[first:last] = play.true_positions(host[first:last])[:, 2]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Encoding, Finding, Image
 from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
 from tactiledata.errors import StoreError, UsageError
@@ -26,9 +27,7 @@ BLOCK = 64
 """Images in memory at once."""
 
 
-def merge(
-    sources: Sequence[Store | Path | str], into: Path | str, progress: Callable[[int, int, str], None] | None = None
-) -> list[Finding]:
+def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Progress | None = None) -> list[Finding]:
     """What is worth saying after stores were merged into a new or existing one, as if all had been ingested there.
 
     Sources go in the order of the call; one that several stores hold goes in once. Killed and run again, it goes on.
@@ -60,7 +59,7 @@ def merge(
         return _merge(stores, target, progress)
 
 
-def _merge(stores: Sequence[Store], target: Path, progress: Callable[[int, int, str], None] | None) -> list[Finding]:
+def _merge(stores: Sequence[Store], target: Path, progress: Progress | None) -> list[Finding]:
     n_before = len(Store.open(target).findings())
     findings: list[Finding] = []
     pieces = _plan([Origin.of(store) for store in stores], Store.open(target), findings)

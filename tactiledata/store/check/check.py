@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
@@ -43,9 +44,6 @@ NEEDS = {
     IMAGES: ("frames",),
 }
 """Checks, and the tables that they need."""
-
-Progress = Callable[[int, int, str], None]
-"""Called with how much is done, how much there is, and what it is at."""
 
 
 def check(

@@ -11,11 +11,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag
 from tactiledata.contract.wording import counted
-from tactiledata.store.check.check import Progress, check, manifest_findings
+from tactiledata.store.check.check import check, manifest_findings
 from tactiledata.store.check.payloads import payload_faults
 from tactiledata.store.check.tables import table_findings
 from tactiledata.store.layout.arrays import set_length

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from tactiledata.arrays import Array
+from tactiledata.gel.contact.contact_path import ContactPath, ContactState
 from tactiledata.gel.contact.history import FrameStatus, GelTouch
 from tactiledata.gel.contact.path import judge_pose, load_steps
 from tactiledata.gel.contact.recorder import FrameRecorder
-from tactiledata.gel.contact.walker import ContactState, ContactWalk
 
 FINEST = 4
 """A load step that fails is tried in 2 and at last this many parts."""
 
 
-class Journey:
+class TrajectorySolve:
     """The order of work on one touch.
 
     Parameters
@@ -20,13 +20,13 @@ class Journey:
     number : int
         Of the touch among those asked for.
     touch : GelTouch
-    walk : ContactWalk
+    walk : ContactPath
     recorder : FrameRecorder
     thickness : m, of the pad
     """
 
     def __init__(
-        self, number: int, touch: GelTouch, walk: ContactWalk, recorder: FrameRecorder, thickness: float
+        self, number: int, touch: GelTouch, walk: ContactPath, recorder: FrameRecorder, thickness: float
     ) -> None:
         self.number = number
         self.walk = walk

@@ -35,7 +35,7 @@ class ContactState:
     forces : (m, 3) m^2
         Patch forces on the gel over Young's modulus.
     displacement : (r, 3) m
-        Of all nodes, or of the surface alone: see ``ContactWalk.rows``.
+        Of all nodes, or of the surface alone: see ``ContactPath.rows``.
     gaps : (m,) m
     """
 
@@ -51,7 +51,7 @@ class ContactState:
 
 
 @dataclass
-class ContactWalk:
+class ContactPath:
     """The contact of one indenter with the gel along its path.
 
     Parameters

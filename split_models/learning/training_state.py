@@ -8,7 +8,7 @@ from typing import Any
 
 
 @dataclass
-class Progress:
+class TrainingState:
     """Where training stands, as JSON values in the checkpoint."""
 
     order: dict[str, Any] = field(default_factory=dict)
@@ -24,7 +24,7 @@ class Progress:
         return {**vars(self), "best": None if self.best_epoch < 0 else self.best}
 
     @classmethod
-    def from_document(cls, document: Mapping[str, Any]) -> Progress:
+    def from_document(cls, document: Mapping[str, Any]) -> TrainingState:
         """The inverse of `document`."""
         best = document["best"]
         return cls(**{**document, "best": float("inf") if best is None else best})

@@ -1,0 +1,26 @@
+"""How far a long piece of work is, as it is told to whoever watches."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+
+class Progress(Protocol):
+    """A function that is called again and again while work goes on.
+
+    Parameters
+    ----------
+    done : int
+        Pieces of work that are done.
+    total : int
+        All pieces, as far as is known.
+    what : str
+        What is done now, in a few words; empty where the work has one step only.
+    """
+
+    def __call__(self, done: int, total: int, what: str = "", /) -> None:
+        """Take notice of the progress."""
+
+
+def no_progress(done: int, total: int, what: str = "") -> None:
+    """Take no notice of the progress: the default where nobody watches."""
