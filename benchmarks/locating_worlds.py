@@ -184,7 +184,7 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     white = WhitenedTouches.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
     base = plain_fit(white, START)
     located = locate_touches(white, base)
-    change = white.white(bench.felt(asked, gel) - bench.clean(asked.seed, gel))
+    change = white.whiten(bench.felt(asked, gel) - bench.clean(asked.seed, gel))
     shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
     axes, where = told(located)
     shows_in = SHOWS_IN.get(asked.effects[0], set()) if asked.effects else set()

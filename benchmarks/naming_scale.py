@@ -102,7 +102,7 @@ def claim_of(nulls: Sequence[Case]) -> float:
     """The least gain that lets so few nulls be answered."""
     refits = [[judged_of(one) for one in case["candidates"]] for case in nulls]
     for claim in np.arange(LEAST, 100.0, 0.5):
-        scale = replace(DEFAULT_THRESHOLDS, claim=float(claim))
+        scale = replace(DEFAULT_THRESHOLDS, claim_gain=float(claim))
         said = sum(
             any(not one.objections(scale) or one.is_structure(scale) or one.is_trace(scale) for one in judged)
             for judged in refits
@@ -183,7 +183,7 @@ def main() -> None:
     scale = fitted(cases)
     print(f"{len(cases)} cases, {sum(case['kind'] == 'nulls' for case in cases)} of them nulls")
     nulls = [case for case in cases if case["kind"] == "nulls"]
-    print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {DEFAULT_THRESHOLDS.claim:g})")
+    print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {DEFAULT_THRESHOLDS.claim_gain:g})")
     most = float(np.quantile([case["at_large"] for case in nulls], 0.99))
     print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {DEFAULT_THRESHOLDS.dispersion:g})")
     for name in FITTED:

@@ -128,7 +128,7 @@ class Bench:
 def _refit(cases: TouchSet, wrenches: np.ndarray) -> JointFit:
     """The plain simulation fitted to wrenches (N, 6) without noise; its cost in squares of the noise."""
     ends = np.cumsum(cases.counts)[:-1]
-    exact = [replace(case, measured=one) for case, one in zip(cases.cases, np.split(wrenches, ends), strict=True)]
+    exact = [replace(case, measured=one) for case, one in zip(cases.touches, np.split(wrenches, ends), strict=True)]
     return plain_fit(WhitenedTouches.of(replace(cases, cases=exact), NamingOptions().errors), START)
 
 
@@ -136,11 +136,11 @@ def _found(naming: NamingResult, asked: Asked, change: np.ndarray) -> dict[str, 
     """What is kept of an answer; ``to_first_order`` is the hidden change beyond what a linear refit imitates."""
     answer = Answer(naming)
     metric = naming.base.metric
-    field_ = naming.cases.white(change)
+    field_ = naming.whitened.whiten(change)
     signal = float(np.sqrt(max(metric.cost(field_), 0.0)))
     best = naming.decision.best
     known = naming.identifiable
-    ranked = sorted(naming.judged, key=lambda each: -each.gain)
+    ranked = sorted(naming.scored, key=lambda each: -each.gain)
     reach = {
         name: max((float(r) for n, r in zip(known.effects, known.reach, strict=True) if n == name), default=0.0)
         for name in asked.truth
@@ -153,7 +153,7 @@ def _found(naming: NamingResult, asked: Asked, change: np.ndarray) -> dict[str, 
         "nearest": list(best.names) if best else [],
         "ties": [tie.name for tie in naming.decision.ties],
         "candidates": [
-            {**told, "gains": one.gains.round(2).tolist(), "falls": one.falls.round(2).tolist()}
+            {**told, "gains": one.gains.round(2).tolist(), "falls": one.evidence_per_trajectory.round(2).tolist()}
             for told, one in zip(document["candidates"], ranked, strict=True)
         ],
         "screen": document["screen"][:10],

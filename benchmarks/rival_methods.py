@@ -183,7 +183,7 @@ def gaussian_process(case: Case) -> tuple[str, ...]:
             whole += float((target[outside] ** 2).sum())
     if 1.0 - left / whole < EXPLAINS:
         return ()
-    field = white.white(discrepancy)
+    field = white.whiten(discrepancy)
     alike = {
         name: max(best_imitation(fit.metric, field, one.field) for one in signatures)
         for name, signatures in _by_name(case.signatures).items()
@@ -195,7 +195,7 @@ def gaussian_process(case: Case) -> tuple[str, ...]:
 def _told(white: WhitenedTouches) -> Array:
     """Depth, place, seconds, speed, loading, radius (N, 7), each over its spread."""
     rows = []
-    for case in white.cases.cases:
+    for case in white.touch_set.touches:
         touch = case.touch
         seconds = touch.seconds - touch.seconds[0]
         descent = np.diff(-touch.tips[:, 2], prepend=-touch.tips[0, 2])

@@ -146,7 +146,7 @@ def exact_cases(bench: Bench) -> TouchSet:
     maker, truth = bench.maker, bench.plan.truth
     cases = maker.cases(maker.recorded(0, truth, []), bench.family)
     exact = replace(maker, plan=Still(bench.plan.number, bench.plan.is_quick)).recorded(0, truth, [], is_exact=True)
-    read = [replace(case, measured=wrench) for case, wrench in zip(cases.cases, exact.wrenches, strict=True)]
+    read = [replace(case, measured=wrench) for case, wrench in zip(cases.touches, exact.wrenches, strict=True)]
     return replace(cases, cases=read)
 
 
@@ -154,7 +154,7 @@ def fitted(cases: TouchSet, start: GelMaterial, errors: NumericalErrors) -> Join
     """E, nu, mu, offsets and factors, linearised anew at the optimum."""
     white = WhitenedTouches.of(cases, errors)
     for _ in range(2):
-        numerical = white.numerical(start)
+        numerical = white.simulation_error_fields(start)
         fit = joint_fit(white, numerical, joint_model(start, [], len(white.starts), numerical.shape[2], box=cases.box))
         start = fit.model.material
     return fit
@@ -167,7 +167,7 @@ def print_fitted(plan: Plan, bank: Path) -> None:
     plain = fitted(cases, truth, NumericalErrors(shape=NONE, law=NONE, shear=NONE)).model
     wide = NumericalErrors(shape=0.3, law=0.2, shear=0.4)
     free = fitted(cases, truth, wide).model
-    size = f"{len(cases.cases)} touches, {int(cases.counts.sum())} frames"
+    size = f"{len(cases.touches)} touches, {int(cases.counts.sum())} frames"
     print(f"\nfitted without noise: {size}, rig's pitch {plan.pitch * 1e3:g} mm")
     print(f"truth: {told(truth)}")
     print(f"E, nu, mu and offsets: {told(plain.material)}; offsets {told_offsets(plain.offsets)}")
@@ -197,7 +197,7 @@ def told_offsets(offsets: Array) -> str:
 
 def drift(cases: TouchSet, indenter: str, read: Array) -> tuple[float, float]:
     """Mean of the logarithm of engine over rig, and its slope over that of the force, for one indenter."""
-    rig = np.concatenate([case.measured for case in cases.cases])[:, 2]
+    rig = np.concatenate([case.measured for case in cases.touches])[:, 2]
     owner = np.repeat(np.asarray(cases.indenters), cases.counts)
     rows = (owner == indenter) & (rig >= LEAST) & (read[:, 2] > 0)
     slope, _ = np.polyfit(np.log(rig[rows]), ratio := np.log(read[rows, 2] / rig[rows]), 1)
@@ -206,7 +206,7 @@ def drift(cases: TouchSet, indenter: str, read: Array) -> tuple[float, float]:
 
 def way_out(cases: TouchSet, read: Array) -> float:
     """Largest difference of the shear where load has been taken off, over the touch's greatest load."""
-    rig = np.concatenate([case.measured for case in cases.cases])
+    rig = np.concatenate([case.measured for case in cases.touches])
     starts = np.concatenate([[0], np.cumsum(cases.counts)[:-1]])
     most = np.repeat(np.maximum.reduceat(rig[:, 2], starts), cases.counts)
     out = largest_so_far(rig[:, 2], starts) - rig[:, 2] > 0.1 * most

@@ -60,13 +60,13 @@ def tell(story: str, bench: Bench, maker: Maker, out: Path, pictures: Path | Non
     truth = GelMaterial(TRUTH, plan.truth.poisson_ratio, plan.truth.friction)
     known = (truth.youngs_modulus, truth.poisson_ratio, truth.friction)
     cases = bench.maker.cases(bench.maker.recorded(SEED, truth, STORIES[story]), bench.family)
-    print(f"\n## {story}: {len(cases.cases)} touches; truth {_words(known)}")
+    print(f"\n## {story}: {len(cases.touches)} touches; truth {_words(known)}")
     left = modulus_left(load_scenario(plan.scenario(SEED, truth, STORIES[story])).hidden)
     if left < 1.0:
         known = (left * truth.youngs_modulus, *known[1:])
         print(f"of which E is {known[0] / 1e3:.0f} kPa after {RELAXED_AFTER:.0f} s: the truth of a relaxed gel")
     experiment = _experiment(plan, maker, truth, story)
-    numbers = [_calibrated(experiment, cases.cases[0].noise, plan)]
+    numbers = [_calibrated(experiment, cases.touches[0].noise, plan)]
     began = time.process_time()
     naming = name_effects(cases, START, NamingOptions(effects=bench.effects, profile=False))
     shown = show(naming)

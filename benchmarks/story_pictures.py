@@ -75,11 +75,11 @@ def _numbers(axes: Axes, numbers: Sequence[Numbers], truth: Sequence[float], pla
 
 def _touch(axes: Axes, naming: NamingResult, shown: HeldOutComparison) -> None:
     """The component of a held-out trajectory whose error falls most; without an effect, the one that is worst."""
-    cases, errors = naming.cases, shown.of_trajectories
+    cases, errors = naming.whitened, shown.of_trajectories
     before, after = (cases.measured[:, :3] - one[:, :3] for one in (errors.before, errors.after))
     fell = np.add.reduceat(np.nan_to_num(before**2 - after**2 if shown.names else before**2), cases.starts)
     number, axis = np.unravel_index(int(np.argmax(fell)), fell.shape)
-    case = cases.cases.cases[number]
+    case = cases.touch_set.touches[number]
     rows = slice(cases.starts[number], cases.starts[number] + len(case.touch))
     seconds = case.touch.seconds - case.touch.seconds[0]
     axes.plot(seconds, case.measured[:, axis], "k.", markersize=5, label="measured")

@@ -60,9 +60,11 @@ def diagnose_store(
     formula = None
     if Answer(naming).is_missing and not shown.names:
         thinking("looking for a formula")
-        residuals = case_residuals(naming.cases, naming.base)
-        known = signature_fields(naming.cases, naming.base, [name for name in wanted if name not in naming.not_tried])
-        how = locating(naming.cases, naming.base, options.seed)
+        residuals = case_residuals(naming.whitened, naming.base)
+        known = signature_fields(
+            naming.whitened, naming.base, [name for name in wanted if name not in naming.not_tried]
+        )
+        how = locating(naming.whitened, naming.base, options.seed)
         formula = explain(residuals, how, "seconds", signatures=known, located=shown.located)
     thinking("what to record next")
     proposals = propose_trials(naming)

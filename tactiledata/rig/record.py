@@ -110,7 +110,7 @@ def _record_log(
     scenario: Scenario,
     out: Path,
     form: Form,
-    tell: Progress,
+    tell: Callable[[int, int], None],
     index: int,
     rig_setup: RigSetup | None = None,
 ) -> Path:

@@ -16,10 +16,10 @@ SHARE = 0.06
 def blamed(factor):
     """Of a world without physics that the simulation lacks, forces of one of four indenters times a factor."""
     plain = world_cases(World(mismatch=0.0, jitter=0.0), 3, 24)
-    one = plain.cases[0].touch.indenter_name
+    one = plain.touches[0].touch.indenter_name
     cases = [
         dataclasses.replace(case, measured=case.measured * factor) if case.touch.indenter_name == one else case
-        for case in plain.cases
+        for case in plain.touches
     ]
     white = WhitenedTouches.of(TouchSet(cases, plain.base))
     found = simulator_share(white, plain_fit(white, START))

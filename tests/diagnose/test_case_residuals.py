@@ -27,8 +27,8 @@ pytestmark = pytest.mark.slow
 
 def plain_fit(cases):
     white = WhitenedTouches.of(cases)
-    numerical = white.numerical(START)
-    return white, joint_fit(white, numerical, joint_model(START, [], len(cases.cases), numerical.shape[2]))
+    numerical = white.simulation_error_fields(START)
+    return white, joint_fit(white, numerical, joint_model(START, [], len(cases.touches), numerical.shape[2]))
 
 
 def located(world, trajectories=32, seed=0, draws=499):
@@ -114,7 +114,7 @@ def test_errors_of_the_simulation_are_never_asked(quiet):
 def test_frames_without_a_wrench_are_left_out(quiet):
     """Such frames are no rows; covariates that need the frame before stay finite."""
     white, _ = quiet
-    cases = list(white.cases.cases)
+    cases = list(white.touch_set.touches)
     measured = cases[3].measured.copy()
     measured[5:7] = np.nan
     cases[3] = dataclasses.replace(cases[3], measured=measured)
@@ -125,7 +125,7 @@ def test_frames_without_a_wrench_are_left_out(quiet):
 
 def test_phases_follow_the_path(quiet):
     """Down, hold, along, back, up, away."""
-    case = quiet[0].cases.cases[0]
+    case = quiet[0].touch_set.touches[0]
     depths = np.array([-0.3, -0.2, -0.1, 0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.2, -0.2, -0.3]) * 1e-3
     ways = np.array([0, 0, 0, 0, 0, 0, 0.3, 0.6, 0.3, 0.0, 0.0, 0, 0]) * 1e-3
     poses = np.tile(np.eye(4), (len(depths), 1, 1))
@@ -154,7 +154,7 @@ def test_the_share_of_the_largest_depth_is_one_on_fresh_ground(quiet):
         np.testing.assert_allclose(share[number == one], depth[number == one] / largest)
     fresh = [
         dataclasses.replace(case, touch=dataclasses.replace(case.touch, earlier_depth=None))
-        for case in white.cases.cases
+        for case in white.touch_set.touches
     ]
     first = case_residuals(*plain_fit(TouchSet(fresh, base))).covariates["share of the largest depth"].values
     down = first[: np.flatnonzero(first < 1.0)[0]]
@@ -167,7 +167,7 @@ def test_what_a_known_effect_changes_is_recognised():
     """A lagging sensor against the same touches without lag: the difference is nearest to the lag's signature."""
     (white, fit), (lagging, _) = (plain_fit(world_cases(world, 5, 24)) for world in (World(), World(lag=0.04)))
     plain = case_residuals(white, fit)
-    changed = white.with_zeros(lagging.white(lagging.measured) - white.white(white.measured))
+    changed = white.with_zeros(lagging.whiten(lagging.measured) - white.whiten(white.measured))
     field = changed[np.isfinite(changed).all(axis=1)][: len(plain.values)]
     known = signature_fields(white, fit, ("lag", "relaxation", "rate_friction"))
     assert all(one.shape == plain.values.shape for one in known.values())

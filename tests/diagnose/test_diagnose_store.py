@@ -137,5 +137,5 @@ def test_bounds_are_those_of_what_is_played(bounds):
 def test_a_store_is_diagnosed_with_e_free(store):
     """With the paper's bounds, a stiffness that no durometer reads is in reach."""
     options = DiagnosisOptions(fidelity="linear", effects=("lag",), pairs=False)
-    box = store_touches(Store.open(store), options.calibration()).cases.box
+    box = store_touches(Store.open(store), options.calibration()).touch_set.box
     assert box == find_bounds("paper").with_free_modulus

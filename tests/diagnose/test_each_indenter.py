@@ -26,7 +26,7 @@ def quiet():
 def elsewhere(cases, deeper):
     """The same recordings, of which the log tells poses that lack by how much deeper each indenter really is, m."""
     told = []
-    for case in cases.cases:
+    for case in cases.touches:
         poses = case.touch.poses.copy()
         poses[:, 2, 3] += deeper[case.touch.indenter_name]
         told.append(dataclasses.replace(case, touch=dataclasses.replace(case.touch, poses=poses)))
@@ -74,7 +74,7 @@ def test_only_what_a_setting_acts_on_is_played_again(quiet):
 def test_touches_that_do_not_tell_their_indenter_share_one_offset(quiet):
     """Without names there is one number for all."""
     unnamed = [
-        dataclasses.replace(case, touch=dataclasses.replace(case.touch, indenter_name="")) for case in quiet.cases
+        dataclasses.replace(case, touch=dataclasses.replace(case.touch, indenter_name="")) for case in quiet.touches
     ]
     white = WhitenedTouches.of(TouchSet(unnamed, quiet.base))
     (found,) = effect_signatures(white, START, ["mount_offset"])

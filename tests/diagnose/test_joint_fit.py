@@ -14,7 +14,7 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 def fitting():
     """fit(settings, to_beat): of touches of a gel that relaxes, and how many rounds it took."""
     white = WhitenedTouches.of(recorded(effect("relaxation", share=0.4, time=1.0), touches=8, slide=1e-3))
-    numerical = white.numerical(START)
+    numerical = white.simulation_error_fields(START)
 
     def fit(settings, **to_beat):
         start = joint_model(START, settings, len(white.starts), numerical.shape[2])

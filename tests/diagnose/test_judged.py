@@ -22,7 +22,7 @@ from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 
-UNIT = DEFAULT_THRESHOLDS.claim / 26.0
+UNIT = DEFAULT_THRESHOLDS.claim_gain / 26.0
 
 
 def judged(gains, signature=1.0, share=0.9, name="lag"):
@@ -98,7 +98,7 @@ def test_what_all_touches_bring_is_claimed_though_gains_scatter():
     """Evidence of 30 from all of 60 touches is enough beside half the gain of a claim; from two of them it is not."""
     scattered = np.tile([4.0, -3.5], 30)
     borne, hung = (believed("lag", scattered, falls) for falls in (np.full(60, 0.6), spread(15.0, 15.0, count=60)))
-    assert 0.5 * DEFAULT_THRESHOLDS.claim <= borne.gain < DEFAULT_THRESHOLDS.claim
+    assert 0.5 * DEFAULT_THRESHOLDS.claim_gain <= borne.gain < DEFAULT_THRESHOLDS.claim_gain
     assert borne.gain < DEFAULT_THRESHOLDS.standard_errors * borne.gain_error
     assert borne.objections(DEFAULT_THRESHOLDS) == ()
     assert len(hung.objections(DEFAULT_THRESHOLDS)) == 3
@@ -155,8 +155,8 @@ def test_structure_that_two_touches_bring_takes_no_name_away():
     odd = RemainingStructure.of(np.where(np.arange(25) == 7, 10.0, 1.0) * noise, noise, names)
     wide = RemainingStructure.of(2.0 * noise, noise, names)
     assert odd.dispersion > DEFAULT_THRESHOLDS.dispersion
-    assert odd.odd[0] == "t7"
-    assert (odd.at_large, wide.at_large) == (1.0, 2.0)
+    assert odd.worst_two[0] == "t7"
+    assert (odd.without_worst_two, wide.without_worst_two) == (1.0, 2.0)
     third = judged([20.0] * 25, signature=9.0, share=0.33)
     asked = [third], [], {"lag": third.gains}, None
     found = decide(*asked, odd, DEFAULT_THRESHOLDS)
@@ -197,7 +197,7 @@ def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
     known = Identifiability(numbers, np.zeros(2), np.eye(2), reach, ())
     assert known.undetectable == ("wear",)
     assert known.shows_from == pytest.approx(known.ends / [2.0, 0.5])
-    assert DEFAULT_THRESHOLDS.visible**2 / 2 == pytest.approx(DEFAULT_THRESHOLDS.claim)
+    assert DEFAULT_THRESHOLDS.visible**2 / 2 == pytest.approx(DEFAULT_THRESHOLDS.claim_gain)
 
 
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():
@@ -241,7 +241,7 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
     error = float(np.sqrt(25) * scattered.std(ddof=1))
     for name, behind in (("wear", 1.0), ("dome", 1.8)):
         other = one(name, best.gains - scattered - behind * error / 25, 1)
-        assert other.gain >= DEFAULT_THRESHOLDS.claim
+        assert other.gain >= DEFAULT_THRESHOLDS.claim_gain
         gains = {"lag": best.gains, name: other.gains}
         left = RemainingStructure.of(np.full(25, 10.0), np.full(25, 10.0), [f"t{k}" for k in range(25)])
         found = decide([best, other], [], gains, metric, left, DEFAULT_THRESHOLDS)

@@ -63,8 +63,8 @@ def test_relaxation_is_named_and_the_fix_can_be_used():
 def test_one_odd_touch_takes_no_name_away():
     """Relaxation is named though the shear of one touch of 24 is lost, and that touch is said to be looked at."""
     cases = world_cases(PLANTS["relaxation"], 0, trajectories=24)
-    lost = cases.cases[6].measured * [0.2, 0.2, 1.0, 1.0, 1.0, 1.0]
-    listed = [*cases.cases[:6], dataclasses.replace(cases.cases[6], measured=lost), *cases.cases[7:]]
+    lost = cases.touches[6].measured * [0.2, 0.2, 1.0, 1.0, 1.0, 1.0]
+    listed = [*cases.touches[:6], dataclasses.replace(cases.touches[6], measured=lost), *cases.touches[7:]]
     found = answer(TouchSet(listed, base), ("relaxation", "lag"), pairs=False)
     best, left = found.naming.decision.best, found.naming.decision.left
     assert best.excess_share < DEFAULT_THRESHOLDS.explains
@@ -106,15 +106,15 @@ def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
     As near as the scatter of 1 % lets them that any simulated force is taken to have.
     """
     truth, share = dataclasses.replace(START, youngs_modulus=0.95e6, friction=0.7), 0.1
-    offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.cases))
+    offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.touches))
     wrench = quiet.play(truth, [EffectSetting("relaxation", {"share": share, "time": 2.0})], offsets)
     parts = np.split(wrench, np.cumsum(quiet.counts)[:-1])
-    sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-6) for case in quiet.cases]
+    sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-6) for case in quiet.touches]
     played = TouchSet(
-        [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.cases, parts, sharp, strict=True)], base
+        [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.touches, parts, sharp, strict=True)], base
     )
     white = WhitenedTouches.of(played)
-    numerical = white.numerical(START)
+    numerical = white.simulation_error_fields(START)
     guess = EffectSetting("relaxation", {"share": 0.05, "time": 1.0})
     start = joint_model(START, [guess], len(offsets), numerical.shape[2])
     errors = range(len(start.vector) - numerical.shape[2], len(start.vector))
@@ -147,7 +147,9 @@ def test_gain_along_z_is_hidden_and_a_turned_frame_is_not(quiet):
 
 def test_identifiability_is_public_and_needs_no_data(quiet):
     """Wrenches that were never measured serve as well, and a clean ball's adhesion is said not to show."""
-    blank = TouchSet([dataclasses.replace(case, measured=np.zeros((len(case.touch), 6))) for case in quiet.cases], base)
+    blank = TouchSet(
+        [dataclasses.replace(case, measured=np.zeros((len(case.touch), 6))) for case in quiet.touches], base
+    )
     known = tactiledata.identifiability(blank, START, ("adhesion", "relaxation", "cable_drag"))
     assert "adhesion" in known.undetectable
     assert "relaxation" not in known.undetectable
@@ -157,9 +159,9 @@ def test_identifiability_is_public_and_needs_no_data(quiet):
 def test_too_little_is_refused(quiet):
     """Few trajectories, few frames and arrays that do not fit say what is wanted."""
     with pytest.raises(TactileDataError, match="at least 8"):
-        answer(TouchSet(quiet.cases[:5], base))
+        answer(TouchSet(quiet.touches[:5], base))
     with pytest.raises(UsageError, match="measured wrenches of shape"):
-        dataclasses.replace(quiet.cases[0], measured=np.zeros((3, 6)))
+        dataclasses.replace(quiet.touches[0], measured=np.zeros((3, 6)))
 
 
 @pytest.mark.parametrize("name", PLANTS)

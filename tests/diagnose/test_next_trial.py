@@ -105,7 +105,7 @@ def test_distances_are_those_of_a_joint_fit_of_all_data():
     settings = truth.model.settings
     told = cases.play(truth.model.material, settings, truth.model.offsets)
     new = trial.play(truth.model.material, settings)
-    both = [*cases.cases, *trial.cases]
+    both = [*cases.touches, *trial.touches]
     wrench = np.split(np.concatenate([told, new]), np.cumsum([len(case.touch) for case in both])[:-1])
     played = [dataclasses.replace(case, measured=rows) for case, rows in zip(both, wrench, strict=True)]
     (plain,) = fitted(TouchSet(played, cases.base), [None])
@@ -217,9 +217,9 @@ def test_an_abstention_asks_for_what_separates_the_strongest(named):
 
 def test_where_nothing_is_left_there_is_no_trial(named):
     """One explanation alone needs none."""
-    alone = dataclasses.replace(named, judged=named.judged[:1], screened=[])
+    alone = dataclasses.replace(named, scored=named.scored[:1], screened=[])
     alone = dataclasses.replace(
-        alone, decision=dataclasses.replace(alone.decision, best=alone.judged[0], ties=(), verdict="named")
+        alone, decision=dataclasses.replace(alone.decision, best=alone.scored[0], ties=(), verdict="named")
     )
     assert propose_trials(alone) == []
     assert next_trials_document([])["proposals"] == []

@@ -16,7 +16,7 @@ def whole():
 
 
 def changed(cases, change):
-    return TouchSet([change(case) for case in cases.cases], cases.base)
+    return TouchSet([change(case) for case in cases.touches], cases.base)
 
 
 def rows(case, keep):

@@ -106,16 +106,16 @@ def test_document_and_page_say_it(which, request):
 def test_the_same_simulation_tells_what_it_has_not_seen():
     """Without noise, and with formulas of its own, every trajectory follows from the others but for its offset."""
     quiet = null(3000, trajectories=24)
-    offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.cases))
+    offsets = np.random.default_rng(0).normal(0, 2e-5, len(quiet.touches))
     truth = dataclasses.replace(START, youngs_modulus=0.95e6, friction=0.7)
     parts = np.split(quiet.play(truth, [], offsets), np.cumsum(quiet.counts)[:-1])
-    sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-4) for case in quiet.cases]
+    sharp = [dataclasses.replace(case.noise, covariance=case.noise.covariance * 1e-4) for case in quiet.touches]
     cases = TouchSet(
-        [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.cases, parts, sharp, strict=True)], base
+        [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.touches, parts, sharp, strict=True)], base
     )
     white = WhitenedTouches.of(cases)
     raw = white.numerical_wrenches(START)
-    fit = joint_fit(white, white.white(raw), joint_model(START, [], len(offsets), raw.shape[2]), rounds=12)
+    fit = joint_fit(white, white.whiten(raw), joint_model(START, [], len(offsets), raw.shape[2]), rounds=12)
     for groups in (folds_of(len(offsets)), white.indenter):
         told = held_out_wrenches(white, fit, groups, raw)
         error = np.sqrt(((told - white.measured)[:, :3] ** 2).mean())
@@ -127,11 +127,11 @@ def test_sensors_are_held_out_where_there_are_two():
     one = null(3000, trajectories=16)
     cases = [
         dataclasses.replace(case, touch=dataclasses.replace(case.touch, sensor=f"D{number % 2}"))
-        for number, case in enumerate(one.cases)
+        for number, case in enumerate(one.touches)
     ]
     white = WhitenedTouches.of(TouchSet(cases, base))
     raw = white.numerical_wrenches(START)
-    fit = joint_fit(white, white.white(raw), joint_model(START, [], len(cases), raw.shape[2]))
+    fit = joint_fit(white, white.whiten(raw), joint_model(START, [], len(cases), raw.shape[2]))
     found = held_out_errors(white, (fit, fit), raw, 0)
     assert [(errors.unseen, errors.groups) for errors in found] == [
         ("trajectories", 16), ("indenters", 4), ("sensors", 2)
@@ -142,8 +142,8 @@ def test_sensors_are_held_out_where_there_are_two():
 def test_whitened_rows_return_as_newtons():
     """Whitening loses nothing: the zeros that it takes out of a trajectory's rows are put back."""
     white = WhitenedTouches.of(null(3000, trajectories=8))
-    assert not np.allclose(white.in_newtons(white.white(white.measured)), white.measured, atol=1e-3)
-    returned = white.in_newtons(white.with_zeros(white.white(white.measured)))
+    assert not np.allclose(white.in_newtons(white.whiten(white.measured)), white.measured, atol=1e-3)
+    returned = white.in_newtons(white.with_zeros(white.whiten(white.measured)))
     assert np.allclose(returned, white.measured, atol=1e-9)
 
 

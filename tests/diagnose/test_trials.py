@@ -50,7 +50,7 @@ def test_forces_and_places_stay_within_the_limits(make, material):
     half = np.array(bench.touch.geometry.outline) / 2.0
     cases = trial_cases(trial, bench)
     assert 80 <= cases.counts.sum() <= 400
-    for case in cases.cases:
+    for case in cases.touches:
         assert np.linalg.norm(case.measured[:, :3], axis=1).max(initial=0.0) <= 13.0
         pressed = case.touch.tips[:, 2] < 0
         assert (np.abs(case.touch.tips[pressed, :2]) <= half).all()
@@ -86,9 +86,9 @@ def test_fresh_places_are_away_from_what_was_touched():
 def test_what_a_touch_tells_of_the_past_is_counted():
     """First touches find fresh places, then used ones; a pause starts the sensor's clock anew."""
     trials = {make.__name__: make(BENCH) for make in TRIALS}
-    before = [case.touch.earlier_contacts[0] for case in trial_cases(trials["first_touches"], BENCH).cases]
+    before = [case.touch.earlier_contacts[0] for case in trial_cases(trials["first_touches"], BENCH).touches]
     assert before == [0, 1, 2, 0, 1, 2]
-    powered = [case.touch.powered[0] for case in trial_cases(trials["from_power_on"], BENCH).cases]
+    powered = [case.touch.powered[0] for case in trial_cases(trials["from_power_on"], BENCH).touches]
     assert powered[0] == powered[7] < 60.0
     assert np.diff(powered[:7]).min() > 240.0
     assert duration(trials["from_power_on"]) > 1800.0

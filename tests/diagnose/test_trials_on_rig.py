@@ -29,7 +29,7 @@ def on_rig(trial, bench, hidden, seed):
     performance = RigSetup(scenario).perform(scenario.trajectories, 0, 0)
     chance = np.random.default_rng(seed)
     cases = []
-    for case, play in zip(trial_cases(trial, bench).cases, performance.plays, strict=True):
+    for case, play in zip(trial_cases(trial, bench).touches, performance.plays, strict=True):
         begin = play.path.captures[0] if trial.capture == "step" else 0.5 / trial.rate
         own = case.touch.seconds - case.touch.seconds[0] + begin
         wrench = play.wrench(play.start_ns + np.rint(own * 1e9).astype(np.int64))
@@ -80,7 +80,7 @@ def test_the_proposed_trial_tells_more_than_another(hidden, true, other, before,
     starts = [(one.effect, one.values) for one in (fit.model.settings[0] for fit in fits)]
     really = []
     for make in (best, rate_ladder):
-        together = TouchSet([*cases.cases, *on_rig(make(bench), bench, secret, 2).cases], closed_form)
+        together = TouchSet([*cases.touches, *on_rig(make(bench), bench, secret, 2).touches], closed_form)
         right, wrong = (fit.cost for fit in fitted(together, starts))
         really.append(math.copysign(math.sqrt(abs(wrong - right)), wrong - right))
     assert really[0] > 0.5 * reckoned

@@ -58,7 +58,7 @@ def _touch(number, slide, turned, pace):
 def fitted(cases, starts):
     """Fits of one effect each, from starts (effect, values); of the plain simulation where ``None``."""
     white = WhitenedTouches.of(cases)
-    numerical = white.numerical(START)
+    numerical = white.simulation_error_fields(START)
     return [
         joint_fit(
             white,

@@ -136,7 +136,7 @@ def naming_document(naming: NamingResult, located: LocatorResults, shown: HeldOu
 
 def shown_document(naming: NamingResult, shown: HeldOutComparison) -> dict[str, Any]:
     """How much better the simulation is on what it has not seen."""
-    cases = naming.cases.cases.cases
+    cases = naming.whitened.touch_set.touches
     return {
         "effects": list(shown.names),
         "tried": list(shown.tried),
@@ -235,7 +235,7 @@ _TOLD = {
 
 def store_document(done: StoreDiagnosis) -> dict[str, Any]:
     """``diagnosis.json`` (schemas/diagnosis.json); the same for the same store, options and seed."""
-    white = done.naming.cases
+    white = done.naming.whitened
     noise = done.played.cases.cases[0].noise.deviations * TO_UNIT
     formula = done.formula
     document = {

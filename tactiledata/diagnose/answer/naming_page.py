@@ -100,7 +100,7 @@ def title_of(names: Sequence[str]) -> str:
 
 
 def _what(naming: NamingResult) -> Section:
-    ranked = sorted(naming.judged, key=lambda one: -one.evidence)[:MOST_CANDIDATES]
+    ranked = sorted(naming.scored, key=lambda one: -one.evidence)[:MOST_CANDIDATES]
     if not ranked:
         return Section("What is missing", [("", "No effect of the catalogue promises anything: none was refitted.")])
     text = (
@@ -114,7 +114,7 @@ def _what(naming: NamingResult) -> Section:
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")
     drawn = draw_ladder(
         [title_of(one.names) for one in ranked], [one.gain for one in ranked], [one.gain_error for one in ranked],
-        DEFAULT_THRESHOLDS.claim,
+        DEFAULT_THRESHOLDS.claim_gain,
     )  # fmt: skip
     picture = Picture(png_bytes(drawn), "Candidates on trajectories that were held out; bars are two standard errors.")
     return Section("What is missing", said, columns, [_candidate(one) for one in ranked], [picture])
@@ -124,7 +124,7 @@ def _candidate(one: ScoredCandidate) -> tuple[str, ...]:
     alone = one.indenter_gain != one.indenter_gain
     return (
         title_of(one.names),
-        _unbroken(f"{one.evidence:.0f} ({one.evidence_of_others:.0f})"),
+        _unbroken(f"{one.evidence:.0f} ({one.evidence_without_best_two:.0f})"),
         _unbroken(with_interval(one.gain, one.gain_error, "1")),
         "-" if alone else _unbroken(with_interval(one.indenter_gain, one.indenter_error, "1")),
         _unbroken(f"{one.signature_before:.1f} → {one.signature_after:.1f}"),

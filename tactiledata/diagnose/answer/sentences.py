@@ -118,7 +118,7 @@ class Answer:
             *numbers_told(self.naming.intervals),
             *material_moved(self.naming.intervals_before, self.naming.intervals),
         ]
-        blamed = simulator_share_words(simulator_share(self.naming.cases, decision.best.fit))
+        blamed = simulator_share_words(simulator_share(self.naming.whitened, decision.best.fit))
         return [*said, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best), *blamed]
 
     @property
@@ -156,7 +156,7 @@ class Answer:
     def _probability_of(self, best: ScoredCandidate) -> float:
         """That what is named is missing, alone or with another effect."""
         chances = self.naming.decision.probabilities
-        return sum(chances.get(one.label, 0.0) for one in self.naming.judged if set(best.names) <= set(one.names))
+        return sum(chances.get(one.label, 0.0) for one in self.naming.scored if set(best.names) <= set(one.names))
 
     @property
     def document(self) -> dict[str, Any]:
@@ -180,7 +180,7 @@ class Answer:
             ],
             "objections": list(decision.objections),
             "dispersion": decision.left.dispersion,
-            "at_large": decision.left.at_large,
+            "at_large": decision.left.without_worst_two,
             "before": [_interval(one) for one in naming.intervals_before],
             "after": [_interval(one) for one in naming.intervals],
             "effects": effects_document(best.fit.model.settings, best.fit.model.material)
@@ -188,10 +188,12 @@ class Answer:
             else None,
             "simulation_errors": [
                 {"of": one.what, "deviations": one.deviations, "share": one.share}
-                for one in simulator_share(naming.cases, best.fit if best is not None and self.names else naming.base)
+                for one in simulator_share(
+                    naming.whitened, best.fit if best is not None and self.names else naming.base
+                )
             ],
             "screen": [{"effect": one.effect, "score": one.score, "evidence": one.evidence} for one in naming.screened],
-            "candidates": [_judged(one) for one in sorted(naming.judged, key=lambda each: -each.gain)],
+            "candidates": [_judged(one) for one in sorted(naming.scored, key=lambda each: -each.gain)],
             "identifiability": naming.identifiable.document,
             "undetectable": list(naming.identifiable.undetectable),
             "not_tried": list(naming.not_tried),
@@ -223,8 +225,8 @@ def _odd(left: RemainingStructure) -> list[str]:
     if not left.is_in_few(DEFAULT_THRESHOLDS):
         return []
     return [
-        f"What is left beyond the noise is nearly all in {joined_names(left.odd)}: look at these two touches. Missing"
-        " physics would show in the others, too."
+        f"What is left beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two touches."
+        " Missing physics would show in the others, too."
     ]
 
 
@@ -261,7 +263,7 @@ def _judged(one: ScoredCandidate) -> dict[str, Any]:
         "gain_error": one.gain_error,
         "gain_of_others": one.gain_without_best_two,
         "evidence": one.evidence,
-        "evidence_of_others": one.evidence_of_others,
+        "evidence_of_others": one.evidence_without_best_two,
         "indenter_gain": None if alone else one.indenter_gain,
         "indenter_error": None if alone else one.indenter_error,
         "excess_share": one.excess_share,

@@ -259,15 +259,15 @@ def _map(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
 
 
 def _overlays(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Section:
-    white, errors = naming.cases, shown.of_trajectories
+    white, errors = naming.whitened, shown.of_trajectories
     pictures = []
     for number in shown.worst():
-        rows, case = white.trajectory == number, white.cases.cases[number]
+        rows, case = white.trajectory == number, white.touch_set.touches[number]
         simulated = {PLAIN: errors.before[rows][:, FORCE]}
         if shown.names:
             simulated[_after(shown)] = errors.after[rows][:, FORCE]
         name = case.name or str(number)
-        title = f"{name}, {white.cases.indenters[number]}: {errors.by_trajectory[number]:.2f} N"
+        title = f"{name}, {white.touch_set.indenters[number]}: {errors.by_trajectory[number]:.2f} N"
         seconds = case.touch.seconds - case.touch.seconds[0]
         pictures.append(OverlayPicture(title, seconds, case.measured[:, FORCE], simulated))
     caption = "Gel frame; each trajectory predicted by numbers that were fitted to others."

@@ -103,7 +103,7 @@ def decide(
     pair = max((one for one in gaining if not one.objections(scale)), key=_evidence, default=None)
     if pair is not None:
         best = needed_of(pair, singles, scale)
-    is_much = left.at_large > scale.noise and not left.is_in_few(scale)
+    is_much = left.without_worst_two > scale.noise and not left.is_in_few(scale)
     if best is not None and is_much and best.excess_share < scale.explains:
         # it takes off the smaller part of what is there: something else is, and takes this one's place
         return Decision(
@@ -136,7 +136,7 @@ def needed_of(pair: ScoredCandidate, singles: Sequence[ScoredCandidate], scale: 
     for name, other in (pair.names, pair.names[::-1]):
         adds = pair.evidence - alone[name].evidence
         is_remainder = adds < scale.remainder * alone[other].evidence and adds < scale.remainder * alone[name].evidence
-        if (adds < scale.claim or is_remainder) and not alone[name].implausible:
+        if (adds < scale.claim_gain or is_remainder) and not alone[name].implausible:
             found.append(alone[name])
     return max(found, key=_evidence, default=pair)
 
@@ -146,7 +146,7 @@ def _evidence(one: ScoredCandidate) -> float:
 
 
 def _exceeds(difference: Array, scale: DecisionThresholds) -> bool:
-    return float(difference.sum()) > max(scale.claim, scale.standard_errors * error_of_sum(difference))
+    return float(difference.sum()) > max(scale.claim_gain, scale.standard_errors * error_of_sum(difference))
 
 
 def _ties(
@@ -188,17 +188,19 @@ def _explains(
         By how much more the best gains in each trajectory.
     """
     explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
-    is_rival = one.gain >= scale.claim and float(apart.sum()) <= scale.rival * error_of_sum(apart)
+    is_rival = one.gain >= scale.claim_gain and float(apart.sum()) <= scale.rival * error_of_sum(apart)
     # of few touches it can be only where the best is, too
-    has_broad_support = one.evidence_of_others >= min(scale.of_others, best.evidence_of_others)
+    has_broad_support = one.evidence_without_best_two >= min(
+        scale.evidence_without_best_two, best.evidence_without_best_two
+    )
     # what simulators that differ bring is no proof of one against the other
-    is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim
+    is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim_gain
     return (cosine > scale.tie or explains_as_much or is_rival) and has_broad_support and is_as_good
 
 
 def _rivals(one: ScoredCandidate, best: ScoredCandidate, scale: DecisionThresholds) -> bool:
     """Whether all frames together speak for another, though its gain where it was not fitted is uncertain."""
-    return one.evidence >= max(best.evidence, scale.claim) and one.gain + one.gain_error >= scale.claim
+    return one.evidence >= max(best.evidence, scale.claim_gain) and one.gain + one.gain_error >= scale.claim_gain
 
 
 def _is_needless(one: ScoredCandidate, best: ScoredCandidate, could: float, scale: DecisionThresholds) -> bool:
@@ -227,7 +229,7 @@ def ties_of_two(
     for stays, twin in twins:
         apart = best.gains - twin.gains
         adds_as_much = twin.gain - stays.gain >= scale.as_good * (best.gain - stays.gain)
-        is_beaten = _exceeds(apart, scale) or best.evidence - twin.evidence > scale.claim
+        is_beaten = _exceeds(apart, scale) or best.evidence - twin.evidence > scale.claim_gain
         could = best_imitation(stays.fit.metric, best.fit.effect_change, twin.fit.of_effects)
         is_needless = _is_needless(twin, best, could, scale)
         if twin.objections(scale) or not adds_as_much or is_beaten or is_needless:

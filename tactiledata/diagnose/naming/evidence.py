@@ -94,7 +94,7 @@ class ScoredCandidate:
     evidence : float
         Logarithm of the Bayes factor against the plain simulation where both are fitted to everything, over the
         dispersion: every frame speaks, and what is paid is what numbers can imitate.
-    falls : (t,)
+    evidence_per_trajectory : (t,)
         What of it, before anything is paid, each trajectory brings.
     """
 
@@ -108,7 +108,7 @@ class ScoredCandidate:
     implausible: tuple[str, ...]
     at_bounds: tuple[str, ...]
     evidence: float
-    falls: Array
+    evidence_per_trajectory: Array
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -140,9 +140,9 @@ class ScoredCandidate:
         return float(np.sort(self.gains)[:-BEST].sum())
 
     @property
-    def evidence_of_others(self) -> float:
+    def evidence_without_best_two(self) -> float:
         """What is left of the evidence without the trajectories that bring most."""
-        return self.evidence - float(np.sort(self.falls)[-BEST:].sum())
+        return self.evidence - float(np.sort(self.evidence_per_trajectory)[-BEST:].sum())
 
     def has_broad_support(self, scale: DecisionThresholds) -> bool:
         """Whether all trajectories together speak for it, without the best two still, and those held out not against.
@@ -150,9 +150,9 @@ class ScoredCandidate:
         Nulls with a mismatched simulator have most of their evidence from two trajectories.
         """
         return (
-            self.evidence >= scale.claim
-            and self.evidence_of_others >= scale.of_others
-            and self.gain >= 0.5 * scale.claim
+            self.evidence >= scale.claim_gain
+            and self.evidence_without_best_two >= scale.evidence_without_best_two
+            and self.gain >= 0.5 * scale.claim_gain
         )
 
     def is_certain(self, scale: DecisionThresholds) -> bool:
@@ -163,25 +163,28 @@ class ScoredCandidate:
         an effect of one place is under few touches: what is left without the best of them may be enough. Of all frames
         together something must be left without the best two in any case.
         """
-        hangs_on_two = self.evidence_of_others < scale.of_others and self.gain_without_best_two < scale.claim
+        hangs_on_two = (
+            self.evidence_without_best_two < scale.evidence_without_best_two
+            and self.gain_without_best_two < scale.claim_gain
+        )
         return not hangs_on_two and (
             self.gain >= scale.standard_errors * self.gain_error
             or self.signature_before >= scale.agreement
-            or self.gain_without_best_two >= scale.claim
+            or self.gain_without_best_two >= scale.claim_gain
             or self.has_broad_support(scale)
         )
 
     def is_agreed(self, scale: DecisionThresholds) -> bool:
         """Whether trajectories agree on its direction, or enough of them gain by it on their own."""
         return (
-            self.signature_before >= scale.cure
-            or self.gain_without_best_two >= scale.claim
+            self.signature_before >= scale.signature_threshold
+            or self.gain_without_best_two >= scale.claim_gain
             or self.has_broad_support(scale)
         )
 
     def is_structure(self, scale: DecisionThresholds) -> bool:
         """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
-        return self.gain >= 2.0 * scale.claim and self.is_certain(scale)
+        return self.gain >= 2.0 * scale.claim_gain and self.is_certain(scale)
 
     def is_trace(self, scale: DecisionThresholds) -> bool:
         """Whether it could be claimed if a share of what a claim needs were enough."""
@@ -190,20 +193,20 @@ class ScoredCandidate:
     def objections(self, scale: DecisionThresholds) -> tuple[str, ...]:
         """Why it cannot be claimed; empty where it can."""
         found = []
-        if self.gain < scale.claim and not self.has_broad_support(scale):
+        if self.gain < scale.claim_gain and not self.has_broad_support(scale):
             found.append(
-                f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim:g}"
+                f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim_gain:g}"
             )
         if not self.is_certain(scale):
             found.append(
                 f"held-out gain {self.gain:.1f} with a standard error of {self.gain_error:.1f}, and evidence of"
-                f" {self.evidence_of_others:.1f} without the two trajectories that bring most"
+                f" {self.evidence_without_best_two:.1f} without the two trajectories that bring most"
             )
         if self.excess_share < scale.excess:
             found.append(f"{100 * self.excess_share:.0f} % of the excess gone where it was not fitted")
         if not self.is_agreed(scale):
             found.append(f"trajectories do not agree on it ({self.signature_before:.1f} standard errors)")
-        elif abs(self.signature_after) > max(scale.cure, 0.5 * self.signature_before):
+        elif abs(self.signature_after) > max(scale.signature_threshold, 0.5 * self.signature_before):
             found.append("what it should cure is still there")
         return (*found, *(f"{name} is not plausible" for name in self.implausible))
 

@@ -98,7 +98,7 @@ class LinearRefits:
         costs = {}
         for group in groups:
             rows = np.isin(self.cases.trajectory, group)
-            starts = np.concatenate([[0], np.cumsum(self.cases.cases.counts[group])[:-1]]).astype(np.int64)
+            starts = np.concatenate([[0], np.cumsum(self.cases.touch_set.counts[group])[:-1]]).astype(np.int64)
             random = fit.shared[rows][:, :, first_error:] if together else fit.shared[rows][:, :, :0]
             if together:
                 # the indenter's own factor was not fitted: it is at its prior's centre, with its spread
@@ -110,4 +110,4 @@ class LinearRefits:
 
 
 def _rows(cases: WhitenedTouches) -> list[slice]:
-    return [slice(start, start + count) for start, count in zip(cases.starts, cases.cases.counts, strict=True)]
+    return [slice(start, start + count) for start, count in zip(cases.starts, cases.touch_set.counts, strict=True)]

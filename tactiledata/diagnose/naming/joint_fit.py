@@ -151,8 +151,8 @@ def joint_fit(
         if fell < STILL or state.cost - left * max(fell, before) > to_beat + BEHIND:
             break
         before = fell
-    plain = cases.cases.play(model.material, [], model.offsets)
-    changed = cases.white(state.predicted.wrench - plain)
+    plain = cases.touch_set.play(model.material, [], model.offsets)
+    changed = cases.whiten(state.predicted.wrench - plain)
     return JointFit(
         model, state.cost, state.residual, slopes.shared, work.precision(model), work.centre(model), slopes.own,
         changed, cases.starts,
@@ -176,6 +176,6 @@ def _stepped(
 
 def plain_fit(white: WhitenedTouches, material: GelMaterial) -> JointFit:
     """E, nu, mu, offsets of trajectories and errors of the simulation, from a material to begin with."""
-    numerical = white.numerical(material)
-    model = joint_model(material, [], len(white.starts), numerical.shape[2], box=white.cases.box)
+    numerical = white.simulation_error_fields(material)
+    model = joint_model(material, [], len(white.starts), numerical.shape[2], box=white.touch_set.box)
     return joint_fit(white, numerical, model)

@@ -46,13 +46,13 @@ class Linearised:
     Parameters
     ----------
     cases : WhitenedTouches
-    numerical : (N, 6, e)
+    simulation_error_fields : (N, 6, e)
         Whitened numerical errors.
     held : frozenset of int
     """
 
     cases: WhitenedTouches
-    numerical: Array
+    simulation_error_fields: Array
     held: frozenset[int]
 
     def precision(self, model: JointModel) -> Array:
@@ -69,8 +69,8 @@ class Linearised:
 
     def weighed(self, model: JointModel) -> Evaluation:
         """Prediction, residual and cost."""
-        predicted = self.cases.cases.played(model.material, model.settings, model.offsets)
-        residual = self.cases.residual(predicted.wrench) - self.numerical @ model.errors
+        predicted = self.cases.touch_set.played(model.material, model.settings, model.offsets)
+        residual = self.cases.residual(predicted.wrench) - self.simulation_error_fields @ model.errors
         off = model.vector - self.centre(model)
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
         return Evaluation(predicted, residual, float((residual**2).sum() + priors))
@@ -95,9 +95,11 @@ class Linearised:
             there[place] += step
             moved = model.at(there, offsets)
             setting = moved.settings[model.coordinates[place - 3].place]
-            changed = self.cases.cases.play_where(setting, state.predicted, moved.material, moved.settings, offsets)
-            fields.append(self.cases.white(changed - state.predicted.wrench) / step)
-        return Sensitivities(np.concatenate([gel, *(one[:, :, None] for one in fields), self.numerical], axis=2), own)
+            changed = self.cases.touch_set.play_where(setting, state.predicted, moved.material, moved.settings, offsets)
+            fields.append(self.cases.whiten(changed - state.predicted.wrench) / step)
+        return Sensitivities(
+            np.concatenate([gel, *(one[:, :, None] for one in fields), self.simulation_error_fields], axis=2), own
+        )
 
     def step(
         self, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float

@@ -28,7 +28,7 @@ class NamingResult:
 
     Parameters
     ----------
-    cases : WhitenedTouches
+    whitened : WhitenedTouches
     base : JointFit
         Of the plain simulation.
     intervals_before, intervals : tuple of ProfiledInterval
@@ -36,19 +36,19 @@ class NamingResult:
     identifiable : Identifiability
         What these trajectories could tell at all.
     screened : list of Screened
-    judged : list of ScoredCandidate
+    scored : list of ScoredCandidate
         Singles and pairs that were refitted.
     decision : Decision
     not_tried : effects that the touches do not tell enough for
     """
 
-    cases: WhitenedTouches
+    whitened: WhitenedTouches
     base: JointFit
     intervals_before: tuple[ProfiledInterval, ...]
     intervals: tuple[ProfiledInterval, ...]
     identifiable: Identifiability
     screened: list[Screened]
-    judged: list[ScoredCandidate]
+    scored: list[ScoredCandidate]
     decision: Decision
     not_tried: tuple[str, ...]
 
@@ -79,7 +79,7 @@ def name_effects(
     if chosen.robust:
         white = white.trusting(_huber(base.residual))
         base = plain_fit(white, base.model.material)
-    numerical = white.numerical(base.model.material, base.model.offsets)
+    numerical = white.simulation_error_fields(base.model.material, base.model.offsets)
     base = joint_fit(white, numerical, base.model)
     names, not_tried = playable(white, chosen.effects)
     progress("screen")

@@ -30,14 +30,14 @@ class Refits:
     Parameters
     ----------
     white : WhitenedTouches
-    numerical : (N, 6, e)
+    simulation_error_fields : (N, 6, e)
     base : JointFit
     options : NamingOptions
     progress : callable
     """
 
     white: WhitenedTouches
-    numerical: Array
+    simulation_error_fields: Array
     base: JointFit
     options: NamingOptions
     progress: Callable[[str], None]
@@ -66,7 +66,7 @@ class Refits:
             model = first.model
             signatures = effect_signatures(self.white, model.material, others, model.settings, model.offsets)
             for second in screen(first.metric, first.undone, signatures):
-                if second.evidence < self.options.scale.claim:
+                if second.evidence < self.options.scale.claim_gain:
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
@@ -91,7 +91,7 @@ class Refits:
         outs: list[GroupedCosts] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
         expected = self.white.expected
         least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
-        left = RemainingStructure.of(least, expected, [case.name for case in self.white.cases.cases])
+        left = RemainingStructure.of(least, expected, [case.name for case in self.white.touch_set.touches])
         dispersion = max(1.0, left.dispersion)
 
         def judged_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
@@ -144,11 +144,11 @@ class Refits:
         None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate.
         """
         from_there = near.model
-        errors = self.numerical.shape[2]
+        errors = self.simulation_error_fields.shape[2]
         model = joint_model(from_there.material, start, len(self.white.starts), errors, kept, from_there.box)
         told = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([told, from_there.errors]), from_there.offsets)
         try:
-            return joint_fit(self.white, self.numerical, model, to_beat=to_beat)
+            return joint_fit(self.white, self.simulation_error_fields, model, to_beat=to_beat)
         except UsageError:
             return None

@@ -23,15 +23,15 @@ class RemainingStructure:
     ----------
     dispersion : float
         Mean square of all trajectories.
-    at_large : float
+    without_worst_two : float
         The same without the two of which most is left.
-    odd : tuple of str
+    worst_two : tuple of str
         Names of these two.
     """
 
     dispersion: float
-    at_large: float
-    odd: tuple[str, ...] = ()
+    without_worst_two: float
+    worst_two: tuple[str, ...] = ()
 
     @staticmethod
     def of(squares: Array, expected: Array, names: Sequence[str]) -> RemainingStructure:
@@ -46,7 +46,7 @@ class RemainingStructure:
 
     def is_structure(self, scale: DecisionThresholds) -> bool:
         """Whether it is more than noise in trajectories at large."""
-        return self.at_large > scale.dispersion
+        return self.without_worst_two > scale.dispersion
 
     def is_in_few(self, scale: DecisionThresholds) -> bool:
         """Whether it is more than noise, yet not without the odd two."""

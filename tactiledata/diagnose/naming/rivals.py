@@ -100,7 +100,7 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     decision = naming.decision
     if decision.verdict == "nothing is missing":
         return _unseen(naming)
-    ranked = sorted(naming.judged, key=lambda one: -one.gain)
+    ranked = sorted(naming.scored, key=lambda one: -one.gain)
     if decision.verdict in CLAIMED and decision.best is not None:
         tied = {tie.label for tie in decision.ties}
         others = [one for one in ranked if one.label in tied]
@@ -125,7 +125,10 @@ def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
     model = joint_model(base.material, start, len(base.offsets), errors, box=base.box)
     model = replace(model, offsets=base.offsets, errors=base.errors)
     return Rival(
-        start[0].effect, joint_fit(naming.cases, naming.cases.numerical(base.material, base.offsets), model, rounds=0)
+        start[0].effect,
+        joint_fit(
+            naming.whitened, naming.whitened.simulation_error_fields(base.material, base.offsets), model, rounds=0
+        ),
     )
 
 
@@ -141,9 +144,9 @@ def _unseen(naming: NamingResult) -> Rivals:
 
 
 def _at_its_strongest(naming: NamingResult, strength: Strength) -> Rival:
-    base, cases = naming.base, naming.cases
+    base, cases = naming.base, naming.whitened
     setting = set_at(strength.effect, {strength.name: strength.end}, strength.place)
     model = replace(base.model, settings=(setting,), coordinates=())
-    plays = [cases.cases.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
-    change = cases.white(plays[0] - plays[1])
+    plays = [cases.touch_set.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
+    change = cases.whiten(plays[0] - plays[1])
     return Rival(strength.effect, replace(base, model=model, residual=base.residual - change, effect_change=change))

@@ -105,7 +105,7 @@ def playable(cases: WhitenedTouches, names: Iterable[str] | None = None) -> tupl
     names : of candidates; all of the catalogue where ``None``
     """
     asked = list(EFFECTS) if names is None else list(names)
-    touches = [case.touch for case in cases.cases.cases]
+    touches = [case.touch for case in cases.touch_set.touches]
     told = [
         all(getattr(touch, need) is not None for need in EFFECTS[name].needs for touch in touches) for name in asked
     ]
@@ -131,7 +131,7 @@ def effect_signatures(
     offsets : (t,) m
         Of the trajectories: what slides, and what is beyond a limit, depends on them.
     """
-    before = cases.cases.played(material, settings, offsets)
+    before = cases.touch_set.played(material, settings, offsets)
     found = []
     for name in names:
         member: Effect = EFFECTS[name]()
@@ -147,7 +147,7 @@ def effect_signatures(
                         values = {**shapes, parameter.name: share * deviation_of(parameter)}
                         settings_there = [*settings, set_at(name, values, place)]
                         changed = _playable_change(cases, material, settings_there, parameter.name, offsets, before)
-                        known[key] = cases.white(changed) / share
+                        known[key] = cases.whiten(changed) / share
                     field = known[key]
                     if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                         fields.append(field)
@@ -176,7 +176,7 @@ def places_of(cases: WhitenedTouches, effect: Effect) -> tuple[str, ...]:
     """Where an effect has strengths of its own: one empty name where it is the same everywhere."""
     if not effect.each:
         return ("",)
-    names = {getattr(case.touch, effect.each) for case in cases.cases.cases}
+    names = {getattr(case.touch, effect.each) for case in cases.touch_set.touches}
     return tuple(sorted(names)) if all(names) else ("",)
 
 
@@ -208,12 +208,12 @@ def _change(
     """What the last setting changes (N, 6); without offsets where, with them, gel and springs find no balance."""
     last = settings[-1]
     try:
-        return cases.cases.play_where(last, before, material, settings, offsets) - before.wrench
+        return cases.touch_set.play_where(last, before, material, settings, offsets) - before.wrench
     except UsageError:
         if offsets is None:
             raise
-        without = cases.cases.played(material, settings[:-1])
-        return cases.cases.play_where(last, without, material, settings) - without.wrench
+        without = cases.touch_set.played(material, settings[:-1])
+        return cases.touch_set.play_where(last, without, material, settings) - without.wrench
 
 
 def material_steps(bounds: Bounds) -> Array:
@@ -238,8 +238,8 @@ def material_fields(
         there = here.copy()
         there[place] += inward
         moved = GelMaterial(float(np.exp(there[0])), float(there[1]), float(there[2]))
-        changed = cases.cases.play(moved, settings, offsets, before) - before.wrench
-        fields.append(cases.white(changed) / inward)
+        changed = cases.touch_set.play(moved, settings, offsets, before) - before.wrench
+        fields.append(cases.whiten(changed) / inward)
     return np.stack(fields, axis=2)
 
 
@@ -247,8 +247,8 @@ def own_field(
     cases: WhitenedTouches, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
 ) -> Array:
     """Whitened change (N, 6) over one standard deviation of each trajectory's offset."""
-    moved = cases.cases.play(material, settings, offsets + OWN_STEP, before)
-    return cases.white(moved - before.wrench) * (PRIOR / OWN_STEP)
+    moved = cases.touch_set.play(material, settings, offsets + OWN_STEP, before)
+    return cases.whiten(moved - before.wrench) * (PRIOR / OWN_STEP)
 
 
 def material_precision() -> Array:
@@ -259,9 +259,9 @@ def material_precision() -> Array:
 
 def nuisance(cases: WhitenedTouches, material: GelMaterial) -> RandomEffects:
     """What a refit of the plain simulation and its numerical errors could imitate."""
-    before = cases.cases.played(material, [])
+    before = cases.touch_set.played(material, [])
     own = own_field(cases, material, [], np.zeros(len(cases.starts)), before)
-    errors = cases.numerical(material)
+    errors = cases.simulation_error_fields(material)
     shared = np.concatenate([material_fields(cases, material, [], None, before), errors], axis=2)
     precision = np.concatenate([material_precision(), np.ones(errors.shape[2])])
     return RandomEffects(own, shared, precision, cases.starts)

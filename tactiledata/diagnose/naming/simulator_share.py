@@ -37,8 +37,8 @@ class SimulatorError:
 
 
 def simulator_share(white: WhitenedTouches, fit: JointFit) -> list[SimulatorError]:
-    """The errors of a fit, in the order of `WhitenedTouches.numerical`."""
-    names = [str(name) for name in np.unique(white.cases.indenters)]
+    """The errors of a fit, in the order of `WhitenedTouches.simulation_error_fields`."""
+    names = [str(name) for name in np.unique(white.touch_set.indenters)]
     words = [*(f"all forces of {name}" for name in names), "the growth of force with depth", "shear that sticks"]
     scales = [*([white.errors.shape] * len(names)), white.errors.law, white.errors.shear]
     return [

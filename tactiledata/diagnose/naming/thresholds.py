@@ -30,7 +30,7 @@ class DecisionThresholds:
 
     Parameters
     ----------
-    claim : float
+    claim_gain : float
         Held-out gain, in units of log-likelihood over the dispersion, that nulls with a mismatched simulator do not
         reach in 95 of 100 cases.
     standard_errors : float
@@ -41,7 +41,7 @@ class DecisionThresholds:
         Share of the excess that what is claimed must explain where more than the stated noise is left beside it.
     noise : float
         Mean square of what is left, over that of noise, from which it is more than the stated noise.
-    cure : float
+    signature_threshold : float
         Signature statistic above which an effect is seen, and below which it is cured.
     agreement : float
         Signature statistic from which the held-out gain need not have its standard errors.
@@ -52,7 +52,7 @@ class DecisionThresholds:
     rival : float
         Standard errors over trajectories by which the best one must gain more than another, whose gain reaches the
         claim, for the other not to be listed: nine in ten of a normal distribution.
-    of_others : float
+    evidence_without_best_two : float
         Evidence that must be left without the two trajectories that bring most; of nulls hardly any is.
     trace : float
         Share of the gain and the evidence that a claim needs, with which a candidate is a trace.
@@ -70,7 +70,7 @@ class DecisionThresholds:
         Log-odds that an objection costs, or in a pair an effect that adds nothing of its own.
     none : float
         Log-odds of nothing, over a candidate without evidence.
-    doubt : float
+    gain_penalty_sigmas : float
         Standard errors over trajectories that are taken off a gain before candidates are ranked by it: what hangs on
         few touches comes after what all bring.
     other : float
@@ -78,17 +78,17 @@ class DecisionThresholds:
         where none is.
     """
 
-    claim: float = 39.0
+    claim_gain: float = 39.0
     standard_errors: float = 2.0
     excess: float = 0.05
     explains: float = 0.5
     noise: float = 1.05
-    cure: float = 3.7
+    signature_threshold: float = 3.7
     agreement: float = 7.3
     tie: float = 0.95
     as_good: float = 0.8
     rival: float = 1.3
-    of_others: float = 18.0
+    evidence_without_best_two: float = 18.0
     trace: float = 0.5
     needless: float = 7.5
     remainder: float = 0.6
@@ -96,22 +96,26 @@ class DecisionThresholds:
     slope: float = 0.02
     objected: float = 5.0
     none: float = 0.5
-    doubt: float = 1.2
+    gain_penalty_sigmas: float = 1.2
     other: float = 4.8
 
     @property
     def visible(self) -> float:
         """Signal over noise whose gain, half its square, reaches the claim."""
-        return float(np.sqrt(2.0 * self.claim))
+        return float(np.sqrt(2.0 * self.claim_gain))
 
     @property
     def of_traces(self) -> DecisionThresholds:
         """What a trace needs."""
-        return replace(self, claim=self.trace * self.claim, of_others=self.trace * self.of_others)
+        return replace(
+            self,
+            claim_gain=self.trace * self.claim_gain,
+            evidence_without_best_two=self.trace * self.evidence_without_best_two,
+        )
 
     def sure(self, gain: Number, error: Number) -> Number:
         """A gain less so many of its standard errors: what hangs on few touches comes after what all bring."""
-        return gain - self.doubt * error
+        return gain - self.gain_penalty_sigmas * error
 
     def shares(self, evidence: Array, is_objected: NDArray[np.bool_], is_left: bool) -> Array:
         """Probabilities (c + 2,) of candidates, then of none and of an effect that is not in the catalogue.

@@ -90,10 +90,10 @@ class TrialBench:
     @staticmethod
     def of(cases: TouchSet, material: GelMaterial, base: BaseFamily | None = None) -> TrialBench:
         """The rig of recorded trajectories; the sensor of the first."""
-        first = cases.cases[0]
-        own = [case.touch for case in cases.cases if case.touch.sensor == first.touch.sensor]
+        first = cases.touches[0]
+        own = [case.touch for case in cases.touches if case.touch.sensor == first.touch.sensor]
         places = [touch.tips[np.argmin(np.nan_to_num(touch.tips[:, 2], nan=np.inf)), :2] for touch in own]
-        named = zip(cases.indenters, (case.touch.indenter for case in cases.cases), strict=True)
+        named = zip(cases.indenters, (case.touch.indenter for case in cases.touches), strict=True)
         known = np.array(places).reshape(-1, 2)
         return TrialBench(
             first.touch, dict(named), material, first.noise, first.free_samples, known, base or closed_form

@@ -100,12 +100,12 @@ class TrialRows:
     @staticmethod
     def of(trial: TouchSet, recorded: WhitenedTouches) -> TrialRows:
         """Of a trial beside what was recorded, with the same numerical errors."""
-        before = sorted(set(recorded.cases.indenters))
+        before = sorted(set(recorded.touch_set.indenters))
         now = sorted(set(trial.indenters))
         new = [name for name in now if name not in before]
         errors: NumericalErrors = recorded.errors
         white = WhitenedTouches.of(trial, errors)
-        numerical = white.numerical(trial.cases[0].touch.material)
+        numerical = white.simulation_error_fields(trial.touches[0].touch.material)
         common = numerical.shape[2] - len(now)
         known = len(before) + common
         places = [before.index(name) if name in before else known + new.index(name) for name in now]
@@ -121,7 +121,7 @@ class TrialRows:
 
     def residual(self, model: JointModel) -> Array:
         """What a model leaves (n, 6) of the wrenches by which the trial is weighed."""
-        predicted = self.white.cases.play(model.material, model.settings, model.offsets)
+        predicted = self.white.touch_set.play(model.material, model.settings, model.offsets)
         return self.white.residual(predicted) - self.numerical @ model.errors
 
     def vector(self, fit: JointFit) -> Array:

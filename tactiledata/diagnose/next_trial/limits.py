@@ -33,7 +33,7 @@ def limits(cases: TouchSet, material: GelMaterial) -> list[str]:
     base = cases.base(material)
     asked = [
         base(case.touch).respond(np.zeros(len(case.touch)), np.zeros((len(case.touch), 2)), np.ones(len(case.touch)))
-        for case in cases.cases
+        for case in cases.touches
     ]
     if not any(answer.sliding.any() for answer in asked):
         said.append(
@@ -58,7 +58,7 @@ def _one_indenter(cases: TouchSet) -> str:
 
 
 def _no_dwell(cases: TouchSet) -> str:
-    if any(_dwells(case) for case in cases.cases):
+    if any(_dwells(case) for case in cases.touches):
         return ""
     return (
         "No touch rests in contact for half a second: relaxation cannot be told from a lag of the sensor. Hold some"
@@ -78,8 +78,8 @@ def _dwells(case: TouchCase) -> bool:
 
 
 def _no_free_air(cases: TouchSet) -> str:
-    without = sum(not case.free_air.any() for case in cases.cases)
-    if without < len(cases.cases):
+    without = sum(not case.free_air.any() for case in cases.touches)
+    if without < len(cases.touches):
         return ""
     return (
         "No trajectory has a frame in free air: a drifting zero, the tool's weight and the cable's drag cannot be told"
@@ -88,17 +88,17 @@ def _no_free_air(cases: TouchSet) -> str:
 
 
 def _no_free_samples(cases: TouchSet) -> str:
-    without = sum(case.free_samples < 1 for case in cases.cases)
+    without = sum(case.free_samples < 1 for case in cases.touches)
     if not without:
         return ""
     return (
-        f"{without} of {len(cases.cases)} trajectories have no readings before contact: their zero is a guess, and"
+        f"{without} of {len(cases.touches)} trajectories have no readings before contact: their zero is a guess, and"
         " constant forces cannot be seen in them. Begin recordings half a second before the touch."
     )
 
 
 def _one_speed(cases: TouchSet) -> str:
-    speeds = np.concatenate([case.touch.lateral_speed[~case.free_air] for case in cases.cases])
+    speeds = np.concatenate([case.touch.lateral_speed[~case.free_air] for case in cases.touches])
     moving = speeds[speeds > 1e-4]
     if not len(moving):
         return ""
@@ -112,7 +112,7 @@ def _one_speed(cases: TouchSet) -> str:
 
 
 def _clipped(cases: TouchSet) -> str:
-    readings = np.concatenate([case.measured[~case.free_air] for case in cases.cases])[:, :3]
+    readings = np.concatenate([case.measured[~case.free_air] for case in cases.touches])[:, :3]
     readings = readings[np.isfinite(readings).all(axis=1)]
     if len(readings) < FEWEST:
         return ""
@@ -128,7 +128,7 @@ def _clipped(cases: TouchSet) -> str:
 
 
 def _dead(cases: TouchSet) -> str:
-    readings = np.concatenate([case.measured for case in cases.cases])
+    readings = np.concatenate([case.measured for case in cases.touches])
     dead = [
         name
         for name, column in zip(("fx", "fy", "fz", "tx", "ty", "tz"), readings.T, strict=True)

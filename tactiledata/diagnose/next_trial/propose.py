@@ -109,8 +109,8 @@ def propose_trials(
     rivals = rivals_of(naming)
     if not rivals.pairs:
         return []
-    rig = bench or TrialBench.of(naming.cases.cases, naming.base.model.material, base)
-    return ranked_trials(rivals, naming.cases, rig, max(naming.decision.left.dispersion, 1.0), trials, progress)
+    rig = bench or TrialBench.of(naming.whitened.touch_set, naming.base.model.material, base)
+    return ranked_trials(rivals, naming.whitened, rig, max(naming.decision.left.dispersion, 1.0), trials, progress)
 
 
 def ranked_trials(

@@ -25,7 +25,7 @@ def contacts(cases: TouchSet, material: GelMaterial, offsets: Array) -> list[Con
     """What the plain simulation says of each contact, every trajectory deeper by its offset (t,), m."""
     base = with_effects(cases.base(material), [])
     found = []
-    for case, offset in zip(cases.cases, offsets, strict=True):
+    for case, offset in zip(cases.touches, offsets, strict=True):
         moved = base.with_effects([EffectSetting("mount_offset", {"deeper": float(offset)})])
         found.append(moved.play(replace(case.touch, material=material)).contact)
     return found
@@ -41,7 +41,7 @@ def case_covariates(cases: TouchSet, answers: Sequence[ContactResponse]) -> dict
     """
     told = [
         {**_of_motion(case), **_of_contact(case, answer), **_of_rig(case), "index": _constant(case, float(number))}
-        for number, (case, answer) in enumerate(zip(cases.cases, answers, strict=True))
+        for number, (case, answer) in enumerate(zip(cases.touches, answers, strict=True))
     ]
     slowest = _slowest(cases)
     found = {}
@@ -80,7 +80,7 @@ def phases(case: TouchCase) -> Names:
 
 def _slowest(cases: TouchSet) -> float:
     """The slowest shear, mm/s, but for a few frames."""
-    shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in cases.cases]
+    shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in cases.touches]
     speeds = 1e3 * np.concatenate(shears)
     speeds = speeds[speeds > 0]
     return float(np.quantile(speeds, 0.05)) if len(speeds) else 0.0

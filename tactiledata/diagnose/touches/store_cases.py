@@ -38,7 +38,7 @@ class StoreTouches:
 
     Parameters
     ----------
-    cases : TouchSet
+    touch_set : TouchSet
     start : GelMaterial
         Where fits begin.
     effects : tuple of str
@@ -52,7 +52,7 @@ class StoreTouches:
         Of the trajectories that take part, in order.
     """
 
-    cases: TouchSet
+    touch_set: TouchSet
     start: GelMaterial
     effects: tuple[str, ...]
     not_played: dict[str, str]

@@ -105,25 +105,25 @@ class TouchSet:
 
     Parameters
     ----------
-    cases : sequence of TouchCase
+    touches : sequence of TouchCase
     base : BaseFamily
     box : Bounds
         Of the materials that the base answers for.
     """
 
-    cases: Sequence[TouchCase]
+    touches: Sequence[TouchCase]
     base: BaseFamily
     box: Bounds = BOUNDS["wide"]
 
     @property
     def counts(self) -> Indices:
         """Frames (t,) of each trajectory."""
-        return np.array([len(case.touch) for case in self.cases])
+        return np.array([len(case.touch) for case in self.touches])
 
     @property
     def indenters(self) -> tuple[str, ...]:
         """Name of each trajectory's indenter; its shape where it has no name."""
-        return tuple(case.touch.indenter_name or repr(case.touch.indenter) for case in self.cases)
+        return tuple(case.touch.indenter_name or repr(case.touch.indenter) for case in self.touches)
 
     def need_cases(self) -> None:
         """Nothing, where there are trajectories enough.
@@ -133,14 +133,14 @@ class TouchSet:
         TactileDataError
             There are too few, or one has too few frames with wrench and pose.
         """
-        if len(self.cases) < FEWEST_CASES:
+        if len(self.touches) < FEWEST_CASES:
             raise TactileDataError(
-                f"{len(self.cases)} trajectories to name missing physics from",
+                f"{len(self.touches)} trajectories to name missing physics from",
                 f"at least {FEWEST_CASES}: whole trajectories are held out, never frames",
                 "Record more of them.",
-                trajectories=len(self.cases),
+                trajectories=len(self.touches),
             )
-        for case in self.cases:
+        for case in self.touches:
             if (known := int(np.isfinite(case.measured).all(axis=1).sum())) < FEWEST_FRAMES:
                 raise TactileDataError(
                     f"trajectory {case.name!r} has {known} frames with a wrench",
@@ -161,7 +161,7 @@ class TouchSet:
         What bends under forces is looked for ``near`` what was played before, where that is given.
         """
         simulator = with_effects(self.base(material), settings)
-        numbers = range(len(self.cases))
+        numbers = range(len(self.touches))
         return np.concatenate([self._read(number, simulator, material, offsets, near) for number in numbers])
 
     def played(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Played:
@@ -181,7 +181,7 @@ class TouchSet:
         simulator = with_effects(self.base(material), settings)
         ends = np.cumsum(self.counts)
         read = before.wrench.copy()
-        for number, case in enumerate(self.cases):
+        for number, case in enumerate(self.touches):
             if changed.acts_on(case.touch):
                 rows = slice(ends[number] - len(case.touch), ends[number])
                 read[rows] = self._read(number, simulator, material, offsets, before)
@@ -192,7 +192,7 @@ class TouchSet:
     ) -> Array:
         if offsets is not None and offsets[number] != 0.0:
             simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
-        asked = material, in_contact(simulator.active(self.cases[number].touch))
+        asked = material, in_contact(simulator.active(self.touches[number].touch))
         there = near.contacts[number] if near is not None else None
         if there is not None and there.asked == asked:
             return simulator.read(there.state).wrench
@@ -207,7 +207,7 @@ class TouchSet:
         """A trajectory on a gel; as before, with what it has worked out, where the gel is that of the answer before."""
         if number in self._contacts and self._contacts[number].asked[0] == material:
             return self._contacts[number].state.touch
-        return replace(self.cases[number].touch, material=material)
+        return replace(self.touches[number].touch, material=material)
 
     @cached_property
     def _contacts(self) -> dict[int, PlayedContact]:

@@ -63,13 +63,13 @@ class WhitenedTouches:
 
     Parameters
     ----------
-    cases : TouchSet
+    touch_set : TouchSet
     errors : NumericalErrors
     trust : (N,)
         Factors on the weight of frames, of a robust fit.
     """
 
-    cases: TouchSet
+    touch_set: TouchSet
     errors: NumericalErrors
     trust: Array
 
@@ -85,36 +85,36 @@ class WhitenedTouches:
     @cached_property
     def starts(self) -> Indices:
         """First row of each trajectory (t,)."""
-        return np.concatenate([[0], np.cumsum(self.cases.counts)[:-1]]).astype(np.int64)
+        return np.concatenate([[0], np.cumsum(self.touch_set.counts)[:-1]]).astype(np.int64)
 
     @cached_property
     def trajectory(self) -> Indices:
         """Trajectory of each row (N,)."""
-        return np.repeat(np.arange(len(self.starts)), self.cases.counts)
+        return np.repeat(np.arange(len(self.starts)), self.touch_set.counts)
 
     @cached_property
     def indenter(self) -> Indices:
         """Number of each trajectory's indenter (t,)."""
-        return np.unique(self.cases.indenters, return_inverse=True)[1].astype(np.int64)
+        return np.unique(self.touch_set.indenters, return_inverse=True)[1].astype(np.int64)
 
     @cached_property
     def measured(self) -> Array:
         """Wrenches (N, 6), 0 where unknown."""
-        return np.nan_to_num(np.concatenate([case.measured for case in self.cases.cases]))
+        return np.nan_to_num(np.concatenate([case.measured for case in self.touch_set.touches]))
 
     @cached_property
     def free_air(self) -> NDArray[np.bool_]:
         """Rows (N,) in which nothing touches."""
-        return np.concatenate([case.free_air for case in self.cases.cases])
+        return np.concatenate([case.free_air for case in self.touch_set.touches])
 
     @cached_property
     def _scattered(self) -> tuple[Array, Array]:
         """Of rows: what a wrench is multiplied by from the right (N, 6, 6), and what a zero of the noise's size becomes
         of it (N, 6, 6), symmetric; both 0 where nothing is known, and small where the simulation scatters much.
         """
-        known = np.isfinite(np.concatenate([case.measured for case in self.cases.cases])).all(axis=1)
+        known = np.isfinite(np.concatenate([case.measured for case in self.touch_set.touches])).all(axis=1)
         trust = (self.trust * known)[:, None, None]
-        of_noise = np.stack([case.noise.whitened(np.eye(6)) for case in self.cases.cases])[self.trajectory]
+        of_noise = np.stack([case.noise.whitened(np.eye(6)) for case in self.touch_set.touches])[self.trajectory]
         scatter = self._scatter
         values, axes = np.linalg.eigh(of_noise.transpose(0, 2, 1) @ scatter @ of_noise)
         shrunk = (axes / np.sqrt(1.0 + np.maximum(values, 0.0))[:, None, :]) @ axes.transpose(0, 2, 1)
@@ -128,7 +128,7 @@ class WhitenedTouches:
         taken_off = np.where(self.free_air, 0.0, largest_so_far(load, self.starts) - load)
         along = errors.scatter * size
         across = np.hypot(along, errors.locked * taken_off)
-        places = np.concatenate([case.touch.tips for case in self.cases.cases])
+        places = np.concatenate([case.touch.tips for case in self.touch_set.touches])
         return scatter_covariance(np.column_stack([across, across, along]), errors.centre * size, places)
 
     @property
@@ -151,18 +151,18 @@ class WhitenedTouches:
 
         Noise that neighbours share has fewer independent numbers than readings, and its covariance is inflated so.
         """
-        inflation = np.array([case.noise.inflation for case in self.cases.cases])
+        inflation = np.array([case.noise.inflation for case in self.touch_set.touches])
         squares: Array = 6.0 * np.add.reduceat(self.weights > 0, self.starts, dtype=np.float64) / inflation
         return squares
 
     @cached_property
     def tare(self) -> Array:
         """Variances (t,) of the zeros, over that of a wrench at a frame."""
-        cases = self.cases.cases
+        cases = self.touch_set.touches
         readings = np.array([case.noise.reading_variance for case in cases])
         return tare_variance(np.array([case.free_samples for case in cases]), readings)
 
-    def white(self, rows: Array) -> Array:
+    def whiten(self, rows: Array) -> Array:
         """Wrenches (N, 6) or (N, 6, c) in units of their noise; rows that are not finite count for nothing."""
         field = np.nan_to_num(rows.reshape(len(rows), 6, -1))
         white = self._scattered[0].transpose(0, 2, 1) @ field
@@ -170,8 +170,8 @@ class WhitenedTouches:
 
     def part(self, chosen: NDArray[np.bool_]) -> WhitenedTouches:
         """Some of the trajectories (t,)."""
-        kept = [case for case, is_kept in zip(self.cases.cases, chosen, strict=True) if is_kept]
-        return replace(self, cases=replace(self.cases, cases=kept), trust=self.trust[chosen[self.trajectory]])
+        kept = [case for case, is_kept in zip(self.touch_set.touches, chosen, strict=True) if is_kept]
+        return replace(self, touch_set=replace(self.touch_set, touches=kept), trust=self.trust[chosen[self.trajectory]])
 
     def with_zeros(self, white: Array) -> Array:
         """Whitened rows (N, 6) or (N, 6, c) with the trajectories' zeros in them again: each frame by itself."""
@@ -187,9 +187,9 @@ class WhitenedTouches:
 
     def residual(self, predicted: Array) -> Array:
         """Measured less predicted (N, 6), whitened."""
-        return self.white(self.measured - np.where(np.isfinite(predicted), predicted, self.measured))
+        return self.whiten(self.measured - np.where(np.isfinite(predicted), predicted, self.measured))
 
-    def numerical(self, material: GelMaterial, offsets: Array | None = None) -> Array:
+    def simulation_error_fields(self, material: GelMaterial, offsets: Array | None = None) -> Array:
         """Whitened wrenches (N, 6, i + 2), one standard deviation each: an error per indenter, of law, of shear.
 
         Parameters
@@ -197,11 +197,11 @@ class WhitenedTouches:
         offsets : (t,) m
             Of the trajectories, where they are known.
         """
-        return self.white(self.numerical_wrenches(material, offsets))
+        return self.whiten(self.simulation_error_wrenches(material, offsets))
 
-    def numerical_wrenches(self, material: GelMaterial, offsets: Array | None = None) -> Array:
+    def simulation_error_wrenches(self, material: GelMaterial, offsets: Array | None = None) -> Array:
         """The same as they are, N and N m."""
-        plain = np.nan_to_num(self.cases.play(material, [], offsets))
+        plain = np.nan_to_num(self.touch_set.play(material, [], offsets))
         owner = self.indenter[self.trajectory]
         count = int(self.indenter.max()) + 1
         shapes = plain[:, :, None] * (owner[:, None] == np.arange(count))[:, None, :] * self.errors.shape

@@ -116,14 +116,14 @@ def show(
         Too few trajectories, or scikit-learn is not installed.
     """
     need_learning_library()
-    white, base, decision = naming.cases, naming.base, naming.decision
+    white, base, decision = naming.whitened, naming.base, naming.decision
     names = decision.best.names if decision.best is not None and decision.verdict in ("named", "one of a set") else ()
     after = decision.best.fit if decision.best is not None else base
     if located is None:
         progress("where they differ")
         located = locate_touches(white, base, seed)
     progress("what is held out")
-    numerical = white.numerical_wrenches(base.model.material, base.model.offsets)
+    numerical = white.simulation_error_wrenches(base.model.material, base.model.offsets)
     errors = held_out_errors(white, (base, after), numerical, seed)
     progress("the ceiling")
     ceiling = black_box(located.projection, seed)
@@ -140,17 +140,17 @@ def show(
 
 def _ceiling_force(naming: NamingResult, errors: HeldOutErrors, ceiling: BlackBox) -> float:
     """Root mean square, N, of the force that black box and plain simulation leave together of trajectories held out."""
-    white = naming.cases
+    white = naming.whitened
     rows = known_rows(white, errors.before)
     whitened = np.zeros((len(rows), 6))
     # black box and locators count in single noise, see `case_residuals`
     whitened[rows] = ceiling.predicted
-    single = np.sqrt(np.array([case.noise.inflation for case in white.cases.cases]))[white.trajectory, None]
+    single = np.sqrt(np.array([case.noise.inflation for case in white.touch_set.touches]))[white.trajectory, None]
     explained = white.in_newtons(whitened / single)
     left = (white.measured - errors.before - explained)[rows][:, FORCE]
     return min(float(np.sqrt((left**2).mean())), errors.force.before)
 
 
 def _stretched(naming: NamingResult, base: JointFit) -> dict[str, float]:
-    found = simulator_share(naming.cases, base)
+    found = simulator_share(naming.whitened, base)
     return {one.what: one.deviations for one in found if abs(one.deviations) >= STRETCHED}

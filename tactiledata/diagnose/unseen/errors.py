@@ -69,12 +69,12 @@ def _with_own_offsets(part: WhitenedTouches, model: JointModel, numerical: Array
     material, settings, errors = model.material, model.settings, numerical @ model.errors
     offsets = model.offsets
     for _ in range(ROUNDS):
-        played = part.cases.played(material, settings, offsets)
+        played = part.touch_set.played(material, settings, offsets)
         own = own_field(part, material, settings, offsets, played)
         squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", own, own), part.starts)
         steps = offset_steps(own, part.residual(played.wrench + errors), part.starts, squares, offsets / PRIOR)
         offsets = np.clip(offsets + PRIOR * steps, -FARTHEST, FARTHEST)
-    return part.cases.play(material, settings, offsets) + errors
+    return part.touch_set.play(material, settings, offsets) + errors
 
 
 FORCE, TORQUE = slice(0, 3), slice(3, 6)
@@ -141,7 +141,7 @@ def held_out_errors(
     numerical : (N, 6, e) N, N m
         As in `held_out_wrenches`.
     """
-    sensors = np.unique([case.touch.sensor for case in white.cases.cases], return_inverse=True)[1]
+    sensors = np.unique([case.touch.sensor for case in white.touch_set.touches], return_inverse=True)[1]
     schemes = {
         "trajectories": folds_of(len(white.starts), seed),
         "indenters": white.indenter,
@@ -198,7 +198,7 @@ def _noise(white: WhitenedTouches, frames: Array, offsets: float = 1.0 / 3.0) ->
     offsets : float
         Numbers that the contact offset takes from a component of force: it is one beside three of them.
     """
-    cases = white.cases.cases
+    cases = white.touch_set.touches
     inflation = np.array([case.noise.inflation for case in cases])
     taken = (inflation * zero_shares(white))[:, None] + offsets * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     left = np.sqrt(np.maximum(1.0 - taken / np.maximum(frames, 1.0)[:, None], 0.0))

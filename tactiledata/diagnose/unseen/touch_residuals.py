@@ -64,7 +64,7 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
 
     Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
     """
-    cases, model = white.cases, fit.model
+    cases, model = white.touch_set, fit.model
     answers = contacts(cases, model.material, model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     single = _single(white)
@@ -73,7 +73,7 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
     slopes = white.with_zeros(np.stack(fields, axis=2))
     zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
     names = tuple(ResidualParameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
-    deviations = np.mean([case.noise.deviations for case in cases.cases], axis=0) * TO_UNIT
+    deviations = np.mean([case.noise.deviations for case in cases.touches], axis=0) * TO_UNIT
     return Residuals(
         white.with_zeros(fit.residual + fit.own * fit.by_row) * single,
         COMPONENTS,
@@ -91,7 +91,7 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
 def slide_ways(white: WhitenedTouches) -> dict[str, Array]:
     """Directions (N, 6) of shear along each trajectory's first slide, and of its torque; 0 where nothing slides."""
     ways = np.zeros((len(white.trajectory), 2))
-    for number, case in enumerate(white.cases.cases):
+    for number, case in enumerate(white.touch_set.touches):
         steps = np.diff(np.nan_to_num(case.touch.tips[:, :2]), axis=0, prepend=np.nan_to_num(case.touch.tips[:1, :2]))
         first = steps[np.flatnonzero(phases(case) == "shear")[:1]].sum(axis=0)
         ways[white.trajectory == number] = first / max(float(np.hypot(*first)), 1e-300)
@@ -104,7 +104,7 @@ def slide_ways(white: WhitenedTouches) -> dict[str, Array]:
 
 def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
     """What each strength of each effect would change in such residuals (n, 6), by the effect's title."""
-    answers = contacts(white.cases, fit.model.material, fit.model.offsets)
+    answers = contacts(white.touch_set, fit.model.material, fit.model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     fields: dict[str, Array] = {}
     for one in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
@@ -117,8 +117,8 @@ def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[st
 
 def case_noise(white: WhitenedTouches, fit: JointFit) -> NoiseModel:
     """The noise of such residuals, for the gate: that of neighbours alike, and scatter of the simulation."""
-    inflation = float(np.mean([case.noise.inflation for case in white.cases.cases]))
-    answers = contacts(white.cases, fit.model.material, fit.model.offsets)
+    inflation = float(np.mean([case.noise.inflation for case in white.touch_set.touches]))
+    answers = contacts(white.touch_set, fit.model.material, fit.model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     scatter = np.sqrt(np.maximum(1.0 - white.weights[rows] ** 2, 0.0))
     return NoiseModel((inflation - 1.0) / (inflation + 1.0), scatter=scatter)
@@ -143,7 +143,7 @@ def locate_touches(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: 
 
 def _single(white: WhitenedTouches) -> Array:
     """Factors (N, 1): noise was widened for neighbours that resemble one another; a value's own variance is to be 1."""
-    return np.sqrt(np.array([case.noise.inflation for case in white.cases.cases]))[white.trajectory, None]
+    return np.sqrt(np.array([case.noise.inflation for case in white.touch_set.touches]))[white.trajectory, None]
 
 
 def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualParameter, ...], list[Array]]:
@@ -178,9 +178,9 @@ def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualPa
 
 def _labels(white: WhitenedTouches, slides: NDArray[np.bool_]) -> dict[str, Names]:
     """Labels (N,); a name that says what another one says already is left out."""
-    cases = white.cases.cases
+    cases = white.touch_set.touches
     by_trajectory = {
-        "indenter": white.cases.indenters,
+        "indenter": white.touch_set.indenters,
         "sensor": tuple(case.touch.sensor for case in cases),
         "mount": tuple(case.touch.mount for case in cases),
     }

@@ -57,4 +57,4 @@ class CableDrag(Effect):
         angle = with_play(state.covariate("joints", self.name)[:, 5], values["play"])
         wrench = state.wrench.copy()
         wrench[:, :3] += angle[:, None] * [values["fx"], values["fy"], values["fz"]]
-        return state.read(wrench)
+        return state.with_reading(wrench)

@@ -92,4 +92,4 @@ class Clipping(Effect):
             bias = selection_bias(size, values["noise"], low, high)
             force = force * (1.0 + np.divide(bias, size, out=np.zeros_like(size), where=size > 0))[:, None]
         wrench[:, :3] = force
-        return state.read(wrench)
+        return state.with_reading(wrench)

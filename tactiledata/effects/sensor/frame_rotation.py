@@ -48,4 +48,4 @@ class FrameRotation(Effect):
         wrench = state.wrench.copy()
         wrench[:, :3] = wrench[:, :3] @ turn.T
         wrench[:, 3:] = wrench[:, 3:] @ turn.T
-        return state.read(wrench)
+        return state.with_reading(wrench)

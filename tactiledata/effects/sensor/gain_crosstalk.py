@@ -55,4 +55,4 @@ class GainCrosstalk(Effect):
         wrench = state.wrench.copy()
         force = wrench[:, :3]
         wrench[:, :3] = force + force @ matrix.T + values["quadratic"] * force * np.abs(force)
-        return state.read(wrench)
+        return state.with_reading(wrench)

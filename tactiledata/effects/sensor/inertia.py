@@ -47,7 +47,7 @@ class Inertia(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         wrench = state.wrench.copy()
         wrench[:, :3] -= values["mass"] * _acceleration(state.touch, values["frequency"])
-        return state.read(wrench)
+        return state.with_reading(wrench)
 
 
 def _acceleration(touch: Touch, frequency: float) -> Array:

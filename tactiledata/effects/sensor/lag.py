@@ -46,4 +46,4 @@ class Lag(Effect):
             wrench = delayed(seconds, wrench, values["delay"])
         if values["filter"] != 0.0:
             wrench = wrench - fading_memory(seconds, wrench, values["filter"])
-        return state.read(wrench)
+        return state.with_reading(wrench)

@@ -69,7 +69,7 @@ class Quantisation(Effect):
         force = mean_told(told[:, :3], values["dead_band"], values["noise"])
         torque = mean_told(told[:, 3:], values["torque_dead_band"], values["torque_noise"])
         force, torque = _rounded(force, values["step"]), _rounded(torque, values["torque_step"])
-        return state.read(state.touch.from_sensor(np.concatenate([force, torque], axis=1)))
+        return state.with_reading(state.touch.from_sensor(np.concatenate([force, torque], axis=1)))
 
 
 def mean_told(rows: Array, least: float, noise: float) -> Array:

@@ -56,4 +56,4 @@ class SensorDrift(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         warm = -np.expm1(-state.covariate("powered", self.name) / values["time"])
         bias = [values[kind + axis] for kind in "ft" for axis in "xyz"]
-        return state.read(state.wrench + warm[:, None] * bias)
+        return state.with_reading(state.wrench + warm[:, None] * bias)

@@ -51,4 +51,4 @@ class ToolWeight(Effect):
         gravity = state.covariate("gravity", self.name)
         moment = np.array([values["moment_x"], values["moment_y"], values["moment_z"]])
         weight = np.concatenate([values["mass"] * gravity, np.cross(moment, gravity)], axis=1)
-        return state.read(state.wrench + weight)
+        return state.with_reading(state.wrench + weight)

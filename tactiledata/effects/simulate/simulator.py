@@ -96,7 +96,7 @@ def in_contact(settings: Iterable[EffectSetting]) -> list[EffectSetting]:
 
 def as_read(state: TouchState, settings: Iterable[EffectSetting]) -> TouchState:
     """A touch after its effects in contact, with what time and sensor make of the wrench."""
-    state = state.read(state.contact.wrench)
+    state = state.with_reading(state.contact.wrench)
     for setting in settings:
         if setting.member.slot not in CONTACT_SLOTS:
             state = setting.apply(state)
@@ -173,4 +173,4 @@ def _zeroed(state: TouchState) -> TouchState:
     free = wrench[tare]
     free = free[np.isfinite(free).all(axis=1)]
     # most effects leave the air alone
-    return state.read(wrench - np.median(free, axis=0)) if free.any() else state
+    return state.with_reading(wrench - np.median(free, axis=0)) if free.any() else state

@@ -47,4 +47,4 @@ class ClockSkew(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         seconds = state.touch.seconds
         delay = values["rate"] * seconds + np.where(seconds >= values["jump_at"], values["jump"], 0.0)
-        return state.read(delayed(seconds, state.wrench, delay))
+        return state.with_reading(delayed(seconds, state.wrench, delay))

@@ -55,7 +55,7 @@ class Relaxation(Effect):
         slow = wrench + values["share"] * fading_memory(state.touch.seconds, wrench, values["time"])
         slow = slow + _shear_as_it_slides(wrench, slow, state, values["share"], values["time"])
         parted = ~state.contact.touching | ((slow[:, 2] <= 0) & (state.contact.wrench[:, 2] > 0))
-        return state.read(np.where(parted[:, None] & np.isfinite(slow), _at_rest(wrench, state), slow))
+        return state.with_reading(np.where(parted[:, None] & np.isfinite(slow), _at_rest(wrench, state), slow))
 
 
 def _shear_as_it_slides(wrench: Array, slow: Array, state: TouchState, share: float, time: float) -> Array:

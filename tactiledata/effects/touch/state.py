@@ -106,7 +106,7 @@ class TouchState:
         """A wrench (n, 6) added that arises where indenter and gel meet."""
         return self._as_asked(replace(self, interface=self.interface + wrench))
 
-    def read(self, wrench: Array) -> TouchState:
+    def with_reading(self, wrench: Array) -> TouchState:
         """The sensor says this wrench (n, 6)."""
         return self._as_asked(replace(self, reading=wrench))
 

@@ -82,7 +82,7 @@ class ContactPath:
     _under: NDArray[np.int8] = field(default_factory=lambda: np.empty((0, 0), dtype=np.int8))
     _looks: int = 0
 
-    def head_for(self, pose: Array) -> bool:
+    def move_to(self, pose: Array) -> bool:
         """Set out for the next pose (4, 4); whether anything may touch there."""
         here = self.rest + self.state.displacement[self.rows]
         # nothing is known of the pose before a touch's first
@@ -125,7 +125,7 @@ class ContactPath:
         pressed[patches] = improved
         return pressed, gaps
 
-    def arrive(self, displacement: Array, forces: Array, gaps: Array) -> None:
+    def accept_step(self, displacement: Array, forces: Array, gaps: Array) -> None:
         """The pose headed for is solved."""
         self.state = ContactState(self._pose, forces, displacement, gaps)
 

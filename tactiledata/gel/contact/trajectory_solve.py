@@ -55,7 +55,7 @@ class TrajectorySolve:
                 self.recorder.give_up(self._frame, status)
                 continue
             self._plan()
-        if self.walk.head_for(self._steps[0]):
+        if self.walk.move_to(self._steps[0]):
             return True
         self.walk.release()
         frame = self.step_done(0.0)

@@ -50,7 +50,7 @@ class LoadStepSolve:
         self._mixer = SecantMixer(state.displacement.size + state.forces.size, measured)
         self._stride: tuple[Array, Array] | None = None
 
-    def set_out(self) -> None:
+    def start_step(self) -> None:
         """Begin the next load step where the last two lead, or end the journey."""
         self._iterations = 0
         self._mixer.start_step()
@@ -72,22 +72,22 @@ class LoadStepSolve:
             FORCE_TOLERANCE * max(float(np.abs(forces).max()), 1e-30) * self._tolerance / TOLERANCE
         )
         if max(change, force_change) < (LENIENCE if self._iterations > PATIENCE else 1.0):
-            self._arrive(displacement, forces, gaps, residual)
+            self._accept_step(displacement, forces, gaps, residual)
         elif self._iterations >= MOST_ITERATIONS or not np.abs(displacement).max() < FARTHEST:
             self._forget()
             self.journey.step_failed()
-            self.set_out()
+            self.start_step()
         else:
             self._mix(displacement, forces)
 
-    def _arrive(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
+    def _accept_step(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
         before = self.journey.walk.state
         self._stride = (displacement - before.displacement, forces - before.forces)
-        self.journey.walk.arrive(displacement, forces, gaps)
+        self.journey.walk.accept_step(displacement, forces, gaps)
         frame = self.journey.step_done(residual)
         if frame is not None:
             self.journey.recorder.put_displacement(frame, displacement)
-        self.set_out()
+        self.start_step()
 
     def _mix(self, displacement: Array, forces: Array) -> None:
         size = displacement.size
@@ -134,7 +134,7 @@ class FiniteStrainSolver:
             while True:
                 while len(active) < width and (journey := next(journeys, None)) is not None:
                     active.append(LoadStepSolve(journey, self._tolerance, self._measured))
-                    active[-1].set_out()
+                    active[-1].start_step()
                 if not active:
                     return
                 for traveller in active:

@@ -76,7 +76,7 @@ class LinearSolver:
             forces = forces + share * (pressed - forces)
             displacement = self._surface_displacement(forces)
             if change <= FORCE_TOLERANCE * (1.0 if iteration < PATIENCE else LENIENCE):
-                walk.arrive(displacement, forces, gaps)
+                walk.accept_step(displacement, forces, gaps)
                 return journey.step_done(change)
         journey.step_failed()
         return None
