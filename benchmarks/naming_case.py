@@ -30,7 +30,7 @@ from tactiledata.rig.contact.contact import TouchSetup, contact_times
 from tactiledata.rig.hidden.base import HiddenEffect
 from tactiledata.rig.motion import ur5e
 from tactiledata.rig.motion.motion import Path as TouchPath
-from tactiledata.rig.play import Play, Solve, Stage
+from tactiledata.rig.play import PlayedTrajectory, RigSetup, Solve
 from tactiledata.rig.record import BETWEEN_LOGS_NS
 from tactiledata.rig.scenario.scenario import Gel, Scenario, load_scenario
 from tactiledata.transforms import Transform
@@ -48,12 +48,12 @@ CLEAR = 1e-4
 
 def play_logs(scenario: Scenario, solve: Solve) -> list[Log]:
     """Each unit's touches, in the scenario's order: an indenter may be mounted again."""
-    stage = Stage(scenario, solve)
+    rig_setup = RigSetup(scenario, solve)
     logs = []
     for index, serial in enumerate(scenario.sensors):
         touches = [touch for touch in scenario.trajectories if touch.sensor == serial]
         start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-        logs.append(Log(stage, index, stage.perform(touches, index, start_ns)))
+        logs.append(Log(rig_setup, index, rig_setup.perform(touches, index, start_ns)))
     return logs
 
 
@@ -64,7 +64,7 @@ def unfelt(gel: Gel, setup: TouchSetup, path: TouchPath | None, missed: Array | 
     return BankedContact(path, missed, np.zeros((count, 6)), np.zeros(count, dtype=bool), 0)
 
 
-def frame_times(play: Play) -> Times:
+def frame_times(play: PlayedTrajectory) -> Times:
     """When frames are taken, ns of the host clock: as the rig does, in the air, and on the way along and out."""
     path = play.path
     moving = [
@@ -78,11 +78,11 @@ def frame_times(play: Play) -> Times:
 
 def told_touches(log: Log, plan: Plan) -> list[Touch]:
     """What a store tells of each touch: poses as commanded, gravity, joints, what the place went through before."""
-    performance, scenario = log.performance, log.stage.scenario
+    performance, scenario = log.performance, log.rig_setup.scenario
     robot = scenario.robot
     gel_from_ft = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix
     found: list[Touch] = []
-    tables = {name: ImprintTable.of(indenter) for name, indenter in log.stage.indenters.items()}
+    tables = {name: ImprintTable.of(indenter) for name, indenter in log.rig_setup.indenters.items()}
     for play, (_, mounted) in zip(performance.plays, performance.poses, strict=True):
         host = frame_times(play)
         tcp = performance.tcp(host)
@@ -94,7 +94,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
         touch = Touch(
             seconds=seconds,
             poses=poses,
-            indenter=log.stage.indenters[play.touch.indenter],
+            indenter=log.rig_setup.indenters[play.touch.indenter],
             material=plan.truth,
             geometry=plan.geometry,
             sensor=play.touch.sensor,
@@ -114,11 +114,11 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
     return found
 
 
-def _moves(log: Log, play: Play, mounted: Transform, host: Times) -> dict[str, Array]:
+def _moves(log: Log, play: PlayedTrajectory, mounted: Transform, host: Times) -> dict[str, Array]:
     """How the tip moved until each frame, from the stream of poses."""
     dense = np.arange(0.0, play.path.duration, 1.0 / POSES)
     tcp = log.performance.tcp(play.start_ns + np.rint(dense * 1e9).astype(np.int64))
-    base_from_gel = tcp @ log.stage.scenario.robot.tcp_from_gel.matrix
+    base_from_gel = tcp @ log.rig_setup.scenario.robot.tcp_from_gel.matrix
     places = (np.linalg.inv(base_from_gel) @ mounted.matrix)[:, :3, 3]
     return moved_until((host - play.start_ns) * 1e-9, dense, places)
 
@@ -131,7 +131,7 @@ def _as_deep(poses: Array, name: str, earlier: Sequence[Touch], tables: Mapping[
     return tables[name].depth(strongest_imprint(poses[:, :2, 3], pressed, np.array(imprints)))
 
 
-def _is_beside(other: Touch, play: Play) -> bool:
+def _is_beside(other: Touch, play: PlayedTrajectory) -> bool:
     away = other.tips[:, :2] - np.asarray(play.touch.position)
     return bool(np.linalg.norm(away, axis=1).min() < BESIDE)
 
@@ -185,7 +185,7 @@ class Maker:
         logs = play_logs(scenario, unfelt)
         told = [touch for log in logs for touch in told_touches(log, plan)]
         rows = [np.ones(len(touch), dtype=bool) for touch in told]
-        return Maker(plan, ContactBank(folder, plan.pitch, logs[0].stage.indenters), told, rows)
+        return Maker(plan, ContactBank(folder, plan.pitch, logs[0].rig_setup.indenters), told, rows)
 
     def keeping(self, rows: list[NDArray[np.bool_]]) -> Maker:
         """The same with some of the frames: those that the gel engine could solve."""

@@ -16,7 +16,7 @@ from tactiledata.ingest.forces.gravity import tool_weight
 from tactiledata.rig.logs.describe import describe
 from tactiledata.rig.logs.sampling import SAMPLING, tare_times, wrench_samples
 from tactiledata.rig.motion import ur5e
-from tactiledata.rig.play import PlayedLog, Stage
+from tactiledata.rig.play import PlayedLog, RigSetup
 from tactiledata.transforms import matrix_poses
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
@@ -28,25 +28,25 @@ Times = NDArray[np.int64]
 class Log:
     """One unit's touches in time, and what the log says of itself."""
 
-    stage: Stage
+    rig_setup: RigSetup
     index: int
     performance: PlayedLog
 
     @property
     def tares(self) -> list[int]:
         """When the force sensor is set to zero, ns."""
-        return tare_times(self.stage.scenario, self.performance)
+        return tare_times(self.rig_setup.scenario, self.performance)
 
     @property
     def description(self) -> LogDescription:
         """As the log would state it."""
         serials = list(dict.fromkeys(play.touch.sensor for play in self.performance.plays))
-        return LogDescription.checked(describe(self.stage, self.performance, serials, self.tares), "the rig")
+        return LogDescription.checked(describe(self.rig_setup, self.performance, serials, self.tares), "the rig")
 
 
 def readings_of(log: Log) -> tuple[StoredSignal, StoredSignal]:
     """Wrenches and poses of a whole log, as they are stored."""
-    scenario, performance = log.stage.scenario, log.performance
+    scenario, performance = log.rig_setup.scenario, log.performance
     chance = np.random.default_rng([scenario.seed, SAMPLING, log.index])
     samples = wrench_samples(scenario, performance, log.index, log.tares, chance)
     poses = matrix_poses(performance.tcp(samples.host_ns))
@@ -72,7 +72,7 @@ def zeros_of(logs: Sequence[tuple[Log, tuple[StoredSignal, StoredSignal]]]) -> F
             readings, times = free_air_readings(load[rows], wrench.t_ns[rows])
             for part in pieces_of(len(readings)):
                 moments.append(times[part[len(part) // 2]])
-                seconds = (moments[-1] - performance.start_ns) * 1e-9 + log.stage.scenario.recordings.powered
+                seconds = (moments[-1] - performance.start_ns) * 1e-9 + log.rig_setup.scenario.recordings.powered
                 zeroed = 1000 * log.index + sum(tare <= moments[-1] for tare in log.tares)
                 pieces.append((readings[part].mean(axis=0), trajectory, zeroed, seconds))
             trajectory += 1
@@ -80,7 +80,7 @@ def zeros_of(logs: Sequence[tuple[Log, tuple[StoredSignal, StoredSignal]]]) -> F
     if not pieces:
         none = np.empty(0, dtype=np.int64)
         return ForceZeros(np.empty((0, 6)), none, none, np.empty((0, 3)), np.empty(0), None)
-    base_from_tcp, robot = np.concatenate(poses), logs[0][0].stage.scenario.robot
+    base_from_tcp, robot = np.concatenate(poses), logs[0][0].rig_setup.scenario.robot
     down = -np.einsum("ij,nkj->nik", robot.tcp_from_ft.inverse().rotation, base_from_tcp[:, :3, :3])[:, :, 2]
     joints = ur5e.inverse(base_from_tcp @ robot.flange_from_tcp.inverse().matrix)
     load_, owner, zeroed_, seconds_ = (np.array(column) for column in zip(*pieces, strict=True))

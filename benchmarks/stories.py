@@ -33,7 +33,7 @@ from tactiledata.calibrate.player import play_nodes
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
-from tactiledata.diagnose.naming.intervals import Interval
+from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.unseen.compare import show
@@ -86,7 +86,7 @@ def tell(story: str, bench: Bench, maker: Maker, out: Path, pictures: Path | Non
         write_atomic(pictures / f"story-{story.replace('_', '-')}.png", picture)
 
 
-def _fitted(title: str, found: Sequence[Interval]) -> Numbers:
+def _fitted(title: str, found: Sequence[ProfiledInterval]) -> Numbers:
     """E, nu and mu of a fit of whole wrenches."""
     return Numbers(title, tuple(one.value for one in found[:3]), tuple((one.low, one.high) for one in found[:3]))
 

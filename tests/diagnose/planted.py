@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactiledata.diagnose.residuals.residuals import Covariate, Parameter, Residuals
+from tactiledata.diagnose.residuals.residuals import Covariate, ResidualParameter, Residuals
 
 COMPONENTS = ("fx", "fy", "fz")
 PHASES = ("free air", "press", "dwell", "shear", "leave")
@@ -54,10 +54,10 @@ def planted(
     of_modulus = np.column_stack([0.3 * force[:, None] * (shear * ~is_slip)[:, None] * pushed, force]) / MODULUS
     of_friction = np.column_stack([force[:, None] * is_slip[:, None] * pushed, np.zeros(n)])
     of_offset = np.column_stack([np.zeros((n, 2)), 60.0 * np.sqrt(np.maximum(depth, 0))])
-    parameters = [Parameter("E", "kPa", MODULUS), Parameter("mu", "1", 0.8)]
+    parameters = [ResidualParameter("E", "kPa", MODULUS), ResidualParameter("mu", "1", 0.8)]
     slopes = [of_modulus, of_friction]
     if own:
-        parameters.append(Parameter("offset", "mm", own_deviation=0.04))
+        parameters.append(ResidualParameter("offset", "mm", own_deviation=0.04))
         slopes.append(of_offset)
     values = noise(rng, trajectories, frames, correlation, heavy)
     if random_effects:

@@ -13,12 +13,12 @@ from tactiledata.diagnose.answer.formula_page import explanation_page
 from tactiledata.diagnose.formula.candidates import Candidates, carriers
 from tactiledata.diagnose.formula.explain import Explanation, explain
 from tactiledata.diagnose.formula.terms import atoms
-from tactiledata.diagnose.formula.unseen import GroupedCosts
+from tactiledata.diagnose.formula.unseen import UnseenFormula
 from tactiledata.diagnose.locate.locate import LocateOptions
 from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
 from tactiledata.diagnose.residuals.gap import Gap, is_improved
 from tactiledata.diagnose.residuals.projection import project
-from tactiledata.diagnose.residuals.residuals import Parameter
+from tactiledata.diagnose.residuals.residuals import ResidualParameter
 from tactiledata.diagnose.residuals.slopes import Change
 from tactiledata.diagnose.table_input.residuals_of import residuals_of
 
@@ -67,7 +67,7 @@ def explained() -> Explanation:
 
 def held(before, after):
     rows = np.zeros((1, 1))
-    return GroupedCosts(rows, rows, before, after, np.full(len(before), 10.0))
+    return UnseenFormula(rows, rows, before, after, np.full(len(before), 10.0))
 
 
 @pytest.mark.parametrize(("closed", "gained"), [(0.0, 0.0), (0.004, 0.5), (-0.2, -1.0)])
@@ -151,7 +151,7 @@ def test_scale_and_offset_that_cannot_be_told_apart_are_said_to_be_so():
 
 def test_a_share_that_is_not_known_to_its_own_size_is_no_number():
     """17000 ± 4000 % is none, 11 ± 2 % is one."""
-    scale = Parameter("the scale of fz", "1", 1.0)
+    scale = ResidualParameter("the scale of fz", "1", 1.0)
     for words in (Change(scale, 170.0, 40.0).words, Change(scale, 170.0, 40.0).standing):
         assert "%" not in words
         assert "these data" in words

@@ -14,7 +14,7 @@ from tactiledata.optics.height_map import Indentation, contact_mask
 from tactiledata.optics.registration import Touch
 from tactiledata.optics.surface import GelSurface
 from tactiledata.optics.taxim import TaximTable
-from tactiledata.optics.taxim_calibration import Press
+from tactiledata.optics.taxim_calibration import CalibrationPress
 from tactiledata.optics.view import View
 from tactiledata.sensors.digit import DIGIT
 
@@ -100,7 +100,7 @@ def test_a_fots_network_learns_what_it_is_taught():
     def press():
         slope = rng.uniform(-1, 1, (60, 60, 2)).astype(np.float32)
         change = 60 * np.stack([slope[..., 0], slope[..., 1], -slope[..., 0] * slope[..., 1]], axis=-1)
-        return Press(change, slope, np.ones((60, 60), bool))
+        return CalibrationPress(change, slope, np.ones((60, 60), bool))
 
     network = learned_colours([press() for _ in range(12)])
     other = press()
