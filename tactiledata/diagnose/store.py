@@ -55,7 +55,7 @@ def diagnose_store(
     wanted = tuple(name for name in played.effects if not options.effects or name in options.effects)
     errors = NumericalErrors.of(options.fidelity)
     asked = NamingOptions(effects=wanted, errors=errors, pairs=options.pairs, seed=options.seed)
-    naming = name_effects(played.cases, played.start, asked, thinking)
+    naming = name_effects(played.touch_set, played.start, asked, thinking)
     shown = show(naming, options.seed, thinking)
     formula = None
     if Answer(naming).is_missing and not shown.names:
@@ -69,7 +69,7 @@ def diagnose_store(
     thinking("what to record next")
     proposals = propose_trials(naming)
     free = read_zeros(store)
-    told = [*limits(played.cases, naming.base.model.material), *filter(None, [no_zeros(free)])]
+    told = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
     simulated = simulated_trajectories(store, played.uids)
     return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told, causes, simulated)

@@ -236,7 +236,7 @@ _TOLD = {
 def store_document(done: StoreDiagnosis) -> dict[str, Any]:
     """``diagnosis.json`` (schemas/diagnosis.json); the same for the same store, options and seed."""
     white = done.naming.whitened
-    noise = done.played.cases.cases[0].noise.deviations * TO_UNIT
+    noise = done.played.touch_set.touches[0].noise.deviations * TO_UNIT
     formula = done.formula
     document = {
         "format": FORMAT,
