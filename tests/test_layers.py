@@ -15,9 +15,8 @@ LAYERS = [  # bottom first; packages of one row never import one another
     ["tactiledata.splits", "tactiledata.nuisance", "tactiledata.effects"],
     ["tactiledata.ingest", "tactiledata.loaders", "tactiledata.replay", "tactiledata.optics"],
     ["tactiledata.calibrate", "tactiledata.scoring"],
-    ["tactiledata.diagnose", "tactiledata.export"],
+    ["tactiledata.diagnose"],
     ["tactiledata.rig"],
-    ["tactiledata.proof"],
     ["tactiledata.cli"],
     ["split_models"],
 ]

@@ -1,0 +1,215 @@
+"""How the code base is built: folders, docstrings, parameters, names. What is exempt is listed, and may only shrink."""
+
+import ast
+import doctest
+import importlib
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("tactiledata", "split_models")
+EXEMPT = yaml.safe_load((Path(__file__).parent / "house_exemptions.yaml").read_text(encoding="utf-8"))
+MOST_MODULES = 25
+"""Modules in a folder, beside its ``__init__``."""
+TOUR_LINES = 5
+"""Lines of the docstring of a folder's ``__init__``."""
+MOST_LINES = 350
+"""Lines of a module."""
+MANY_PARAMETERS = 3
+"""Parameters from which on a public function describes all of them."""
+MOST_POSITIONAL = 8
+"""Arguments that a call may give by position."""
+MOST_ROOMS = 14
+"""Folders and modules directly in ``diagnose``."""
+FRAGMENT = re.compile(
+    r"(Of|By|With|For|From|In|At|On|To|Through|See|As|The same|The other|Those|These|Such|Nothing|Beside|That|Which"
+    r"|Up to|Not|Also|And|Or|But|Or else|So|Where|When|Until|Told|Asked|Hears)\b"
+)
+"""Words with which a fragment begins; a full sentence hardly does."""
+SOURCES = {
+    path.relative_to(ROOT).as_posix(): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))
+}
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in SOURCES.items()}
+FOLDERS = sorted({path.parent for path in SOURCES.values()})
+Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+
+
+def definitions(tree, prefix=""):
+    """Pairs of a dotted name and the node of every function and class, those within classes too."""
+    for node in tree.body:
+        if isinstance(node, Definition):
+            yield f"{prefix}{node.name}", node
+            if isinstance(node, ast.ClassDef):
+                yield from definitions(node, f"{prefix}{node.name}.")
+
+
+def first_line(node):
+    """First line of a docstring; empty where there is none."""
+    return (ast.get_docstring(node) or "").partition("\n")[0]
+
+
+def sentence(node):
+    """The first paragraph of a docstring on one line."""
+    return " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
+
+
+def parameters(node):
+    """Names of a function's parameters, without ``self`` and ``cls``."""
+    given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+    return [part.arg for part in given if part.arg not in ("self", "cls") and not part.arg.startswith("_")]
+
+
+def is_public(name):
+    """Whether no part of a dotted name begins with an underscore."""
+    return not any(part.startswith("_") for part in name.split("."))
+
+
+def shrinking(kind, offenders):
+    """Fail where an offender is not exempt, or an exemption is no longer needed."""
+    exempt = set(EXEMPT[kind] or [])
+    new, done = sorted(set(offenders) - exempt), sorted(exempt - set(offenders))
+    assert not new, f"{len(new)} not exempt in tests/house_exemptions.yaml, {kind}: {new[:20]}"
+    assert not done, f"no longer needed in tests/house_exemptions.yaml, {kind}; remove: {done[:20]}"
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.relative_to(ROOT).as_posix())
+def test_a_folder_is_small_and_has_a_tour(folder):
+    """A folder has at most 25 modules, and its docstring leads through them in at least five lines."""
+    modules = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
+    assert len(modules) <= MOST_MODULES
+    tour = ast.get_docstring(TREES[(folder / "__init__.py").relative_to(ROOT).as_posix()]) or ""
+    lines = [line for line in tour.splitlines() if line.strip()]
+    assert len(lines) >= TOUR_LINES, f"{folder.name}: {len(lines)} lines"
+
+
+def test_modules_are_short():
+    """A module has at most 350 lines."""
+    shrinking("long modules", [n for n, path in SOURCES.items() if len(path.read_text().splitlines()) > MOST_LINES])
+
+
+def test_first_lines_are_no_fragments():
+    """The first line of a docstring says what a thing is or does, for a reader who has not seen its caller."""
+    found = []
+    for name, tree in TREES.items():
+        for dotted, node in definitions(tree):
+            said = sentence(node)
+            if said and (FRAGMENT.match(said) or len(said.split()) < 3):
+                found.append(f"{name}:{dotted}")
+    shrinking("fragments", found)
+
+
+def test_parameters_are_described():
+    """A public function with three or more parameters describes all of them."""
+    found = []
+    for name, tree in TREES.items():
+        for dotted, node in definitions(tree):
+            if isinstance(node, ast.ClassDef) or not is_public(dotted):
+                continue
+            names = parameters(node)
+            text = ast.get_docstring(node) or ""
+            described = text.partition("Parameters\n")[2]
+            if len(names) >= MANY_PARAMETERS and any(not re.search(rf"\b{part}\b", described) for part in names):
+                found.append(f"{name}:{dotted}")
+    shrinking("undescribed parameters", found)
+
+
+def test_calls_name_their_arguments():
+    """No call gives nine or more arguments by position."""
+    found = []
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and len(node.args) > MOST_POSITIONAL:
+                called = ast.unparse(node.func)
+                if called[:1].isupper() or called[:1].islower():
+                    found.append(f"{name}:{called}")
+    shrinking("positional arguments", found)
+
+
+def test_a_class_name_means_one_thing():
+    """No two public classes share a name."""
+    places = defaultdict(list)
+    for name, tree in TREES.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(name)
+    shrinking("class names", [name for name, found in places.items() if len(found) > 1])
+
+
+def test_records_are_frozen():
+    """A dataclass cannot be changed after it was made, unless it is a listed buffer that fills."""
+    found = []
+    for name, tree in TREES.items():
+        for dotted, node in definitions(tree):
+            for mark in getattr(node, "decorator_list", []):
+                if "dataclass" in ast.unparse(mark) and "frozen=True" not in ast.unparse(mark):
+                    found.append(f"{name}:{dotted}")
+    shrinking("changing dataclasses", found)
+
+
+def test_no_ghost_layers():
+    """Every package in the list of layers exists."""
+    from test_layers import FAMILIES, LAYERS, RIG_MAY_IMPORT
+
+    for package in [*sum(LAYERS, []), *FAMILIES, *RIG_MAY_IMPORT]:
+        place = ROOT / package.replace(".", "/")
+        assert place.is_dir() or place.with_suffix(".py").is_file(), package
+
+
+def rooms_of(package):
+    """For each room directly in a package the rooms that its modules import when they are loaded."""
+    inside = {name: TREES[name] for name in TREES if name.startswith(f"{package.replace('.', '/')}/")}
+    arrows = defaultdict(set)
+    for name, tree in inside.items():
+        room = name.removeprefix(f"{package.replace('.', '/')}/").split("/")[0].removesuffix(".py")
+        if room == "__init__":
+            continue
+        arrows.setdefault(room, set())
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{package}."):
+                arrows[room].add(node.module.removeprefix(f"{package}.").split(".")[0])
+    return {room: targets - {room} for room, targets in arrows.items()}
+
+
+def test_rooms_of_the_diagnosis_point_one_way():
+    """The diagnosis has at most 14 rooms, and what a room imports never leads back to it."""
+    arrows = rooms_of("tactiledata.diagnose")
+    assert len(arrows) <= MOST_ROOMS
+    left = dict(arrows)
+    while left:
+        free = [room for room, targets in left.items() if not targets & set(left)]
+        assert free, f"rooms that import one another: {sorted(left)}"
+        for room in free:
+            del left[room]
+
+
+DOCTESTS = sorted(name for name, path in SOURCES.items() if ">>> " in path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", DOCTESTS)
+def test_examples_in_docstrings_run(name):
+    """Examples in docstrings give what they say."""
+    module = importlib.import_module(name.removesuffix(".py").removesuffix("/__init__").replace("/", "."))
+    tried = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    assert tried.attempted
+    assert not tried.failed
+
+
+def test_the_picture_of_the_architecture_is_true():
+    """docs/architecture.md shows the imports as they are; ``python tests/import_picture.py`` draws them anew."""
+    from import_picture import PAGE, drawn_page
+
+    text = PAGE.read_text(encoding="utf-8")
+    assert drawn_page(text) == text
+
+
+def test_files_that_the_architecture_names_exist():
+    """Every file and folder in the tables of docs/architecture.md is there."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = {path for path in re.findall(r"`([\w/]+(?:\.py)?)(?::\w+)?`", text) if "/" in path}
+    assert named
+    for path in named:
+        assert any((ROOT / start / path).exists() for start in ("", "tactiledata")), path
