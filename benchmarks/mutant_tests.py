@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -116,13 +117,22 @@ class TestMap:
                 kept = {name for name in names if name.rpartition("|")[0] not in failed}
                 self.lines[file].setdefault(int(row), set()).update(kept)
 
-    def running(self, mutant: Mutant) -> list[str]:
-        """Tests that run a mutant's statement, quick ones first."""
+    def running(self, mutant: Mutant, own: Sequence[str] = ()) -> list[str]:
+        """Tests that run a mutant's statement, quick ones first.
+
+        Parameters
+        ----------
+        mutant : Mutant
+        own : sequence of str
+            Test files that are run, too, for a statement that is run at import: the default of a dataclass is used by
+            a constructor that has no lines.
+        """
         rows = self.lines[mutant.file]
         names = set().union(*(rows.get(row, set()) for row in range(mutant.first, mutant.last + 1)))
         if "" in names:
             # run at import: every test that runs anything of the module
             names = set().union(*rows.values())
+            names |= {f"{test}|run" for test in self.duration if test.partition("::")[0] in set(own)}
         chosen = {name.removesuffix("|run") for name in names if name.endswith("|run")}
         # what a fixture runs may matter to every test of the file
         files = {name.partition("::")[0] for name in names if name.endswith("|setup")}

@@ -34,8 +34,15 @@ PACKAGES = {
     ],
     "effects": ["tactiledata/effects"],
 }
-TESTS = ("contract", "ingest", "splits", "metrics", "effects", "calibrate", "split_models", "store", "scoring")
-"""Folders of tests whose fast tests are used."""
+TESTS = (
+    "contract", "ingest", "splits", "metrics", "effects", "calibrate", "split_models", "store", "scoring",
+    "test_house.py", "test_families.py",
+)  # fmt: skip
+"""Folders and files below tests whose fast tests are used."""
+OWN_TESTS = {"losses": ("calibrate", "split_models")}
+"""Folders of tests of packages whose folder has another name than the package."""
+EVERYBODYS_TESTS = ("test_house.py", "test_families.py")
+"""Tests that read the sources of every package, or everything that is registered."""
 KILLED, SURVIVED, EQUIVALENT = "killed", "survived", "equivalent"
 Z = 1.959964
 """Half-width of a normal distribution's 95 % interval, in standard deviations."""
@@ -83,7 +90,12 @@ def equivalents() -> dict[tuple[str, str, str], str]:
     return {(row["file"], row["line"], row["changed"]): row["reason"] for row in rows}
 
 
-def measured(mutants: list[Mutant], tests: TestMap, copy: Copy, kept: Path) -> Iterator[Result]:
+def own_tests(package: str) -> list[str]:
+    """Paths of the test files that are run for what a package does when it is imported, whatever lines they run."""
+    return test_files([*OWN_TESTS.get(package, (package,)), *EVERYBODYS_TESTS])
+
+
+def measured(mutants: list[Mutant], tests: TestMap, own: list[str], copy: Copy, kept: Path) -> Iterator[Result]:
     """Outcomes of mutants, those that were measured with the same tests from the file that keeps them."""
     listed = equivalents()
     rows = [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
@@ -92,7 +104,7 @@ def measured(mutants: list[Mutant], tests: TestMap, copy: Copy, kept: Path) -> I
         if (mutant.file, mutant.line, mutant.changed) in listed:
             yield Result(mutant, EQUIVALENT, listed[mutant.file, mutant.line, mutant.changed])
             continue
-        chosen = tests.running(mutant)
+        chosen = tests.running(mutant, own)
         row = known.get(mutant.key)
         if row is None or row["digest"] != tests.digest([row["by"]] if row["by"] else chosen):
             row = {"mutant": mutant.key, **_run(mutant, chosen, tests, copy)}
@@ -152,7 +164,7 @@ def main() -> None:
     for package in options.packages:
         mutants, places = sample(ROOT, files_of(package), options.sample, f"{options.seed} {package}")
         results = []
-        for result in measured(mutants, tests, copy, options.work / f"{package}.jsonl"):
+        for result in measured(mutants, tests, own_tests(package), copy, options.work / f"{package}.jsonl"):
             results.append(result)
             if result.outcome != KILLED:
                 print(f"[{len(results)}/{len(mutants)}] {describe(result)}", flush=True)

@@ -1,4 +1,7 @@
-"""The picture of the layers and rooms in docs/architecture.md, drawn from the imports: ``python tests/import_picture.py``."""
+"""The pictures of layers and rooms in docs/architecture.md, drawn from the imports.
+
+``python tests/import_picture.py`` draws them anew.
+"""
 
 import ast
 import textwrap

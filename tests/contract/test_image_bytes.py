@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tactiledata.contract.image_bytes import decode_rgb, probe, read_header
+from tactiledata.contract.image_bytes import decode_rgb, probe, read_header, size_fault
 from tactiledata.errors import BrokenLog
 
 
@@ -99,3 +99,18 @@ def test_random_bytes_never_break_the_parser():
                 read_header(start + rng.bytes(60))
             except BrokenLog:
                 continue
+
+
+@pytest.mark.parametrize(("payload", "start"), [(b"", "nothing"), (b"GIF89a\x01\x00\x02", "47 49 46 38 39 61 01 00")])
+def test_bytes_of_another_kind_are_refused_by_their_first_eight(payload, start):
+    """The message shows the first eight bytes, or says that there are none."""
+    with pytest.raises(BrokenLog, match=f"bytes that start with {start} are neither JPEG nor PNG"):
+        read_header(payload)
+
+
+def test_the_limit_of_a_decoded_size_is_said_in_millions_of_pixels():
+    """2^24 pixels are decoded; one column more is refused with both numbers."""
+    assert size_fault(4096, 4096) == ""
+    said = "4096 rows x 4097 columns are 16.8 million pixels, and at most 16.8 million are decoded"
+    assert size_fault(4096, 4097) == said
+    assert size_fault(30000, 30000).startswith("30000 rows x 30000 columns are 900.0 million pixels")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tactiledata.contract.records import Finding, Image, Signal, Stamps
+from tactiledata.contract.take import findings_of, findings_table
 
 STAMPS = Stamps(np.arange(2, dtype=np.int64))
 
@@ -32,3 +33,15 @@ def test_a_finding_concerns_one_thing_and_the_whole_recording_unless_it_says_mor
     """Equal facts make equal findings; the defaults are no place, no span and a count of one."""
     assert Finding("chunk-crc", "damage", "x") == Finding("chunk-crc", "damage", "x", "", "", None, None, 1)
     assert Finding("chunk-crc", "damage", "x") != Finding("chunk-crc", "damage", "x", count=2)
+
+
+def test_findings_as_a_table_come_back_and_name_the_first_source():
+    """A table of findings gives the same findings again; its rows belong to source 0 until a store numbers them."""
+    findings = (
+        Finding("gap", "warning", "a gap", "wrench", "t3", 5, 9, 4),
+        Finding("chunk-crc", "damage", "a lost chunk"),
+    )
+    table = findings_table(findings)
+    assert findings_of(table) == findings
+    assert table["source"].to_pylist() == [0, 0]
+    assert findings_of(findings_table([])) == ()

@@ -6,6 +6,7 @@ import pytest
 import torch
 from small_models import grid_topology, mesh_vae, presses
 
+from split_models.learning.objectives import scaled_forces
 from split_models.networks.latent_normal import annealed, divergence, draw, drawn_alike
 
 
@@ -49,3 +50,9 @@ def test_mesh_vae_scales_by_a_mean_that_is_not_zero():
 def test_the_weight_grows_linearly_and_stays(epoch, epochs, weight):
     """To a final weight of 2: 0 at the start, a quarter after a quarter; over no epochs it is there at once."""
     assert annealed(2.0, epoch, epochs) == weight
+
+
+def test_forces_are_scaled_to_mean_zero_and_spread_one():
+    """By hand: (5 - 2) / 1.5 is 2, (2 - 2) / 1.5 is 0, and (-1 - 3) / 4 is -1."""
+    scaled = scaled_forces([2.0, 3.0, 0.0], [1.5, 4.0, 1.0])(torch.tensor([[5.0, -1.0, 7.0], [2.0, 3.0, 0.0]]))
+    assert scaled.tolist() == [[2.0, -1.0, 7.0], [0.0, 0.0, 0.0]]

@@ -187,4 +187,6 @@ def test_more_look_alikes_than_are_compared_is_said(rig, monkeypatch):
     monkeypatch.setattr("tactiledata.splits.audit.MAX_PAIRS", 2)
     report = audit(rig)
     assert [finding.code for finding in report.findings] == ["near-pairs-not-compared"]
+    compared = int(report.findings[0].message.split()[0])
+    assert report.findings[0].count == compared - 2
     assert report.leaks == ()
