@@ -121,7 +121,7 @@ def test_it_does_something_somewhere(name, play, medium):
 def test_it_is_pure_and_deterministic(name, touch, play, medium):
     """The touch, which is read-only, is untouched, the state before too, and twice the same comes out."""
     state = TouchState.start(touch, BallOnLayer(touch))
-    state = state.read(state.contact.wrench)
+    state = state.with_reading(state.contact.wrench)
     before = {field.name: np.copy(getattr(state, field.name)) for field in dataclasses.fields(state)[2:]}
     EFFECTS[name]().apply(state, medium(name))
     assert all(np.array_equal(getattr(state, key), value) for key, value in before.items())

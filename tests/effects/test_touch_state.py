@@ -28,7 +28,7 @@ def state(touch):
 def test_what_neither_moves_nor_rubs_asks_nothing_again(state):
     ones, wrench = np.ones(len(state.touch)), np.ones((len(state.touch), 6))
     plain = state.contact.wrench
-    changed = state.stiffened(2.0 * ones).with_elastic(wrench).with_interface(wrench).read(wrench)
+    changed = state.stiffened(2.0 * ones).with_elastic(wrench).with_interface(wrench).with_reading(wrench)
     np.testing.assert_array_equal(changed.contact.wrench, (plain + wrench) * 2.0 + wrench)
     assert Counted.asked == 1
 

@@ -20,7 +20,7 @@ def catalogue(effects: Iterable[Effect]) -> list[dict[str, Any]]:
             "slot_title": SLOT_TITLES[effect.slot],
             "parameters": [asdict(parameter) for parameter in effect.parameters],
             "look_alikes": list(effect.look_alikes),
-            "told_apart_by": effect.distinguishing_trial,
+            "distinguishing_trial": effect.distinguishing_trial,
             "detectability": effect.detectability,
             "needs": list(effect.needs),
             "played_by_gel_engine": sorted(effect.designs),
