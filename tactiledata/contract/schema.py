@@ -78,7 +78,7 @@ def check_document(document: Any, schema: str, where: str) -> None:
     faults = sorted(validator.iter_errors(document), key=lambda fault: [str(part) for part in fault.absolute_path])
     if not faults:
         return
-    lines = [f"at {_path(fault)}: {_short(fault.message)}" for fault in faults[:5]]
+    lines = [f"at {_path(fault)}: {_short(_words(fault))}" for fault in faults[:5]]
     more = f" (and {len(faults) - 5} more)" if len(faults) > 5 else ""
     raise SchemaError(
         f"{where} does not fit schema {schema!r}: " + "; ".join(lines) + more,
@@ -94,6 +94,13 @@ def _path(fault: jsonschema.ValidationError) -> str:
     for part in fault.absolute_path:
         path += f"[{part}]" if isinstance(part, int) else f".{part}"
     return path
+
+
+def _words(fault: jsonschema.ValidationError) -> str:
+    """What a fault says: the schema's own ``refusal`` of a value that it excludes, else the checker's sentence."""
+    if fault.validator == "not" and isinstance(fault.schema, Mapping) and "refusal" in fault.schema:
+        return f"{fault.instance!r} {fault.schema['refusal']}"
+    return fault.message
 
 
 def _short(message: str, limit: int = 300) -> str:

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.image_bytes import IMAGE_SUFFIXES, ImageHeader, decode_rgb, read_header
+from tactiledata.contract.image_bytes import IMAGE_SUFFIXES, ImageHeader, read_header
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding, Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog, UsageError
-from tactiledata.formats.reading.backgrounds import load_backgrounds, read_image_file
+from tactiledata.formats.reading.backgrounds import load_backgrounds, noted_background, read_image_file
 from tactiledata.formats.reading.corpus import CorpusFormat, files_in, raise_empty, stream_name
 from tactiledata.formats.reading.csv_cells import listed
 from tactiledata.formats.reading.described import described_trajectories
@@ -202,9 +202,6 @@ def _references(
         if not sensor:
             message = f"{found.background.name} is left: no sensor is named, so it cannot be told whose it is"
             intake.note("background-without-sensor", "warning", f"{message}; name the sensor in a mapping")
-        else:
-            try:
-                references[sensor] = decode_rgb(read_image_file(found.background)), found.background.name
-            except (OSError, BrokenLog) as error:
-                intake.note("background-broken", "damage", f"the background {found.background.name}: {error}")
+        elif (picture := noted_background(found.background, intake, f"background {found.background.name}")) is not None:
+            references[sensor] = picture, found.background.name
     return references, loaded.findings

@@ -16,6 +16,7 @@ from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Recording, Source, Trajectory
 from tactiledata.errors import BrokenLog
+from tactiledata.formats.reading.backgrounds import noted_background
 from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     Timeline,
@@ -343,8 +344,7 @@ def _reference(
         found = f"{len(named)} background pictures are named, one per sequence; the first that is there is kept"
         intake.note("several-backgrounds", "info", found, "digit", count=len(named))
     for name in (*named, "digit_background.png"):
-        try:
-            return {sensor: (decode_rgb(_found(folder, name).read_bytes()), f"background {name} of the corpus")}
-        except (BrokenLog, OSError):
-            continue
+        path, what = _found(folder, name), f"background {name} of the corpus"
+        if path.is_file() and (picture := noted_background(path, intake, what)) is not None:
+            return {sensor: (picture, what)}
     return {}

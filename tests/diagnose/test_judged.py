@@ -232,7 +232,9 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
         change = np.zeros((2, 6))
         change[:, column] = 1.0
         fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
-        return ScoredCandidate(fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), evidence_per_trajectory=gains)
+        return ScoredCandidate(
+            fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), evidence_per_trajectory=gains
+        )
 
     model = SimpleNamespace(coordinates=(None,))
     best = one("lag", UNIT * rng.normal(2.4, 0.2, 25), 0)

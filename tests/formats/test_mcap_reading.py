@@ -239,6 +239,13 @@ def test_other_numbers_by_a_mapping(tmp_path):
             {"tcp": {"topic": TOPICS["tcp"], "fields": [f"pose.position.{a}" for a in "xyzxyzx"], "units": ["K"] * 7}},
             "'K'",
         ),
+        *(
+            (
+                {"speed": {"topic": "/joint_states", "fields": ["velocity[0]", "effort[0]"], "units": ["rad/s", left]}},
+                r"\$\.signals\.speed\.units\[1\]: '[? ]*' is no unit.*write the field's unit.*or 1 where it has none",
+            )
+            for left in ("?", " ?? ")
+        ),
     ],
 )
 def test_a_mapping_that_cannot_be_meant_is_refused(tmp_path, signals, match):

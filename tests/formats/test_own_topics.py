@@ -57,14 +57,15 @@ def paragraphs(text):
 
 
 def uncommented(text, wanted=lambda topic: True):
-    """The draft with the paragraphs of some topics uncommented, as its own first lines say."""
+    """The draft with the paragraphs of some topics uncommented and their units filled in, as its first lines say."""
     parts = []
     for part in paragraphs(text):
         match = re.match(r"  # # (\S+): ", part)
         if match and wanted(match[1]):
             part = re.sub(r"^(\s*)# ", r"\1", part, flags=re.MULTILINE)
         parts.append(part)
-    return re.sub(r"^# (signals|images):$", r"\1:", "\n\n".join(parts), flags=re.MULTILINE)
+    text = re.sub(r"""(['"])\?\1""", '"1"', "\n\n".join(parts))
+    return re.sub(r"^# (signals|images):$", r"\1:", text, flags=re.MULTILINE)
 
 
 def array_message(values):

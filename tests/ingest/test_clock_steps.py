@@ -63,6 +63,56 @@ def test_a_jump_that_is_taken_back_loses_the_middle(others):
     assert codes(judged) == ["clock-jump"]
 
 
+@given(st.integers(1, 5700), st.integers(30, 600), st.sampled_from([-60, -5, -2, 2, 5, 60]), st.booleans())
+def test_a_middle_that_stands_elsewhere_is_left_out(row, count, seconds, is_alone):
+    """A stretch that is early or late for a while, also before the start or behind the end, is left out alone."""
+    count = min(count, 5900 - row, abs(seconds) * 100)
+    t_ns = TRUE + np.where((np.arange(6000) >= row) & (np.arange(6000) < row + count), seconds * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES, [] if is_alone else OTHERS)
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert codes(judged) == ["clock-jump"]
+
+
+@pytest.mark.parametrize("lost", [0, 200, 500])
+def test_rows_that_come_late_beside_lost_ones_are_no_jump(lost):
+    """Negative control: a stretch that was written late into its own hole, while others were lost behind it."""
+    rows = np.r_[0:1000, 2000:3000, 1000:1500, 3000 + lost : 6000]
+    judged = judge_steps("wrench", TRUE[rows], VALUES[rows], OTHERS)
+    assert judged.kept.all()
+    assert "clock-jump" not in codes(judged)
+
+
+@pytest.mark.parametrize("seconds", [0.4, 0.5, 0.9, 5.0])
+@pytest.mark.parametrize(("begins", "ends"), [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.25, 0.25), (0.15, 0.4)])
+def test_a_controller_that_stalls_is_kept(seconds, begins, ends):
+    """Negative control: all signals pause together while images go on that began late, or trajectories that lie inside.
+
+    Such images and trajectories last shorter than the signals by about as much as the pause.
+    """
+    rows = np.r_[0:3000, 3000 + round(100 * seconds) : 6000]
+    t_ns = TRUE[rows]
+    stall = Witness(1, START, int(TRUE[-1]), ((int(TRUE[2999]), int(seconds * SECOND)),))
+    inside = START + int(begins * SECOND), int(TRUE[-1]) - int(ends * SECOND)
+    for rank in (2, 3):
+        judged = judge_steps("wrench", t_ns, VALUES[rows], [stall, stall, Witness(rank, *inside)])
+        assert judged.kept.all(), rank
+        assert codes(judged) == []
+
+
+@pytest.mark.parametrize("seconds", [0.5, 1.0, 5.0])
+@pytest.mark.parametrize("rank", [2, 3])
+def test_a_controller_whose_clock_jumps_is_refused(seconds, rank):
+    """All signals step together, and last longer by just that than the images that began and ended with them."""
+    t_ns = TRUE + np.where(np.arange(6000) >= 2000, int(seconds * SECOND), 0)
+    together = Witness(1, START, int(t_ns[-1]), ((int(TRUE[1999]), int(seconds * SECOND)),))
+    judged = judge_steps("wrench", t_ns, VALUES, [together, Witness(rank, START + 20_000_000, int(TRUE[-1]))])
+    if rank == 3 and seconds < 1:
+        assert codes(judged) == []  # trajectories begin and end when they like
+        return
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert codes(judged) == ["clock-jump"]
+
+
 @given(st.integers(300, 5000), st.integers(40, 600))
 def test_a_stream_that_paused_is_kept(row, lost):
     """Negative control: samples that are missing for a while, with a right clock, cost nothing but themselves."""
@@ -157,11 +207,12 @@ def test_a_forced_header_that_jumps_is_damage():
     assert "clock-jump" in {finding.code for finding in timed.findings}
 
 
-def rewritten(log, folder, change):
-    """A copy of a folder log whose rows of wrench.csv went through ``change``."""
+def rewritten(log, folder, change, *tables):
+    """A copy of a folder log whose rows of wrench.csv (or other tables) went through ``change``."""
     shutil.copytree(log, folder)
-    head, *rows = (folder / "wrench.csv").read_text().splitlines()
-    (folder / "wrench.csv").write_text("\n".join([head, *change(rows)]) + "\n")
+    for table in tables or ("wrench",):
+        head, *rows = (folder / f"{table}.csv").read_text().splitlines()
+        (folder / f"{table}.csv").write_text("\n".join([head, *change(rows)]) + "\n")
     return folder
 
 
@@ -185,3 +236,30 @@ def test_a_log_whose_wrench_jumps_falls_short(tiny_folders, tmp_path):
     assert has_force[frames["t_ns"].to_numpy() < first - 20_000_000].all()
     assert not has_force[frames["t_ns"].to_numpy() >= first].any()
     assert not ingest([halted], tmp_path / "halted.zarr").fell_short
+
+
+def earlier(row):
+    t_ns, rest = row.split(",", 1)
+    return f"{int(t_ns) - 5 * SECOND},{rest}"
+
+
+def test_a_log_whose_middle_is_early_falls_short(tiny_folders, tmp_path):
+    """Samples that stand 5 s early, before the log's start, are damage, and none of them is kept."""
+    changed = rewritten(
+        tiny_folders[0], tmp_path / "log", lambda rows: [*rows[:200], *map(earlier, rows[200:500]), *rows[500:]]
+    )
+    report = ingest([changed], tmp_path / "ds.zarr")
+    assert report.fell_short
+    said = {finding.code: finding for finding in report.sources[0].findings}
+    assert said["clock-jump"].count == 300
+
+
+@pytest.mark.parametrize("row", [300, 400, 500])
+def test_a_log_whose_controller_stalls_is_whole(tiny_folders, tmp_path, row):
+    """Negative control: half a second without wrench, tcp and joints, while images go on, is a pause."""
+    changed = rewritten(
+        tiny_folders[0], tmp_path / "log", lambda rows: rows[:row] + rows[row + 50 :], "wrench", "tcp", "joints"
+    )
+    report = ingest([changed], tmp_path / "ds.zarr")
+    assert "clock-jump" not in {finding.code for finding in report.sources[0].findings}
+    assert not report.fell_short

@@ -251,3 +251,43 @@ def test_an_arm_that_stands_needs_no_poses():
     found = contact_wrench(description(), wrench, stored(t_ns[rows], poses[rows], "tcp"), [])
     assert np.isfinite(found.signal.values).all()
     assert "weight-unknown" not in {finding.code for finding in found.findings}
+
+
+def upright(rng, forces, **wrench):
+    """An arm that does not turn and touches once for each of the forces (N, along the gel's z), and its description."""
+    count = 600 * len(forces)
+    t_ns = START + np.arange(count) * 10_000_000
+    load = rng.normal(0, 0.02, (count, 6))
+    load[:, 2] -= MASS * STANDARD_GRAVITY
+    for touch, force in enumerate(forces):
+        load[600 * touch + 200 : 600 * touch + 400, 2] -= force
+    spans = [(f"t{n}", int(t_ns[600 * n]), int(t_ns[600 * n + 599])) for n in range(len(forces))]
+    pose = {"xyz": [0.0, 0.0, 0.0], "xyzw": [0.0, 0.0, 0.0, 1.0]}
+    robot = {"tcp_from_gel": pose, "tcp_from_ft": pose, "tool": {"mass": MASS, "centre_of_gravity": CENTRE}}
+    document = {**description(**wrench).document, "robot": robot}
+    tcp = stored(t_ns, np.tile([0.4, 0.1, 0.3, 0, 0, 0, 1.0], (count, 1)), "tcp")
+    return LogDescription.checked(document, "test"), stored(t_ns, load, "wrench"), tcp, spans
+
+
+@pytest.mark.parametrize("forces", [[5.0], [5.0, 2.0, 8.0], [5.0, -4.0, 6.0, 3.0, 4.0, 5.0, 3.0]])
+def test_a_reversed_sign_is_said_with_the_other(forces):
+    """Where nearly all touches pull, the sign to state is named; stated so, or with touches that press, nothing is."""
+    for truth, other in (("load_on_sensor", "reaction"), ("reaction", "load_on_sensor")):
+        for sign in (truth, other):
+            document, wrench, tcp, spans = upright(np.random.default_rng(3), forces, sign=sign)
+            read = wrench if truth == "load_on_sensor" else stored(wrench.t_ns, -wrench.values, "wrench")
+            found = [one for one in contact_wrench(document, read, tcp, spans).findings if one.code == "sign-reversed"]
+            assert len(found) == (sign != truth)
+            for said in found:
+                assert (said.severity, said.count) == ("warning", sum(force > 0 for force in forces))
+                assert f"State wrench.sign: {truth}" in said.message
+
+
+def test_single_touches_that_pull_say_nothing_of_the_sign():
+    """Negative control: two of five touches pull, as a sticky gel does; weak touches and shear tell nothing."""
+    for forces in ([5.0, -5.0, 5.0, -3.0, 5.0], [-0.3] * 5):
+        document, wrench, tcp, spans = upright(np.random.default_rng(4), forces)
+        assert "sign-reversed" not in {one.code for one in contact_wrench(document, wrench, tcp, spans).findings}
+    document, wrench, tcp, spans = upright(np.random.default_rng(4), [-1.0] * 5)
+    wrench.values[:, 0] += 3 * (wrench.values[:, 2] > -MASS * STANDARD_GRAVITY + 0.5)
+    assert "sign-reversed" not in {one.code for one in contact_wrench(document, wrench, tcp, spans).findings}

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb, read_header
+from tactiledata.contract.picture_kinds import remarks_on
 from tactiledata.contract.take import FrameFlag, findings_of
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.reading.backgrounds import size_findings
-from tactiledata.formats.reading.picture_kinds import remarks_on
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.store.check.payloads import _size_fault

@@ -146,6 +146,47 @@ def test_the_truth_never_makes_forces_worse(seed, touches, dwell, place, drift, 
     assert whole < world.error(sorted(kept)) + 0.05
 
 
+@pytest.mark.parametrize("true", [[], [0.1]])
+@pytest.mark.parametrize("count", [5, 50, 300, 970])
+def test_tares_that_never_were_are_said_and_move_no_force(count, true):
+    """Moments stated at random, most of them where the reading is not zero, beside a true one or none."""
+    for seed in range(3):
+        world = World(seed, 4, 3.0, true)
+        honest = world.error(ALL)
+        moments = np.random.default_rng(seed).uniform(0.2, 31, count)
+        world.facts["tare_ns"] = [*world.facts["tare_ns"], *(START + int(moment * 1e9) for moment in moments)]
+        assert world.error(ALL) < honest + 0.02
+        assert "tare-not-seen" in world.answer(ALL)[1]
+
+
+def test_tares_at_the_last_samples_are_no_fault():
+    """Several moments between the last two samples: the forces before are right, and nothing breaks."""
+    world = World(1, 2, 3.0, [0.1])
+    world.facts["tare_ns"] = [*world.facts["tare_ns"], *(int(world.t_ns[-1]) - 10**6 * n for n in range(5))]
+    assert world.error(ALL) < WITHIN
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda ns: ns // 10**9, "these look like seconds"),
+        (lambda ns: ns // 10**6, "these look like milliseconds"),
+        (lambda ns: ns + 30 * 86400 * 10**9, "more than a day"),
+        (lambda ns: ns - 2 * 86400 * 10**9, "more than a day"),
+    ],
+)
+def test_tares_of_another_time_are_said_and_not_used(change, words):
+    """Seconds that were read as nanoseconds, or another week's tares: a finding says so, and forces stay right."""
+    world = World(2, 4, 3.0, [-10.0])
+    assert "tare-elsewhere" not in world.answer(ALL)[1]
+    world.facts["tare_ns"] = [change(moment) for moment in world.facts["tare_ns"]]
+    assert world.error(ALL) < WITHIN
+    answer = contact_wrench(world.described(ALL), world.wrench, world.tcp, world.spans)
+    [finding] = [one for one in answer.findings if one.code == "tare-elsewhere"]
+    assert (finding.severity, finding.count) == ("warning", 1)
+    assert words in finding.message
+
+
 @pytest.mark.parametrize("pause", [1.0, 60.0])
 @pytest.mark.parametrize("step", [0.5, 3.0, 5.0, 8.0])
 def test_a_zero_that_moved_between_recorded_touches_is_no_press(pause, step):

@@ -13,13 +13,13 @@ import cv2
 import numpy as np
 
 from tactiledata.contract.image_bytes import MAX_SIDE, read_header, size_fault
+from tactiledata.contract.picture_kinds import ALPHA_LEFT_OUT, Remark, remarks_on
 from tactiledata.contract.records import Finding, Image, ImageSink
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
 from tactiledata.formats.mcap.collect import FaultCount
 from tactiledata.formats.mcap.decode import FAULTS, Decoder, frame_of, stamp_of, value_at
 from tactiledata.formats.mcap.roles import COMPRESSED_KINDS, ImageRole
-from tactiledata.formats.reading.picture_kinds import ALPHA_LEFT_OUT, Remark, remarks_on
 
 RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}
 """Bytes a pixel and channel order of the raw encodings that are colour pictures; 8UC3 is OpenCV's, blue first."""

@@ -28,6 +28,7 @@ MAX_SHOWN = 16
 HOW_TO_UNCOMMENT = """\
 # Topics that are not read stand in paragraphs of comments. To read one, remove the first "# " of each line of its
 # paragraph (and of `signals:` or `images:` above it, where that is commented out), then check its name and units.
+# Where a "?" stands, write the unit.
 """
 
 
@@ -185,15 +186,15 @@ def _numbers(
         fields = fields[:MAX_FIELDS]
     if proposal and proposal.signal != "joints" and not contents.frame:
         remarks.append("it states no frame: `frame: NAME` beside topic says which one its numbers are in")
-    entry: dict[str, Any] = {"topic": topic.name, "fields": list(fields), "units": _units(proposal, len(fields))}
+    entry: dict[str, Any] = {"topic": topic.name, "fields": list(fields), "units": _units(proposal, fields)}
     if proposal and proposal.is_rotation_vector and name == "tcp":
         entry["rotation"] = "rotation_vector"
     return {name: entry}
 
 
-def _units(proposal: FieldGuess | None, count: int) -> list[str]:
+def _units(proposal: FieldGuess | None, fields: Sequence[str]) -> list[str]:
     if proposal is None:
-        return ["?"] * count
+        return list(signal_units(tuple(fields)))
     return list(ROTATION_VECTOR_UNITS if proposal.is_rotation_vector else signal_units(COLUMNS_OF[proposal.signal]))
 
 

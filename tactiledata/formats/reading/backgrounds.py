@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.image_sizes import Size, share_words, stray_sizes
+from tactiledata.contract.picture_kinds import decode_said
 from tactiledata.contract.records import Finding
 from tactiledata.errors import BrokenLog
+from tactiledata.formats.reading.intake import Intake
 
 MAX_IMAGE_BYTES = 2**28
 """Bytes above which a file is no tactile image."""
@@ -81,22 +82,47 @@ def fetch_backgrounds(description: LogDescription, fetch: Callable[[str, str], t
     """
     loaded: dict[str, NDArray[np.uint8]] = {}
     origins: dict[str, str] = {}
-    findings = []
+    findings: list[Finding] = []
     for sensor, facts in description.sensors.items():
         name = facts.get("background")
         if not name:
             continue
+        what = f"background {name} of sensor {sensor}"
         try:
             payload, origin = fetch(name, f"{description.where or 'the description'}: sensors.{sensor}")
-            loaded[sensor], origins[sensor] = decode_rgb(payload), origin
+            loaded[sensor], remarks = decode_said(payload)
+            origins[sensor] = origin
+            findings.extend(Finding(one.code, one.severity, f"the {what} {one.words}") for one in remarks)
         except FileNotFoundError:
-            message = f"the background {name} of sensor {sensor} is not there"
-            findings.append(Finding("background-missing", "damage", message))
+            findings.append(Finding("background-missing", "damage", f"the {what} is not there"))
         except (OSError, BrokenLog) as error:
-            reason = error.found if isinstance(error, BrokenLog) else error.strerror
-            message = f"the background {name} of sensor {sensor} cannot be read: {reason}"
-            findings.append(Finding("background-broken", "damage", message))
+            findings.append(Finding("background-broken", "damage", _unusable(what, error)))
     return Backgrounds(loaded, origins, tuple(findings))
+
+
+def noted_background(path: Path, intake: Intake, what: str) -> NDArray[np.uint8] | None:
+    """The background (H, W, 3), uint8 RGB, in a file; ``None`` where it cannot be used. What is said is noted.
+
+    Parameters
+    ----------
+    path : Path
+    intake : Intake
+        Takes the findings.
+    what : str
+        Names the picture in a sentence.
+    """
+    try:
+        picture, remarks = decode_said(read_image_file(path))
+    except (OSError, BrokenLog) as error:
+        intake.note("background-broken", "damage", _unusable(what, error))
+        return None
+    for remark in remarks:
+        intake.note(remark.code, remark.severity, f"the {what} {remark.words}")
+    return picture
+
+
+def _unusable(what: str, error: OSError | BrokenLog) -> str:
+    return f"the {what} cannot be used: {error.found if isinstance(error, BrokenLog) else error.strerror}"
 
 
 def size_findings(

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.image_bytes import read_header, size_fault
+from tactiledata.contract.picture_kinds import remarks_on
 from tactiledata.contract.records import Finding, FrameValues, Image, ImageSink, Severity
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.reading.picture_kinds import remarks_on
 
 MEMORY_LIMIT = 64 * 2**20
 """Bytes of values of one kind beyond which they wait in a temporary file instead of in memory."""

@@ -42,7 +42,7 @@ def fractions_between(sample_t_ns: Times, frame_t_ns: Times) -> NDArray[np.float
     return fractions
 
 
-def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
+def align(signal: StoredSignal, frame_t_ns: Times, is_off: NDArray[np.bool_] | None = None) -> AlignedSignal:
     """A signal's values at the frames' times.
 
     Samples that are not finite are left out; of samples with one time the first is taken. Nothing is extrapolated: a
@@ -53,6 +53,8 @@ def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
     signal : StoredSignal
         ``t_ns`` non-decreasing.
     frame_t_ns : (n_frames,) int64
+    is_off : (n_frames,) bool, optional
+        Frames whose time is not the one at which they were taken: they have no value either.
     """
     is_pose = signal.columns == POSE_COLUMNS
     usable = np.isfinite(signal.values).all(axis=1)
@@ -67,6 +69,8 @@ def align(signal: StoredSignal, frame_t_ns: Times) -> AlignedSignal:
         after = np.clip(np.searchsorted(times, frame_t_ns, side="left"), 0, len(times) - 1)
         exact = times[after] == frame_t_ns
         between = (frame_t_ns > times[0]) & (frame_t_ns < times[-1]) & ~exact
+        if is_off is not None:
+            exact, between = exact & ~is_off, between & ~is_off
         gap[exact] = 0
         gap[between] = times[after[between]] - times[after[between] - 1]
         inside = exact | between

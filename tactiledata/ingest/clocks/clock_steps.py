@@ -21,8 +21,17 @@ PERIODS = 20
 """Times the usual distance of samples, below which a step is no step."""
 MOST_STEPS = 8
 """The largest pauses that are looked at together."""
+MOST_BLOCKS = 64
+"""The largest steps, forward and back, between which displaced stretches are looked for."""
 AGREE, AGREE_SHARE = 250_000_000, 0.1
 """ns, and share of the step: streams that are started and stopped together last equally long within these."""
+SURE = 1_000_000_000
+"""ns. Images and trajectories begin and end when they like, so that of shorter steps they tell little."""
+SHARP_SHARE = 0.1
+"""Share of such a step within which images must begin or end with a stream, to tell that its clock jumped."""
+BLOCK = 10
+"""Samples, at least, of a stretch that stands elsewhere as a whole."""
+LEFT_OUT = "samples whose time is off were left out, because their forces or poses would stand in other touches"
 CROWDED = 1.5
 """Times the usual number of samples in a stretch, from which on two stretches of real time lie there."""
 
@@ -65,7 +74,9 @@ def pauses_of(t_ns: Times) -> tuple[tuple[int, int], ...]:
     return tuple((int(t_ns[row]), int(steps[row])) for row in np.flatnonzero(steps > limit))
 
 
-def judge_steps(stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness]) -> BelievedTimes:
+def judge_steps(
+    stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness], lost: str = LEFT_OUT
+) -> BelievedTimes:
     """Samples without those whose clock had jumped.
 
     Parameters
@@ -77,25 +88,53 @@ def judge_steps(stream: str, t_ns: Times, values: Values, witnesses: Sequence[Wi
     values : (n, k)
     witnesses : sequence of Witness
         What was recorded beside it.
+    lost : str
+        What becomes of samples whose time is off, in words.
     """
     everything = np.ones(len(t_ns), dtype=bool)
     usual = usual_distance(t_ns)
     steps = np.diff(t_ns)
     limit = max(LEAST_STEP, PERIODS * usual)
     forward = np.flatnonzero(steps > limit)
+    blocks = _displaced_blocks(t_ns, limit, usual)
     forward = np.sort(forward[np.argsort(-steps[forward], kind="stable")[:MOST_STEPS]])
     back = np.array([row for row in np.flatnonzero(steps < -limit) if _runs_again(t_ns, values, int(row), usual)])
-    if not len(forward) and not len(back):
+    certain = sorted({*(int(row) for row in back), *blocks})
+    if not len(forward) and not certain:
         return BelievedTimes(everything, ())
-    size = {int(row): int(steps[row]) - usual for row in (*forward, *back)}
-    returned = [int(row) for row in back]
-    jumps, is_known = _jumps(t_ns, size, [int(row) for row in forward], returned, witnesses)
+    size = {int(row): int(steps[row]) - usual for row in (*forward, *certain)}
+    open_rows = [int(row) for row in forward if int(row) not in blocks]
+    jumps, is_known = _jumps(t_ns, size, open_rows, certain, witnesses)
     if not jumps:
         said = () if is_known else (_undecided(stream, t_ns, size),)
         return BelievedTimes(everything, said)
     off = _displacement(t_ns, {row: size[row] for row in jumps}, witnesses)
     kept = np.abs(off) < LEAST_STEP
-    return BelievedTimes(kept, _findings(stream, t_ns, off, kept, [(row, size[row]) for row in sorted(jumps)]))
+    return BelievedTimes(kept, _findings(stream, t_ns, off, kept, [(row, size[row]) for row in sorted(jumps)], lost))
+
+
+def _displaced_blocks(t_ns: Times, limit: int, usual: int) -> set[int]:
+    """Rows before which the clock jumps away or comes back, around stretches that leave a hole of just their length.
+
+    A stretch that lies wholly inside another hole of the stream is none: its rows may have come late.
+    """
+    steps = np.diff(t_ns)
+    large = np.flatnonzero(np.abs(steps) > limit)
+    large = np.sort(large[np.argsort(-np.abs(steps[large]), kind="stable")[:MOST_BLOCKS]])
+    found: set[int] = set()
+    for away, home in itertools.pairwise(large.tolist()):
+        block = t_ns[away + 1 : home + 1]
+        if (steps[away] > 0) == (steps[home] > 0) or len(block) < BLOCK:
+            continue
+        lasted = int(block[-1] - block[0])
+        hole = int(t_ns[home + 1] - t_ns[away]) - 2 * usual
+        if abs(hole - lasted) > max(3 * usual, int(AGREE_SHARE * lasted)):
+            continue
+        others = np.concatenate([t_ns[: away + 1], t_ns[home + 1 :]])
+        is_beyond = bool(block.min() < others.min() or block.max() > others.max())
+        if is_beyond or ((others >= block.min()) & (others <= block.max())).sum() > 2:
+            found |= {away, home}
+    return found
 
 
 def _runs_again(t_ns: Times, values: Values, row: int, usual: int) -> bool:
@@ -119,12 +158,14 @@ def _jumps(
 ) -> tuple[set[int], bool]:
     """Rows before which the clock jumped, and whether any witness could tell; a step back is never a pause."""
     lasted = int(t_ns[-1] - t_ns[0])
+    signals = [witness for witness in witnesses if witness.rank == SIGNAL]
     subsets = [set(rows) for count in range(len(forward) + 1) for rows in itertools.combinations(forward, count)]
     for _, group in itertools.groupby(sorted(witnesses, key=lambda witness: witness.rank), lambda entry: entry.rank):
         votes = []
         for witness in group:
             # what pauses at the same moment shares the clock, or was halted together: it cannot tell the two apart
             shared = {row for row in forward if _shares(witness, int(t_ns[row]), size[row])}
+            shared |= {row for row in forward if _is_beyond(witness, t_ns, row, size[row], signals)}
             longer = lasted - (witness.end - witness.start)
             errors = [
                 (abs(longer - sum(size[row] for row in [*back, *rows])), rows) for rows in subsets if not rows & shared
@@ -140,7 +181,6 @@ def _jumps(
             most = max(set(votes), key=votes.count)
             return (set(most), True) if 2 * votes.count(most) > len(votes) else (_returning(size, forward, back), False)
     # where all signals halt together, none is displaced against another
-    signals = [witness for witness in witnesses if witness.rank == SIGNAL]
     halted = all(_shares(witness, int(t_ns[row]), size[row]) for witness in signals for row in forward)
     return _returning(size, forward, back), bool(signals) and halted
 
@@ -156,6 +196,23 @@ def _returning(size: dict[int, int], forward: list[int], back: list[int]) -> set
 
 def _shares(witness: Witness, place: int, step: int) -> bool:
     return any(abs(at - place) < LEAST_STEP and abs(length - step) < LEAST_STEP for at, length in witness.pauses)
+
+
+def _is_beyond(witness: Witness, t_ns: Times, row: int, step: int, signals: Sequence[Witness]) -> bool:
+    """Whether a witness that begins and ends when it likes cannot tell if the clock jumped before a row.
+
+    Where all signals halt together, a controller stalled, or its clock was set: images tell only where they begin or
+    end with the signals and are off by the step at their other end.
+    """
+    if witness.rank < IMAGES:
+        return False
+    if witness.rank == TRAJECTORIES:
+        return step < SURE
+    if not signals or not all(_shares(signal, int(t_ns[row]), step) for signal in signals):
+        return False
+    ends = int(t_ns[0]) - witness.start, int(t_ns[-1]) - witness.end
+    within = SHARP_SHARE * step if step < SURE else max(AGREE, AGREE_SHARE * step)
+    return all(abs(ends[0] - off) > within or abs(ends[1] - off - step) > within for off in (0, -step))
 
 
 def _displacement(t_ns: Times, jumps: dict[int, int], witnesses: Sequence[Witness]) -> Times:
@@ -175,14 +232,14 @@ def _displacement(t_ns: Times, jumps: dict[int, int], witnesses: Sequence[Witnes
 
 
 def _findings(
-    stream: str, t_ns: Times, off: Times, kept: NDArray[np.bool_], jumps: list[tuple[int, int]]
+    stream: str, t_ns: Times, off: Times, kept: NDArray[np.bool_], jumps: list[tuple[int, int]], lost: str
 ) -> tuple[Finding, ...]:
     where = ", ".join(f"{step / 1e9:+.3f} s after {(t_ns[row] - t_ns[0]) / 1e9:.3f} s" for row, step in jumps[:5])
     left_out = int((~kept).sum())
     true_ns = (t_ns - off)[~kept]
     text = (
-        f"{stream}: its clock jumps against the other streams ({where}); the {left_out} samples whose time is off "
-        "were left out, because their forces or poses would stand in other touches"
+        f"{stream}: its clock jumps against the other streams ({where}); the {left_out} {lost}. Mend the times in the "
+        "recording, and ingest it again"
     )
     start, end = (int(true_ns.min()), int(true_ns.max())) if left_out else (None, None)
     return (Finding("clock-jump", "damage", text, stream, start_ns=start, end_ns=end, count=left_out),)

@@ -12,7 +12,17 @@ from numpy.typing import NDArray
 from tactiledata.contract.records import Finding, Recording, Signal, Stamps, Times, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.clocks.align import POSE_COLUMNS, broken_rotations
-from tactiledata.ingest.clocks.clock_steps import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness, judge_steps, pauses_of
+from tactiledata.ingest.clocks.clock_shifts import shift_finding, shift_of, span_of, touched_span
+from tactiledata.ingest.clocks.clock_steps import (
+    IMAGES,
+    LEFT_OUT,
+    SIGNAL,
+    STAMPS,
+    TRAJECTORIES,
+    Witness,
+    judge_steps,
+    pauses_of,
+)
 from tactiledata.ingest.clocks.clocks import ClockChoice, choose_clock, time_order
 from tactiledata.ingest.clocks.rates import measure_rate, rate_findings
 
@@ -47,12 +57,32 @@ def put_on_host_clock(recording: Recording, cameras: Mapping[str, Times] = Mappi
         findings[name].extend(choices[name].findings)
     stored: dict[str, StoredSignal] = {}
     times = {name: choice.t_ns for name, choice in choices.items()}
+    kept: dict[str, NDArray[np.bool_]] = {}
     for name, signal in signals.items():
         witnesses = _witnesses(name, signal.stamps, times, cameras, recording)
         judged = judge_steps(name, times[name], signal.values, witnesses)
-        stored[name], said = _stored(signal, choices[name], judged.kept)
-        findings[name].extend([*judged.findings, *said])
+        kept[name] = judged.kept
+        findings[name].extend(judged.findings)
+    for name, finding in _shifted({name: times[name][kept[name]] for name in kept}, cameras, recording).items():
+        kept[name] = np.zeros_like(kept[name])
+        findings[name].append(finding)
+    for name, signal in signals.items():
+        stored[name], said = _stored(signal, choices[name], kept[name])
+        findings[name].extend(said)
     return Timed(stored, tuple(finding for name in findings for finding in findings[name]))
+
+
+def _shifted(times: Mapping[str, Times], cameras: Mapping[str, Times], recording: Recording) -> dict[str, Finding]:
+    """A finding on each signal whose whole clock is off."""
+    touches = touched_span(recording, cameras)
+    spans = {name: span_of(t_ns) for name, t_ns in (*cameras.items(), *times.items()) if len(t_ns) > 1}
+    found = {}
+    for name, t_ns in times.items():
+        shift = shift_of(name, spans, touches)
+        if shift is not None:
+            stated = recording.description.clock_offset(name)
+            found[name] = shift_finding(name, shift, t_ns, stated, name, LEFT_OUT)
+    return found
 
 
 def _witnesses(

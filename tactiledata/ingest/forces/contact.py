@@ -7,12 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Finding, Values
+from tactiledata.contract.records import Finding, Times, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
 from tactiledata.ingest.forces.tare import Zero, find_zero
 from tactiledata.transforms import move_wrench
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
+
+FIRM = 1.0
+"""N. Largest force of a touch from which on its direction tells something."""
+PULLS = 0.5
+"""Share of a force that points into the gel, from which on the touch pulls."""
+NEARLY_ALL = 0.8
+"""Share of touches that pull, from which on the sign is doubted."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,34 @@ def contact_wrench(
     zero = find_zero(wrench.t_ns, load, spans, tare_ns, zeros_at(description, tcp, tare_ns))
     findings.extend(zero.findings)
     values, frame = _in_gel_frame(description, load - zero.bias, findings)
+    if frame == "gel":
+        findings.extend(_sign_findings(stated.get("sign", "load_on_sensor"), wrench.t_ns, values, spans))
     return ContactWrench(_stored(wrench, values, frame, gravity, zero), zero.noise, tuple(findings))
+
+
+def _sign_findings(sign: str, t_ns: Times, values: Values, spans: list[tuple[str, int, int]]) -> list[Finding]:
+    """A finding where nearly all touches pull: the gel pushes the indenter out, so that Fz > 0 in the gel frame."""
+    pulling, touches = [], 0
+    for name, start_ns, end_ns in spans:
+        start, stop = (int(row) for row in np.searchsorted(t_ns, [start_ns, end_ns]))
+        force = values[start:stop, :3]
+        force = force[np.isfinite(force).all(axis=1)]
+        norm = np.linalg.norm(force, axis=1)
+        if not len(norm) or norm.max() < FIRM:
+            continue
+        touches += 1
+        rows = norm >= norm.max() / 2
+        if np.median(force[rows, 2] / norm[rows]) < -PULLS:
+            pulling.append(name)
+    if not touches or len(pulling) < NEARLY_ALL * touches:
+        return []
+    other = "reaction" if sign == "load_on_sensor" else "load_on_sensor"
+    text = (
+        f"wrench: in {len(pulling)} of {touches} touches (for example {', '.join(pulling[:3])}) pressing gives Fz < 0 "
+        f"in the gel frame, where the gel should push with Fz > 0; the sign was taken as {sign}. State wrench.sign: "
+        f"{other} if the sensor reads so, or mend the rotations of robot.tcp_from_gel and robot.tcp_from_ft"
+    )
+    return [Finding("sign-reversed", "warning", text, "wrench", count=len(pulling))]
 
 
 def zeros_at(description: LogDescription, tcp: StoredSignal | None, tare_ns: list[int]) -> Values:

@@ -8,7 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
-from tactiledata.ingest.forces.tare_events import PAUSE, Tare, contradicted_findings, locate_tares, without_steps
+from tactiledata.ingest.forces.tare_events import (
+    PAUSE,
+    Tare,
+    contradicted_findings,
+    locate_tares,
+    tares_near,
+    without_steps,
+)
+from tactiledata.ingest.forces.zero_levels import ends_of, moved_findings, moved_zeros, pressed_beginnings
 
 TOUCH = 0.5
 """N. Change of force against free air that counts as a touch, where the noise is smaller."""
@@ -126,19 +134,25 @@ def find_zero(
     """
     noise = component_noise(load[np.isfinite(load).all(axis=1)])
     stated = np.zeros((len(tare_ns), 6)) if tare_zeros is None else tare_zeros
-    tares, contradicted = locate_tares(t_ns, load, tare_ns, stated, noise)
+    is_near, far = tares_near(t_ns, tare_ns)
+    near = [moment for moment, kept in zip(tare_ns, is_near, strict=True) if kept]
+    tares, contradicted = locate_tares(t_ns, load, near, stated[is_near], noise)
     bias = _general_zeros(t_ns, load, tares, noise)
-    findings = [*_tare_findings(t_ns, tare_ns, tares, spans), *contradicted_findings(contradicted)]
+    findings = [*far, *_tare_findings(t_ns, tare_ns, tares, spans), *contradicted_findings(contradicted)]
     if not spans:
         return Zero(bias, "between tare events: the stated zero, or the mode of the recording", noise, tuple(findings))
     missed: list[tuple[str, int, int]] = []
     zeros: list[np.ndarray] = []
     known: list[tuple[int, np.ndarray]] = [(tare.row, bias[tare.row]) for tare in tares]
-    for name, start_ns, end_ns in sorted(spans, key=lambda span: span[1]):
+    ordered = sorted(spans, key=lambda span: span[1])
+    ends = [each for each in (ends_of(t_ns, load, tares, span) for span in ordered) if each is not None]
+    pressed = pressed_beginnings(ends, tares, touch_threshold(noise))
+    findings.extend(moved_findings(moved_zeros(ends, tares, pressed, touch_threshold(noise))))
+    for name, start_ns, end_ns in ordered:
         start, stop = (int(row) for row in np.searchsorted(t_ns, [start_ns, end_ns]))
         if start == stop:  # without samples nobody knows where it begins
             continue
-        pieces = _piece_zeros(load, tares, (start, stop), bias[start], noise)
+        pieces = [] if name in pressed else _piece_zeros(load, tares, (start, stop), bias[start], noise)
         if not pieces:
             missed.append((name, start, stop))
             continue

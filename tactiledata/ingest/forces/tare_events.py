@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Times, Values
 
@@ -17,6 +18,12 @@ BESIDE = 10
 
 CLEAR = 6.0
 """Standard deviations of one component's noise, times the root of 3: a jump of the reading that is no noise."""
+DOUBTFUL, DOUBTFUL_SHARE = 3, 0.2
+"""Events after which the sensor does not read zero, and their share, from which on the whole list is doubted."""
+LONGEST_AGO = 86_400_000_000_000
+"""ns, a day. A tare event farther from a recording is not its own, or in another unit."""
+UNITS = {"seconds": 10**9, "milliseconds": 10**6, "microseconds": 10**3}
+"""Nanoseconds in other units that people state moments in."""
 PAUSE = 250_000_000
 """ns. Over a longer pause between two samples the zero may have changed unseen."""
 
@@ -58,27 +65,71 @@ def locate_tares(
     noise : float
         N, one component.
     """
+    ordered = [
+        (int(tare_ns[row]), zeros[row]) for row in np.argsort(np.asarray(tare_ns, dtype=np.int64), kind="stable")
+    ]
+    tares, contradicted, n_inside = _located(t_ns, load, ordered, noise, False)
+    if len(contradicted) >= DOUBTFUL and len(contradicted) > DOUBTFUL_SHARE * n_inside:
+        # of a list that is wrong this often, only what the reading shows by itself is believed
+        tares, contradicted, _ = _located(t_ns, load, ordered, noise, True)
+    return tares, contradicted
+
+
+def _located(
+    t_ns: Times, load: Values, ordered: Sequence[tuple[int, Values]], noise: float, is_doubtful: bool
+) -> tuple[list[Tare], list[int], int]:
+    """Events as `locate_tares` gives them, and how many lie inside; where doubtful, only those with a visible jump."""
     tares: list[Tare] = []
     contradicted: list[int] = []
     sound = np.flatnonzero(np.isfinite(load).all(axis=1))
     times, rows = t_ns[sound], load[sound]
-    least = 0
-    for number in np.argsort(np.asarray(tare_ns, dtype=np.int64), kind="stable"):
-        moment, zero = int(tare_ns[number]), zeros[number]
+    least = n_inside = 0
+    for moment, zero in ordered:
         place = int(np.searchsorted(times, moment))
         if place == len(times):
             continue
         if place == 0:
             tares.append(Tare(0, zero, np.zeros(6)))
             continue
+        n_inside += 1
         place = max(_place_of_jump(times, rows, moment, zero, noise), least + 1)
+        if place >= len(times):
+            continue
         if not _reads_zero(times, rows, place, moment, zero, noise):
             contradicted.append(moment)
             continue
         start, stop = _without_pause(times, max(least, place - BESIDE), place, min(place + BESIDE, len(times)))
-        tares.append(Tare(int(sound[place]), zero, _step(times, rows, start, place, stop)))
+        step = _step(times, rows, start, place, stop)
+        if is_doubtful and np.linalg.norm(step[:3]) <= CLEAR * noise * np.sqrt(3):
+            contradicted.append(moment)
+            continue
+        tares.append(Tare(int(sound[place]), zero, step))
         least = place
-    return tares, contradicted
+    return tares, contradicted, n_inside
+
+
+def tares_near(t_ns: Times, tare_ns: Sequence[int]) -> tuple[NDArray[np.bool_], list[Finding]]:
+    """Which stated moments (k,) lie within a day of a recording, and a finding on those that do not.
+
+    Parameters
+    ----------
+    t_ns : (n,) int64
+    tare_ns : sequence of int
+    """
+    if not len(t_ns) or not len(tare_ns):
+        return np.ones(len(tare_ns), dtype=bool), []
+    start, end = int(t_ns[0]) - LONGEST_AGO, int(t_ns[-1]) + LONGEST_AGO
+    is_near = np.array([start <= moment <= end for moment in tare_ns])
+    if is_near.all():
+        return is_near, []
+    far = [moment for moment, near in zip(tare_ns, is_near, strict=True) if not near]
+    unit = next((name for name, factor in UNITS.items() if all(start <= moment * factor <= end for moment in far)), "")
+    text = (
+        f"wrench: {len(far)} stated tare events lie more than a day from the recording (for example {far[0]}, where "
+        f"the wrench begins at {int(t_ns[0])}); they were not used. wrench.tare_ns is in nanoseconds of the host clock "
+        f"since 1970{f'; these look like {unit}' if unit else ''}. Mend them, or leave out those of other recordings"
+    )
+    return is_near, [Finding("tare-elsewhere", "warning", text, "wrench", count=len(far))]
 
 
 def _place_of_jump(times: Times, rows: Values, moment: int, zero: Values, noise: float) -> int:
@@ -146,7 +197,8 @@ def contradicted_findings(moments: Sequence[int]) -> list[Finding]:
         return []
     text = (
         f"wrench: {len(moments)} stated tare events are not seen: the reading is not zero within "
-        f"{LATENCY / 1e9:g} s of them; they were not used"
+        f"{LATENCY / 1e9:g} s of them, or (where many are not) does not jump there; they were not used. Mend "
+        "wrench.tare_ns (ns of the host clock), or the clock of the wrench"
     )
     first, last = min(moments), max(moments)
     return [Finding("tare-not-seen", "warning", text, "wrench", start_ns=first, end_ns=last, count=len(moments))]

@@ -16,11 +16,18 @@ from tactiledata.contract.records import Finding, FrameValues, Recording, Trajec
 from tactiledata.contract.take import UNUSABLE, StoredSignal, Take, findings_table
 from tactiledata.ingest.checks.image_sizes import mark_strays
 from tactiledata.ingest.clocks.align import align
+from tactiledata.ingest.clocks.clock_shifts import judge_frames, named_elsewhere
 from tactiledata.ingest.clocks.rates import gap_findings
 from tactiledata.ingest.clocks.timeline import put_on_host_clock
 from tactiledata.ingest.forces.contact import ContactWrench, contact_wrench
 from tactiledata.ingest.trajectories import frames as frame_tables
-from tactiledata.ingest.trajectories.cut import assign_frames, check_trajectories, lost_spans_hit, trajectory_table
+from tactiledata.ingest.trajectories.cut import (
+    assign_frames,
+    check_trajectories,
+    lost_spans_hit,
+    trajectory_table,
+    within,
+)
 from tactiledata.ingest.trajectories.identity import name_sensors, sensor_facts
 from tactiledata.ingest.trajectories.reference import find_references
 from tactiledata.ingest.trajectories.segment import segment_by_contact, whole_recording
@@ -92,6 +99,7 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
     timed = put_on_host_clock(recording, frame_tables.times_by_camera(captured))
     said.add(*timed.findings, *captured.findings)
     signals = dict(timed.signals)
+    displaced = _displaced_frames(recording, captured, signals, said)
     trajectories, segmented, contact = _cut(recording, signals, captured, said)
     sensors, trajectories = name_sensors(recording, captured, trajectories, sha256, said.add)
     if contact is not None:
@@ -99,9 +107,10 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
 
     # frames in the store's order, with what the other streams were at their moments
     owner = assign_frames(trajectories, captured.t_ns, sensors, images["trajectory"].to_pylist())
+    owner[displaced & within(trajectories, owner, captured.t_ns)] = -1  # by a time that is not theirs
     order = frame_tables.frame_order(captured, owner)
     frame_t_ns = captured.t_ns[order]
-    aligned = {name: align(signal, frame_t_ns) for name, signal in sorted(signals.items())}
+    aligned = {name: align(signal, frame_t_ns, displaced[order]) for name, signal in sorted(signals.items())}
     force = _contact_force(aligned, len(order))
     flags = frame_tables.frame_flags(
         images["encoding"].take(pa.array(order)).to_pylist(),
@@ -137,6 +146,21 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
         sensors=sensor_facts(recording.description, sorted(set(ordered_sensors) | {t.sensor for t in trajectories})),
     )
     return Assembled(take, order)
+
+
+def _displaced_frames(
+    recording: Recording,
+    captured: frame_tables.CapturedFrames,
+    signals: Mapping[str, StoredSignal],
+    said: _Findings,
+) -> NDArray[np.bool_]:
+    """Which images (n,), in the order of the sink, have a time that is off."""
+    crc = captured.images["crc32c"].to_numpy()
+    times = {name: signal.t_ns for name, signal in signals.items()}
+    jumped = judge_frames(recording, frame_tables.rows_by_camera(captured), captured.t_ns, crc, times)
+    elsewhere = named_elsewhere(recording, captured.t_ns, captured.images["trajectory"].to_pylist())
+    said.add(*jumped.findings, *elsewhere.findings)
+    return jumped.is_off | elsewhere.is_off
 
 
 def _cut(

@@ -81,6 +81,15 @@ def assign_frames(
     return rows
 
 
+def within(trajectories: tuple[Trajectory, ...], rows: NDArray[np.int32], t_ns: Times) -> NDArray[np.bool_]:
+    """Whether each frame (n,) lies in the interval of its trajectory (``rows``, -1 for none)."""
+    edges = np.array([(trajectory.start_ns, trajectory.end_ns) for trajectory in trajectories], np.int64).reshape(-1, 2)
+    found = np.zeros(len(rows), dtype=bool)
+    owned = rows >= 0
+    found[owned] = (t_ns[owned] >= edges[rows[owned], 0]) & (t_ns[owned] < edges[rows[owned], 1])
+    return found
+
+
 def trajectory_table(
     trajectories: tuple[Trajectory, ...],
     source_digest: str,

@@ -55,8 +55,13 @@ def capture_times(recording: Recording, images: pa.Table) -> CapturedFrames:
 
 def times_by_camera(captured: CapturedFrames) -> dict[str, Times]:
     """Host times (ns) of the images of each camera."""
+    return {camera: captured.t_ns[rows] for camera, rows in rows_by_camera(captured).items()}
+
+
+def rows_by_camera(captured: CapturedFrames) -> dict[str, NDArray[np.int64]]:
+    """Rows of the images of each camera, in the order of the recording."""
     cameras = np.array(captured.images["camera"].to_pylist(), dtype=object)
-    return {camera: captured.t_ns[cameras == camera] for camera in captured.clocks}
+    return {camera: np.flatnonzero(cameras == camera) for camera in captured.clocks}
 
 
 def _stamps(images: pa.Table, rows: NDArray[np.int64]) -> Stamps:

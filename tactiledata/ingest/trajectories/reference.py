@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from shlex import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +56,7 @@ def find_references(
         if mean is None:
             text = (
                 f"sensor {sensor!r} has no picture without contact: none is stated, and fewer than {MIN_FRAMES} frames "
-                "lie in free air. Add one with `tactiledata sensors add`"
+                f"lie in free air. Add one with `tactiledata sensors add {quote(sensor)} --background FILE --store S`"
             )
             say(Finding("no-background", "warning", text))
             continue

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb
+from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
+from tactiledata.contract.picture_kinds import decode_said
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
@@ -73,7 +74,9 @@ def add_sensor(
         raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
     paths = [background] if isinstance(background, Path) else list(background)
     names = [path.name for path in paths]
-    image = average_background([read_picture(path) for path in paths], names)
+    read = [read_picture(path) for path in paths]
+    said = [finding for _, remarks in read for finding in remarks]
+    image = average_background([picture for picture, _ in read], names)
     folder = Path(store_path)
     Store.open(folder)  # says what is wrong where there is no store to lock
     with writing_lock(folder, INTAKE_LOCK):
@@ -89,13 +92,13 @@ def add_sensor(
             _refuse_doubtful(Store.open(folder), name, image, sensor, " and ".join(names[:3]))
         there = manifest["references"].get(name)
         if there == image_crc(image) and name in facts:
-            return []
+            return said
         if there not in (None, image_crc(image)):
             _refuse_other(folder, name, replace)
             remove_picture(folder, name)
         reference = Reference(image, _origin(names, source), licence, chosen)
         keep_sensors(folder, {name: {**facts.get(name, {}), "model": chosen}}, {name: reference})
-    return _findings(name, image, sensor, len(paths))
+    return [*said, *_findings(name, image, sensor, len(paths))]
 
 
 def _refuse_doubtful(store: Store, name: str, image: NDArray[np.uint8], sensor: Sensor, what: str) -> None:
@@ -150,21 +153,22 @@ def _refuse_other(folder: Path, name: str, replace: bool) -> None:
         )
 
 
-def read_picture(path: Path) -> NDArray[np.uint8]:
-    """The picture (H, W, 3) RGB in a file."""
+def read_picture(path: Path) -> tuple[NDArray[np.uint8], list[Finding]]:
+    """The picture (H, W, 3) RGB in a file, and findings where it is not 8-bit RGB as stored."""
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a JPEG or PNG file", "Check the spelling.", path=str(path))
     refuse_lfs_pointer(path)
     size = path.stat().st_size
     content = path.read_bytes() if size <= LARGEST_PICTURE else b""
     try:
-        return decode_rgb(content, follow_orientation=True)
+        picture, remarks = decode_said(content, follow_orientation=True)
     except BrokenLog as error:
         raise UsageError(
             f"{path} ({size} bytes) is not a picture that can be read: {error.found}",
             f"a JPEG or PNG file of at most {MAX_DECODED_PIXELS} pixels",
-            "Save it as PNG, cropped to the gel.",
+            "Save it as 8-bit RGB PNG, cropped to the gel.",
         ) from error
+    return picture, [Finding(remark.code, remark.severity, f"{path.name} {remark.words}") for remark in remarks]
 
 
 def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor, n_frames: int) -> list[Finding]:

@@ -1,17 +1,18 @@
 """What becomes of a picture that is not 8-bit RGB on its way to one: said, or refused where its meaning would be lost.
 
-Shared by the family, as `base` is: members may import it.
+Recorded pictures and pictures without contact are held to the same rules: decision 0027.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from tactiledata.contract.image_bytes import ImageHeader, size_fault
+from tactiledata.contract.image_bytes import ImageHeader, decode_rgb, read_header, size_fault
 from tactiledata.contract.records import Severity
+from tactiledata.errors import BrokenLog
 
 USED_BITS = 12
 """Bits of 16 that a picture must use: values below 2 ** 12 leave upper 8 bits below 16 of 255, nearly black."""
@@ -57,6 +58,21 @@ def remarks_on(header: ImageHeader, payload: bytes) -> list[Remark]:
     return remarks
 
 
+def decode_said(payload: bytes, follow_orientation: bool = False) -> tuple[NDArray[np.uint8], list[Remark]]:
+    """The picture (H, W, 3), uint8 RGB, of JPEG or PNG bytes, and what is said of one that is not 8-bit RGB as stored.
+
+    Raises
+    ------
+    BrokenLog
+        The bytes do not decode, or their meaning would be lost as 8-bit RGB.
+    """
+    remarks = remarks_on(read_header(payload), payload)
+    for remark in remarks:
+        if remark.is_lost:
+            raise BrokenLog(f"a picture that {remark.words}", "an 8-bit RGB picture", "Save it as 8-bit RGB.")
+    return decode_rgb(payload, follow_orientation), remarks
+
+
 def _refusal(header: ImageHeader, payload: bytes) -> str:
     if header.encoding == "jpeg":
         if header.channels == 4:
@@ -71,6 +87,8 @@ def _refusal(header: ImageHeader, payload: bytes) -> str:
 
 def _largest_value(payload: bytes) -> int:
     """The largest value of a picture's colours, alpha left out; 2**16 where it does not decode."""
+    import cv2
+
     try:
         flags = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH
         pixels = cv2.imdecode(np.frombuffer(payload, np.uint8), flags)
