@@ -7,8 +7,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LAYERS = [  # bottom first; packages of one row never import one another
-    ["tactiledata.errors"],
-    ["tactiledata.arrays", "tactiledata.units", "tactiledata.registry", "tactiledata.transforms"],
+    ["tactiledata.errors", "tactiledata.arrays"],
+    ["tactiledata.units", "tactiledata.registry", "tactiledata.transforms"],
     ["tactiledata.contract"],
     ["tactiledata.sensors", "tactiledata.indenters", "tactiledata.compute", "tactiledata.report"],
     ["tactiledata.formats", "tactiledata.store", "tactiledata.metrics", "tactiledata.gel"],
