@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UnknownName
@@ -55,18 +56,18 @@ def score(
     from tactiledata.scoring.chosen_scores import TSNE, chosen_scores
     from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
     from tactiledata.scoring.sensor_pairs import score_pairs
-    from tactiledata.scoring.sensor_sets import require_sets, sensor_sets
+    from tactiledata.scoring.sensor_sets import require_sets, sensor_sets, size_sentences
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings, simulated_sensors
 
     location = working_store(store)
-    names = _listed(metric)
+    names = listed_names(metric, "--metric")
     with damage_explains(location):
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
         scores = chosen_scores(names, weights)
         sets = sensor_sets(opened, most, least=1)
-        named, targets = (None, []) if against is None else _against(_listed(against), sets, opened)
+        named, targets = (None, []) if against is None else _against(listed_names(against, "--against"), sets, opened)
         if not targets:
             require_sets(opened, sets, 2)
         encode = vectors_by_model(model) if model is not None else picture_vectors
@@ -74,7 +75,7 @@ def score(
             found = list(score_pairs(opened, scores, sets, named, encode, tell))
         if targets:
             found += score_backgrounds(opened, scores, sets, targets)
-        notes = sentences(targets, unlocated(opened, sets) if targets else [])
+        notes = [*size_sentences(sets), *sentences(targets, unlocated(opened, sets) if targets else [])]
         kinds = {one.name: one.kind for one in sets}
         heading = simulated.heading
         drawn = None
@@ -130,7 +131,3 @@ def _tell(found: Sequence[PairScore], notes: Sequence[str], heading: str) -> Non
     say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in found)))
     for note in notes:
         say(note)
-
-
-def _listed(words: str) -> list[str]:
-    return [word.strip() for word in words.split(",") if word.strip()]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
@@ -56,7 +57,7 @@ def transfer(
         target = find_target(to, opened)
         way = transfer_method(method, model)
         written = out if out is not None else _default_out(location, to, way.name)
-        named = [name.strip() for name in sources.split(",")] if sources is not None else None
+        named = None if sources is None else listed_names(sources, "--from")
         with progress("transferring", quiet=as_json) as tell:
             report = transfer_store(opened, target, way, written, named, tell)
         picture = write_transfer_picture(opened, Store.open(written), target.background, written.with_suffix(".png"))

@@ -1,7 +1,8 @@
-"""The table of domain alignment: pictures of some units, transferred, against the real touches of others.
+"""The table of domain alignment: pictures of some units, transferred, against the recorded touches of others.
 
-Real is a source as it was recorded against the target's own touches, Synth. what a method makes of it. Where both units
-recorded the same touches, each transferred picture is held against its true one as well.
+Synth. is what a method makes of a source, beside the source as it was recorded: the paper's Real where it states that
+it is real, else what it is (`recorded_row`). Where both units recorded the same touches, each transferred picture is
+held against its true one as well.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.alignment_pictures import AS_RECORDED, latent_rows, write_strips
 from split_models.tables.evaluate import MASKED, Values, summarised
 from split_models.tables.paired_truth import PAIRED_SCORES, paired_values
+from split_models.tables.recorded_title import recorded_row
 from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_evenly
 from split_models.transfer.methods import LATENT, TransferMethod, title_of, vae_transfer
 from split_models.transfer.pixels import PIXEL_TRANSFERS
@@ -74,6 +76,11 @@ class Alignment:
         if name == AS_RECORDED:
             return pictures
         return self.methods[name].transfer(pictures, self.units[source].background, self.units[target].background)
+
+    @cached_property
+    def recorded_row(self) -> str:
+        """The title of rows of pictures as they were recorded."""
+        return recorded_row(self.recipe_run.store)
 
     def titled(self, letter: str) -> str:
         """A target in headings."""
@@ -150,9 +157,10 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
         for name, found in _set_values(table, sample, moved, real).items():
             values.setdefault(name, []).append(found)
             scores = summarised(found, sample.touches, rounds, table.scores)
-            by_source.append(_row(f"{table.titled(letter)}, by source", name, scores, letter, source))
+            by_source.append(_row(table, f"{table.titled(letter)}, by source", name, scores, letter, source))
     over_all = [
         _row(
+            table,
             f"{table.titled(letter)}, mean over sources",
             name,
             summarised(_joined(found), np.concatenate(touches), rounds, table.scores),
@@ -218,6 +226,7 @@ def _paired_rows(table: Alignment, letter: str) -> Rows:
     known = {**PAIRED_SCORES, table.style.name: table.style}
     return [
         _row(
+            table,
             f"paired truth, to {table.titled(letter)}",
             name,
             summarised(_joined(found), np.array(touches, object), rounds, known),
@@ -231,9 +240,9 @@ def _joined(found: list[Values]) -> Values:
     return {name: np.concatenate([one[name] for one in found]) for name in found[0]}
 
 
-def _row(part: str, name: str, scores: Any, letter: str, source: str = "") -> dict[str, Any]:
+def _row(table: Alignment, part: str, name: str, scores: Any, letter: str, source: str = "") -> dict[str, Any]:
     variant, _, method = name.rpartition(":")
     of_variant = f", {variant}" if variant else ""
-    title = "as recorded (Real)" if name == AS_RECORDED else f"{title_of(method)}{of_variant} (Synth.)"
+    title = table.recorded_row if name == AS_RECORDED else f"{title_of(method)}{of_variant} (Synth.)"
     words = f"{source}, {title}" if source else title
     return {"part": part, "method": words, "transfer": name, "target": letter, "source": source, "scores": scores}

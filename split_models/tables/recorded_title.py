@@ -11,3 +11,11 @@ from tactiledata.store.read.simulated import simulated_recordings
 def recorded_title(store: str | Path) -> str:
     """A column's title for a store's own pictures: ``"recorded"``, or that they are simulated recordings."""
     return simulated_recordings(Store.open(store)).label or "recorded"
+
+
+def recorded_row(store: str | Path) -> str:
+    """The title of a row for a store's own pictures; the paper's ``Real`` only where all recordings state it."""
+    count = simulated_recordings(Store.open(store))
+    if count.total and count.real == count.total:
+        return "as recorded (Real)"
+    return count.titled("as recorded")

@@ -8,6 +8,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 
@@ -68,7 +69,7 @@ def calibrate(
         offset_prior=offset_prior,
         shape_error=shape_error,
         sensor=sensor,
-        indenters=tuple(name.strip() for name in indenter.split(",") if name.strip()) if indenter else (),
+        indenters=() if indenter is None else tuple(listed_names(indenter, "--indenter")),
         workers=workers,
         indenter_folder=indenters,
     )

@@ -9,6 +9,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
+from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import working_store
 from tactiledata.errors import UsageError
@@ -73,8 +74,8 @@ def diagnose(
             bounds=bounds,
             shore_a=shore_a,
             sensor=sensor,
-            indenters=_names(indenter, "--indenter"),
-            effects=_names(effects, "--effects"),
+            indenters=() if indenter is None else tuple(listed_names(indenter, "--indenter")),
+            effects=() if effects is None else tuple(listed_names(effects, "--effects")),
             pairs=pairs,
             seed=seed,
             workers=workers,
@@ -110,13 +111,6 @@ def _refuse(context: typer.Context, names: tuple[str, ...], given: str) -> None:
                 f"{option} with {given}", f"{option} with {'a store' if given == 'a table' else 'a table'}",
                 "Leave it out: it would change nothing.",
             )  # fmt: skip
-
-
-def _names(listed: str | None, option: str) -> tuple[str, ...]:
-    names = tuple(name.strip() for name in (listed or "").split(",") if name.strip())
-    if listed is not None and not names:
-        raise UsageError(f"{option} {listed!r} names nothing", "names, with commas between", "Leave it out for all.")
-    return names
 
 
 def _folder(path: Path | None) -> Path | None:

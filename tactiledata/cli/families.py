@@ -106,7 +106,7 @@ def inspect(
 
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
-    from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
+    from tactiledata.contract.lfs_pointer import is_lfs_pointer, pointer_words
     from tactiledata.ingest.sources.discover import find_sources
 
     sources, unclaimed = find_sources([path])
@@ -126,7 +126,7 @@ def inspect(
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
         for item in unclaimed:
-            say(not_fetched(str(item)).found if is_lfs_pointer(item) else f"{item}: no format claims it")
+            say(pointer_words(str(item)) if is_lfs_pointer(item) else f"{item}: no format claims it")
     if failed or any(finding.severity == "damage" for one in looked for finding in one.findings):
         raise typer.Exit(1)
 

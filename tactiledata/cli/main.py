@@ -12,9 +12,10 @@ import typer
 from tactiledata import __version__
 from tactiledata.cli import calibrate, demo, diagnose, families, ingest, record, replay, scene, sensors, split, store
 from tactiledata.cli.failure import DEBUG_VARIABLE, INTERRUPTED, report_failure, report_interruption
+from tactiledata.cli.given_values import CheckedApp
 from tactiledata.errors import TactileDataError
 
-app = typer.Typer(
+app = CheckedApp(
     name="tactiledata",
     help="Recordings of a robot pressing a vision-based tactile sensor, turned into a checked, leak-free dataset.",
     no_args_is_help=True,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tactiledata.errors import NotFetched
+from tactiledata.errors import NotFetched, TactileDataError
 
 START = b"version https://git-lfs.github.com/spec/v1"
 """How a pointer begins."""
@@ -49,8 +49,18 @@ def not_fetched(name: str, others: int = 0) -> NotFetched:
     """The error for a file that is a Git LFS pointer, and for how many others with it."""
     more = f" (and {others} more)" if others else ""
     return NotFetched(
-        f"{name}{more} is a Git LFS pointer, not the file; run `git lfs pull`",
+        f"{name}{more} is a Git LFS pointer, not the file",
         "the file itself",
         "`git lfs pull` in the repository fetches it.",
         file=name,
     )
+
+
+def fault_words(error: TactileDataError) -> str:
+    """What an error found, as a clause of a finding; of a pointer with what fetches the file."""
+    return f"{error.found}; run `git lfs pull`" if isinstance(error, NotFetched) else error.found
+
+
+def pointer_words(name: str, others: int = 0) -> str:
+    """What `not_fetched` says as one clause, for findings and lists."""
+    return fault_words(not_fetched(name, others))

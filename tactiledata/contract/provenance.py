@@ -17,9 +17,14 @@ def json_bytes(value: Any) -> bytes:
     return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
 
 
+def bytes_digest(content: bytes) -> str:
+    """SHA-256 (hex) of bytes."""
+    return hashlib.sha256(content).hexdigest()
+
+
 def digest_of(value: Any) -> str:
     """SHA-256 (hex) of a value's canonical JSON."""
-    return hashlib.sha256(json_bytes(value)).hexdigest()
+    return bytes_digest(json_bytes(value))
 
 
 def file_digest(path: Path) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from tactiledata.compute import SCHEDULERS
 from tactiledata.compute.base import Outcome
-from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
+from tactiledata.contract.lfs_pointer import is_lfs_pointer, pointer_words
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
@@ -121,7 +121,7 @@ def ingest(
         recover(folder)  # copies of what was committed need not wait
     pointers = [path for path in unclaimed if is_lfs_pointer(path)]
     if pointers:
-        message = f"{not_fetched(str(pointers[0]), len(pointers) - 1).found}; left out"
+        message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
         findings.append(Finding("not-fetched", "warning", message, count=len(pointers)))
     left = tuple(str(path) for path in unclaimed if path not in pointers)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))

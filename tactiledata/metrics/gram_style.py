@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactiledata.contract.image_batches import image_batches
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.tensor_files import read_tensors
 from tactiledata.errors import MissingFile, SchemaError, UsageError
@@ -33,6 +34,8 @@ MEAN, SPREAD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 NARROWER = 8
 """The random network has so many times fewer channels: it must be quick, not wise."""
 CHUNK = 8
+MOST_PIXELS = 2**22
+"""Of the pictures that go through the network together, and of one: its first layers take some 0.8 kB a pixel."""
 
 
 def build_features(narrower: int = 1) -> nn.Sequential:
@@ -209,13 +212,19 @@ def _grams(network: nn.Sequential, pictures: Any, masks: Sequence[Any], what: st
     batch = images(pictures, what)
     if min(batch.shape[1:3]) < 32:
         raise UsageError(f"{what} of {batch.shape[1]} x {batch.shape[2]}", "at least 32 px a side", "")
+    pixels = np.full(len(batch), batch.shape[1] * batch.shape[2])
+    if len(batch) and pixels[0] > MOST_PIXELS:
+        raise UsageError(
+            f"{what} of {batch.shape[1]} x {batch.shape[2]}",
+            f"at most {MOST_PIXELS} pixels for a style distance: so many take the network {MOST_PIXELS * 8e-7:.0f} GB",
+            "Scale the pictures down, or ask for another score.",
+        )
     whole = np.ones(batch.shape[:3], bool)
     inside = [whole if (one := image_masks(mask, batch)) is None else one for mask in masks]
-    for start in range(0, len(batch), CHUNK):
-        some = slice(start, start + CHUNK)
+    for some in (slice(*run) for run in image_batches(pixels, CHUNK, MOST_PIXELS)):
         with torch.no_grad():
             weights = [torch.from_numpy(one[some]) for one in inside]
-            yield _layer_grams(network, torch.from_numpy(batch[some]), weights)
+            yield _layer_grams(network, torch.from_numpy(np.array(batch[some])), weights)
 
 
 def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Tensor]) -> list[list[Values]]:

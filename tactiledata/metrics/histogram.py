@@ -24,7 +24,7 @@ def histograms(pictures: Any, mask: Any = None) -> Values:
     found = np.empty((len(batch), 3, BINS))
     for row, picture in enumerate(batch):
         pixels = picture.reshape(-1, 3) if inside is None else picture[inside[row]]
-        level = pixels.astype(np.int64) * BINS // 256
+        level = pixels // (256 // BINS)
         for channel in range(3):
             counts = np.bincount(level[:, channel], minlength=BINS)
             found[row, channel] = counts / counts.sum() if len(level) else np.nan

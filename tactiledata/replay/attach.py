@@ -20,6 +20,7 @@ from tactiledata.replay.plan import PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.replay.report import ReplayReport
 from tactiledata.replay.solve import Run, solve_run
 from tactiledata.replay.status import STATUSES
+from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import read_manifest
 from tactiledata.store.layout.places import INTAKE_LOCK, STAGING, folder_name
@@ -27,6 +28,7 @@ from tactiledata.store.read.meshes import PadArrays
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.card import write_card
 from tactiledata.store.write.commit import recover, store_errors
+from tactiledata.store.write.documents import need_whole_documents
 from tactiledata.store.write.mesh_writer import append_mesh, drop_mesh
 
 RUN_TOUCHES = 16
@@ -65,6 +67,8 @@ def replay(
     UsageError
         The store has a mesh of this name that was made otherwise, or no trajectory can be replayed at all.
     StoreBusy, StoreError
+    TactileDataError
+        Numbers that the store was given are damaged.
     """
     folder = Path(store_path)
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
@@ -72,6 +76,8 @@ def replay(
     with writing_lock(folder, INTAKE_LOCK):
         recover(folder)
         store = Store.open(folder)
+        need_whole_documents(store)
+        need_sound_values(store, store.signal_names)
         plan = plan_replay(store, options.pads, options.indenter_folder)
         effects = _effects(store, plan, options)
         plan = plan if effects is None else effects.plan

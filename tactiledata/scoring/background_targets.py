@@ -84,7 +84,7 @@ def score_backgrounds(
 def _compared(background: PictureArray, outside: NDArray[np.bool_]) -> tuple[PictureArray, NDArray[np.bool_]]:
     """A background as the other set, and its masks: where the pictures are free of touch, if sizes let them be laid."""
     if background.shape[:2] == outside.shape[1:]:
-        return np.repeat(background[None], len(outside), axis=0), outside
+        return np.broadcast_to(background, (len(outside), *background.shape)), outside
     return background[None], np.ones((1, *background.shape[:2]), bool)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.image_bytes import size_fault
 from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import StoreError
 from tactiledata.sensors.image_checks import shows_contact
@@ -17,6 +18,8 @@ from tactiledata.store.read.simulated import trajectory_kinds
 
 CONTACT_FORCE = (1.0, 13.0)
 """N; frames whose contact force lies between show a touch, as in splits. Without forces every frame counts."""
+PIXELS_OF_SET = 2**26
+"""Largest number of pixels of a set, 192 MiB of RGB: 200 frames of 640 x 480 are fewer. Two sets are in memory."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class SensorSet:
         Of the store.
     trajectories : (n,) int64
         Row of each frame's trajectory.
+    left_out : int
+        Frames that were asked for beside these, and would have taken more than `PIXELS_OF_SET`.
     """
 
     name: str
@@ -44,6 +49,7 @@ class SensorSet:
     is_simulated: bool
     rows: NDArray[np.int64]
     trajectories: NDArray[np.int64]
+    left_out: int = 0
 
     @property
     def kind(self) -> str:
@@ -60,7 +66,8 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
     ----------
     store : Store
     most : int
-        Frames of each set, spread evenly over those that it has.
+        Frames of each set, spread evenly over those that it has; fewer where their pictures are so large that they
+        would not fit into memory (`PIXELS_OF_SET`).
     least : int
         Sets that there must be: one is enough where its target is known without touches.
 
@@ -69,21 +76,35 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
     StoreError
         Fewer sets.
     """
-    frames = store.frames(["trajectory", "flags", "contact_force", "camera"])
+    frames = store.frames(["trajectory", "flags", "contact_force", "camera", "height", "width"])
     owner = np.asarray(frames["trajectory"])
     whole = (np.asarray(frames["flags"]) & UNUSABLE) == 0
     force = np.asarray(frames["contact_force"].to_numpy(), np.float64)
     in_contact = np.isnan(force).all() | ((force >= CONTACT_FORCE[0]) & (force <= CONTACT_FORCE[1]))
     usable = np.flatnonzero(whole & in_contact & (owner >= 0) & _own_camera(store))
+    height, width = (frames[side].to_numpy().astype(np.int64) for side in ("height", "width"))
+    pixels = np.maximum(height * width, 1)
     labels = _labels(store)
     found = []
     for label in sorted(set(labels)):
         rows = usable[np.isin(owner[usable], [row for row, one in enumerate(labels) if one == label])]
         if len(rows):
-            kept = rows[np.unique(np.linspace(0, len(rows) - 1, most).astype(int))]
-            found.append(SensorSet(*label, kept, owner[kept].astype(np.int64)))
+            wanted = min(most, len(rows))
+            fit = min(wanted, max(1, PIXELS_OF_SET // int(pixels[rows].max())))
+            kept = rows[np.unique(np.linspace(0, len(rows) - 1, most if fit == wanted else fit).astype(int))]
+            found.append(SensorSet(*label, kept, owner[kept].astype(np.int64), wanted - fit))
     require_sets(store, found, least)
     return found
+
+
+def size_sentences(sets: Sequence[SensorSet]) -> list[str]:
+    """Which sets have fewer frames than were asked for, as their pictures are large, for people."""
+    return [
+        f"{one.name}: {len(one.rows)} of {len(one.rows) + one.left_out} frames are scored; its pictures are so large "
+        "that more would not fit into memory. Scaled down before they are ingested, all can be."
+        for one in sets
+        if one.left_out
+    ]
 
 
 def require_sets(store: Store, sets: Sequence[SensorSet], least: int) -> None:
@@ -148,15 +169,18 @@ def load_pictures(store: Store, one: SensorSet) -> NDArray[np.uint8]:
     StoreError
         Its pictures differ in size.
     """
-    pictures = store.images(one.rows)
-    if not isinstance(pictures, np.ndarray):
-        sizes = sorted({f"{picture.shape[0]} x {picture.shape[1]}" for picture in pictures})
+    # before any is decoded: pictures of several sizes would be, all of them, for nothing
+    sides = store.frames(["height", "width"]).take(one.rows)
+    sizes = sorted(set(zip(*(sides[side].to_pylist() for side in ("height", "width")), strict=True)))
+    # one beyond the limit is refused by the store, which names its frame
+    if len(sizes) > 1 and not any(size_fault(*size) for size in sizes):
         raise StoreError(
-            f"pictures of {one.name} have sizes {', '.join(sizes)} (rows x columns)",
+            f"pictures of {one.name} have sizes {', '.join(f'{rows} x {columns}' for rows, columns in sizes)} "
+            "(rows x columns)",
             "one size a sensor",
             "Ingest its recordings again with --replace: single images of another size are then marked and left out.",
         )
-    return pictures
+    return np.asarray(store.images(one.rows))
 
 
 def background_of(store: Store, one: SensorSet) -> NDArray[np.uint8] | None:

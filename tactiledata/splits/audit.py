@@ -21,7 +21,7 @@ from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
 from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
 from tactiledata.splits.groups import codes
 from tactiledata.splits.manifest import Split, coverage_problem, partition_rows, read_split
-from tactiledata.splits.options import PARTITIONS
+from tactiledata.splits.options import PARTITIONS, SHARES
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 
 if TYPE_CHECKING:
@@ -87,6 +87,8 @@ class AuditReport:
             return "its files were changed or damaged, so that nothing can be said about leaks"
         kinds = [code for code in codes if code != "split-out-of-date"]
         leaks = f"{counted(len(kinds), 'kind')} of leak" if kinds else "no leak found"
+        empty = [finding for finding in self.findings if finding.code == "split-empty-part"]
+        leaks += f", but {empty[0].message.partition(':')[0]}" if empty else ""
         stale = "out of date: the store holds other trajectories; run `tactiledata split` again; "
         return (stale if "split-out-of-date" in codes else "") + leaks
 
@@ -148,7 +150,37 @@ def audit_tables(split: Split, trajectories: pa.Table, frames: pa.Table) -> list
     found += leaks.parted_touches(trajectories, part)
     found += leaks.parted_frames(frames, taken, part)
     found += leaks.identical_payloads(frames, taken, part)
-    return found
+    return [*found, *empty_parts(split, part, frames["trajectory"].to_numpy()[taken])]
+
+
+def empty_parts(split: Split, part: NDArray[np.int64], owners: NDArray[np.integer]) -> list[Finding]:
+    """A warning where a part that was asked for holds no trajectory, or no frame: nothing can leak from or into it.
+
+    Parameters
+    ----------
+    split : Split
+    part : (n_trajectories,) int
+        Codes of `leaks.partition_codes`.
+    owners : (n,) int
+        Trajectory of each frame that the split takes.
+    """
+    wanted = [name for name, share in zip(SHARES, split.options.fractions, strict=True) if share > 0]
+    wanted += [PARTITIONS[-1]] if any(split.held_out.values()) else []
+    trajectories, frames = (np.bincount(codes[codes >= 0], minlength=len(PARTITIONS)) for codes in (part, part[owners]))
+    none, unseen = (
+        [name for name in wanted if is_so[PARTITIONS.index(name)]]
+        for is_so in (trajectories == 0, (trajectories > 0) & (frames == 0))
+    )
+    told = [f"{' and '.join(none)} {_verb(none)} no trajectory"] if none else []
+    told += [f"{' and '.join(unseen)} {_verb(unseen)} trajectories and no frame that the split takes"] if unseen else []
+    if not told:
+        return []
+    message = f"{'; '.join(told)}: nothing can be learned or tested there, and no leak found says nothing of it"
+    return [Finding("split-empty-part", "warning", message, count=len(none) + len(unseen))]
+
+
+def _verb(names: list[str]) -> str:
+    return "has" if len(names) == 1 else "have"
 
 
 def _audit_images(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.provenance import provenance
+from tactiledata.contract.provenance import bytes_digest, provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.contract.wording import counted
@@ -25,6 +24,7 @@ from tactiledata.errors import (
     LeakError,
     MissingFile,
     MissingSplit,
+    NotFetched,
     SchemaError,
     StoreError,
     TactileDataError,
@@ -109,7 +109,7 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
     buffer = pa.BufferOutputStream()
     pq.write_table(table, buffer, compression="zstd")
     content = buffer.getvalue().to_pybytes()
-    document = split_document(report, table, hashlib.sha256(content).hexdigest(), store)
+    document = split_document(report, table, bytes_digest(content), store)
     where = str(path.with_suffix(".json"))
     check_document(document, "split", where)
     try:
@@ -152,6 +152,8 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
         document = json.loads(content)
     except MissingFile:
         return None
+    except NotFetched:
+        raise
     except (ValueError, RecursionError) as error:
         raise SchemaError(
             f"{where} is not JSON ({error})", "the document of a split", _again(name), path="$", file=where
@@ -195,7 +197,7 @@ def read_split(store: Store, name: str) -> Split:
         raise StoreError(
             f"the split's table {where} is missing", "a table beside the document", _again(name), path=where
         ) from error
-    digest = hashlib.sha256(content).hexdigest()
+    digest = bytes_digest(content)
     if digest != document["table"]["sha256"]:
         raise StoreError(
             f"{where} was changed or torn: its SHA-256 is {digest[:12]}…",

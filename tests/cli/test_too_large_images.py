@@ -86,7 +86,8 @@ def test_an_audit_names_what_it_did_not_compare(store, capsys):
     """The audit goes on without images that are too large; it does not count them as looked at, and says so."""
     code, out, _ = run_command(capsys, "audit", store, "--json")
     report = json.loads(out)
-    [finding] = report["findings"]
+    # a tiny split has an empty part, which is another matter
+    [finding] = [one for one in report["findings"] if one["code"] != "split-empty-part"]
     assert code == 0
     assert finding["code"] == "images-not-compared"
     assert (finding["count"], report["checked"]["images"]) in [(1, 34), (35, 0)]

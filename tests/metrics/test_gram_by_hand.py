@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tactiledata.metrics.gram_style import _distances, _layer_grams, build_features
+from tactiledata.errors import UsageError
+from tactiledata.metrics.gram_style import _distances, _layer_grams, build_features, gram_style_random
 
 torch = pytest.importorskip("torch")
 
@@ -44,3 +45,17 @@ def test_style_distance_by_hand():
     expected = sum(16.0**n * squares / (4 * channels**2) / 5 for n, channels in layers)
     (found,) = _distances(doubling(), white, black, [(None, None)])
     assert found == pytest.approx([expected], rel=1e-5)
+
+
+def test_few_pixels_at_once_change_nothing(monkeypatch):
+    """However few pictures go through the network together, distances stay; one that is too large is refused."""
+    rng = np.random.default_rng(3)
+    ours, theirs = (rng.integers(0, 256, (n, 40, 48, 3)).astype(np.uint8) for n in (5, 3))
+    whole = gram_style_random(ours, theirs)
+    monkeypatch.setattr("tactiledata.metrics.gram_style.MOST_PIXELS", 2 * 40 * 48)
+    np.testing.assert_allclose(gram_style_random(ours, theirs), whole, rtol=1e-5)
+    # read-only pictures, as one that is laid beside many, are taken
+    np.testing.assert_allclose(gram_style_random(np.broadcast_to(ours[0], (3, 40, 48, 3)), theirs), whole[0], rtol=1e-5)
+    monkeypatch.setattr("tactiledata.metrics.gram_style.MOST_PIXELS", 40 * 48 - 1)
+    with pytest.raises(UsageError, match=r"pictures of 40 x 48|others of 40 x 48"):
+        gram_style_random(ours, theirs)

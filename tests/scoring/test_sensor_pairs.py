@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from cli.command import run_command
 from loaders.loader_stores import write_loader_store
@@ -16,7 +17,7 @@ from tactiledata.metrics.base import Score, metric
 from tactiledata.scoring.chosen_scores import chosen_scores
 from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
 from tactiledata.scoring.sensor_pairs import load_touches, score_pairs
-from tactiledata.scoring.sensor_sets import sensor_sets
+from tactiledata.scoring.sensor_sets import load_pictures, sensor_sets, size_sentences
 from tactiledata.store.change.merge import merge
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.targets import find_target
@@ -75,6 +76,45 @@ def test_few_frames_are_spread_over_a_set(store):
     whole = sensor_sets(store, 1000)[0]
     assert len(one.rows) == 5
     assert (one.rows[0], one.rows[-1]) == (whole.rows[0], whole.rows[-1])
+
+
+def test_large_pictures_are_fewer(store, monkeypatch):
+    """A set takes so many pixels at most, spread as ever, and says how many frames that leaves out; small ones none."""
+    whole = {one.name: one for one in sensor_sets(store, 20)}
+    assert {one.left_out for one in whole.values()} == {0}
+    assert size_sentences(list(whole.values())) == []
+    monkeypatch.setattr("tactiledata.scoring.sensor_sets.PIXELS_OF_SET", 7 * 16 * 12 + 5)
+    fewer = sensor_sets(store, 20)
+    for one in fewer:
+        assert load_pictures(store, one).nbytes == 3 * 7 * 16 * 12
+        assert one.left_out == len(whole[one.name].rows) - 7
+        assert (one.rows[0], one.rows[-1]) == (whole[one.name].rows[0], whole[one.name].rows[-1])
+    assert any("D1: 7 of 20 frames are scored" in sentence for sentence in size_sentences(fewer))
+    monkeypatch.setattr("tactiledata.scoring.sensor_sets.PIXELS_OF_SET", 1)
+    assert {len(one.rows) for one in sensor_sets(store, 20)} == {1}
+
+
+def test_what_is_left_out_is_told(store, monkeypatch, capsys):
+    """The command says so, for people and for machines."""
+    monkeypatch.setattr("tactiledata.scoring.sensor_sets.PIXELS_OF_SET", 5 * 16 * 12)
+    for words in ((), ("--json",)):
+        code, out, _ = run_command(capsys, "score", store.location, "--metric", "shade", "--frames", 20, *words)
+        assert code == 0
+        assert "D1: 5 of 20 frames are scored" in " ".join(out.split())
+
+
+def test_sizes_are_compared_before_anything_is_decoded(store, monkeypatch):
+    """Pictures of two sizes are refused by what the table says."""
+    frames = store.frames()
+    height = frames["height"].to_numpy().copy()
+    one = next(one for one in sensor_sets(store, 20) if one.name == "D1")
+    height[one.rows[3]] = 999
+    field = frames.schema.field("height")
+    other = frames.set_column(frames.schema.get_field_index("height"), field, pa.array(height).cast(field.type))
+    monkeypatch.setattr(Store, "frames", lambda self, columns=None: other.select(columns or other.column_names))
+    monkeypatch.setattr(Store, "images", None)
+    with pytest.raises(StoreError, match="have sizes 16 x 12, 999 x 12"):
+        load_pictures(store, one)
 
 
 def test_all_pairs_or_all_against_one(store):

@@ -1,5 +1,6 @@
 """The table of domain alignment: its command, its laws on planted transfers, and what it refuses."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 import torch
 import yaml
 from cli.command import run_command
+from store.random_takes import random_take
 from touch_world import UNSEEN, tiny_recipe
 
 from split_models.learning.data import TouchFrames
@@ -15,8 +17,13 @@ from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.alignment_pictures import AS_RECORDED
 from split_models.tables.domain_alignment import alignment_rows, prepare_alignment
 from split_models.tables.paired_truth import overlap, paired_values
+from split_models.tables.recorded_title import recorded_row
 from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_evenly
 from tactiledata.errors import MissingFile, UnknownName, UsageError
+from tactiledata.store.layout.places import staging_folder
+from tactiledata.store.write.commit import commit, create
+from tactiledata.store.write.spool import Spool
+from tactiledata.store.write.writer import stage
 
 SOURCES = ["D20001", "D20002"]
 ROWS = {
@@ -54,7 +61,7 @@ def test_the_command_makes_table_and_pictures(touch_store, out, capsys):
     document = json.loads(printed)
     rows = {(row["part"], row["method"]): row["scores"] for row in document["rows"]}
     part = f"A: {UNSEEN}, mean over sources"
-    real, synth = rows[part, "as recorded (Real)"], rows[part, "background swap (Synth.)"]
+    real, synth = rows[part, "as recorded (simulated recordings)"], rows[part, "background swap (Synth.)"]
     assert set(real) == {
         f"{name}{where}"
         for name in ("histogram_intersection", "histogram_correlation", "gram_style_random")
@@ -77,11 +84,44 @@ def test_a_variant_has_rows_of_its_own(touch_store, out):
     """Its own model transfers, and its latent vectors stand beside the recipe's."""
     rows = alignment_rows(recipe_run(out, touch_store, out, methods=["latent", "other:latent"]))
     words = [row["method"] for row in rows if row["part"].endswith("over sources")]
-    assert words == ["as recorded (Real)", "latent arithmetic (Synth.)", "latent arithmetic, other (Synth.)"]
+    assert words == [
+        "as recorded (simulated recordings)",
+        "latent arithmetic (Synth.)",
+        "latent arithmetic, other (Synth.)",
+    ]
     kinds = {row["method"].partition(",")[0] for row in rows if row["part"] == "latent vectors"}
     assert kinds == {"Z_deform", "Z_image", "Z_deform (other)", "Z_image (other)"}
     values = [row["scores"]["gram_style_random"]["value"] for row in rows if row["part"].endswith("over sources")]
     assert len(set(values)) == 3
+
+
+@pytest.mark.parametrize(
+    ("kinds", "title"),
+    [
+        (["simulated"] * 2, "as recorded (simulated recordings)"),
+        (["simulated", "real"], "as recorded (simulated recordings: 1 of 2)"),
+        (["real"] * 2, "as recorded (Real)"),
+        (["real", None], "as recorded"),
+        ([], "as recorded"),
+    ],
+)
+def test_rows_are_real_only_where_recordings_are(tmp_path, kinds, title):
+    """The paper's word stands over recordings that all state it, never over simulated ones or those that do not say."""
+    create(tmp_path / "ds.zarr")
+    for number, kind in enumerate(kinds):
+        spool = Spool(staging_folder(tmp_path / "ds.zarr", f"{number:064x}"))
+        stated = {} if kind is None else {"recorded_by": {"contact": kind}}
+        take = dataclasses.replace(random_take(number, spool), sha256=f"{number:064x}", description=stated)
+        commit(tmp_path / "ds.zarr", [stage(tmp_path / "ds.zarr", spool, take)])
+    assert recorded_row(tmp_path / "ds.zarr") == title
+
+
+def test_the_table_says_what_it_was_recorded_of(touch_store, out):
+    """The rig's touches are no real ones: the row of pictures as recorded says so."""
+    rows = alignment_rows(recipe_run(out, touch_store, out, methods=["no_contact"]))
+    assert {row["method"].rpartition(", ")[2] for row in rows if row.get("transfer") == AS_RECORDED} == {
+        "as recorded (simulated recordings)"
+    }
 
 
 def test_a_mean_over_sources_is_their_mean(touch_store, out):

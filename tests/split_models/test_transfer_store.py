@@ -311,6 +311,20 @@ def test_a_store_without_whole_pictures_is_said_so(target, tmp_path):
     assert not (tmp_path / "out.zarr").exists()
 
 
+@pytest.mark.parametrize("path", ["sensors.json", "signals/wrench/value/zarr.json", "signals/wrench/value/c.0.0"])
+def test_damage_is_not_carried_on(source, target, tmp_path, path):
+    """Facts, attributes or numbers that were changed or lost would get checksums that fit in the store that is made."""
+    folder = tmp_path / "ds.zarr"
+    shutil.copytree(source.location, folder)
+    place = folder / path
+    if place.suffix == ".json":
+        place.write_bytes(place.read_bytes().replace(b"e", b"a", 1))
+    else:
+        place.unlink()
+    with pytest.raises(StoreError, match="is damaged"):
+        transfer_store(Store.open(folder), target, SWAP, tmp_path / "out.zarr")
+
+
 def test_few_pictures_are_in_memory(source, target, tmp_path, monkeypatch):
     """However many frames a recording has, no more than a batch of pictures is read at once."""
     asked = []

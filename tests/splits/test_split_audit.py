@@ -63,6 +63,32 @@ def test_a_clean_split_passes(store):
     assert "no leak found" in report.lines()[0]
 
 
+def test_empty_parts_are_named(tmp_path):
+    """Two groups cannot fill three parts: the audit finds no leak, and names the empty parts beside that."""
+    store = MemoryStore(tmp_path, trajectories(many(2)))
+    made = make_split(store, hold_out="none", replace=True)
+    empty = [part for part in ("train", "val", "test") if not made.counts[part].trajectories]
+    assert empty
+    report = audit(store, images=False)
+    assert [(finding.code, finding.count) for finding in report.findings] == [("split-empty-part", len(empty))]
+    assert report.leaks == ()
+    assert f"no leak found, but {' and '.join(empty)} ha" in report.lines()[0]
+    # a part that nobody asked for is not missing
+    make_split(store, hold_out="none", fractions=(1, 0, 0), replace=True)
+    assert audit(store, images=False).findings == ()
+
+
+def test_a_part_without_frames_is_named(store):
+    """Trajectories whose frames are all outside the contact filter leave a part as empty as none."""
+    rows = rows_of(store, "val")
+    owner = store.frame_table["trajectory"].to_numpy()
+    force = np.where(np.isin(owner, rows), 0.0, 5.0)
+    store.frame_table = replaced(store.frame_table, contact_force=force)
+    report = audit(store, images=False)
+    assert "val has trajectories and no frame" in report.lines()[0]
+    assert report.leaks == ()
+
+
 @settings(max_examples=25)
 @given(
     st.lists(

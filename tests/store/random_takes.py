@@ -21,6 +21,7 @@ from tactiledata.contract.take import (
     Take,
     findings_table,
 )
+from tactiledata.ingest.checks.image_sizes import mark_strays
 from tactiledata.store.layout.places import Settings
 from tactiledata.store.write.spool import Spool
 from tactiledata.store.write.writer import StagedTake, stage, staging_folder
@@ -67,7 +68,8 @@ def frames_table(spool: Spool, n_trajectories: int) -> pa.Table:
         column = values[field.name]
         array = column if isinstance(column, pa.ChunkedArray) else pa.array(np.asarray(column))
         arrays.append(array.cast(field.type))
-    return pa.table(arrays, schema=FRAME_SCHEMA)
+    # as ingest hands them over
+    return mark_strays(pa.table(arrays, schema=FRAME_SCHEMA), [f"touch{number}" for number in range(n_trajectories)])[0]
 
 
 def trajectories_table(

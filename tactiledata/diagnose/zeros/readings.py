@@ -18,7 +18,8 @@ from tactiledata.ingest.forces.contact import zeros_at
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.ingest.forces.tare_events import locate_tares, without_steps
-from tactiledata.store.read.reader import SignalRows, Store
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.signal_rows import SignalRows
 from tactiledata.transforms import pose_matrices
 
 PIECES = 8

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from tactiledata.contract.image_bytes import MAX_SIDE, read_header, size_fault
+from tactiledata.contract.lfs_pointer import fault_words
 from tactiledata.contract.picture_kinds import ALPHA_LEFT_OUT, Remark, remarks_on
 from tactiledata.contract.records import Finding, Image, ImageSink
 from tactiledata.errors import BrokenLog
@@ -226,7 +227,7 @@ def _encoded(payload: bytes, style: str, camera: CameraBuffer, log_ns: int) -> t
     try:
         header = read_header(payload)
     except BrokenLog as error:
-        camera.broken.add(log_ns, f"{error.found} (format {style!r})")
+        camera.broken.add(log_ns, f"{fault_words(error)} (format {style!r})")
         return None
     remarks = remarks_on(header, payload)
     for remark in remarks:

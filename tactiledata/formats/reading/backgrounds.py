@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_sizes import Size, share_words, stray_sizes
+from tactiledata.contract.lfs_pointer import fault_words
 from tactiledata.contract.picture_kinds import decode_said
 from tactiledata.contract.records import Finding
 from tactiledata.errors import BrokenLog
@@ -122,7 +123,7 @@ def noted_background(path: Path, intake: Intake, what: str) -> NDArray[np.uint8]
 
 
 def _unusable(what: str, error: OSError | BrokenLog) -> str:
-    return f"the {what} cannot be used: {error.found if isinstance(error, BrokenLog) else error.strerror}"
+    return f"the {what} cannot be used: {fault_words(error) if isinstance(error, BrokenLog) else error.strerror}"
 
 
 def size_findings(

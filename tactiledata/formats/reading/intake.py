@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.image_bytes import read_header, size_fault
+from tactiledata.contract.lfs_pointer import fault_words
 from tactiledata.contract.picture_kinds import remarks_on
 from tactiledata.contract.records import Finding, FrameValues, Image, ImageSink, Severity
 from tactiledata.errors import BrokenLog
@@ -167,7 +168,7 @@ class Intake:
         try:
             header = read_header(content)
         except BrokenLog as error:
-            self.note("image-unreadable", "damage", f"{name}: {error.found}", camera, trajectory)
+            self.note("image-unreadable", "damage", f"{name}: {fault_words(error)}", camera, trajectory)
             return missing
         remarks = remarks_on(header, content)
         for remark in remarks:

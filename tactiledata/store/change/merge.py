@@ -44,7 +44,8 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Pro
     Raises
     ------
     StoreError
-        An image of a source store is damaged and not marked as broken.
+        An image of a source store is damaged and not marked as broken; or its documents, numbers or pictures without
+        contact are not those that came.
     """
     stores = [one if isinstance(one, Store) else Store.open(one) for one in sources]
     if not stores:
@@ -52,17 +53,18 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Pro
     target = Path(into)
     if any(Path(store.location).resolve() == target.resolve() for store in stores):
         raise UsageError(f"{into} is merged into itself", "another store to write into", "Name a new store.")
+    origins = [Origin.of(store) for store in stores]
     if not (target / MANIFEST).exists():
         create(target, settings_of(stores[0].manifest))
     with writing_lock(target, INTAKE_LOCK):
         recover(target)
-        return _merge(stores, target, progress)
+        return _merge(origins, target, progress)
 
 
-def _merge(stores: Sequence[Store], target: Path, progress: Progress | None) -> list[Finding]:
+def _merge(origins: Sequence[Origin], target: Path, progress: Progress | None) -> list[Finding]:
     n_before = len(Store.open(target).findings())
     findings: list[Finding] = []
-    pieces = _plan([Origin.of(store) for store in stores], Store.open(target), findings)
+    pieces = _plan(origins, Store.open(target), findings)
     starts = _starts(Store.open(target), pieces)
 
     def takes() -> Iterator[StagedTake]:
@@ -72,8 +74,8 @@ def _merge(stores: Sequence[Store], target: Path, progress: Progress | None) -> 
                 progress(done, len(pieces), piece.facts["key"])
 
     commit_groups(target, takes())
-    _carry_sensors(stores, target)
-    for store in stores:
+    _carry_sensors(origins, target)
+    for store in (origin.store for origin in origins):
         if names := store.split_names():
             listed = ", ".join(names)
             message = f"splits of {store.location} were not copied ({listed}): they belong to that store; split anew"
@@ -84,11 +86,11 @@ def _merge(stores: Sequence[Store], target: Path, progress: Progress | None) -> 
     return [*findings, *_new_conflicts(Store.open(target), n_before)]
 
 
-def _carry_sensors(stores: Sequence[Store], target: Path) -> None:
+def _carry_sensors(origins: Sequence[Origin], target: Path) -> None:
     """Sensors that were added by hand, which no recording carries."""
-    for store in stores:
-        known = Store.open(target).manifest
-        facts, references = store.sensors(), store.manifest["references"]
+    for origin in origins:
+        known, store = Store.open(target).manifest, origin.store
+        facts, references = origin.sensors, store.manifest["references"]
         names = sorted({*facts, *references} - {*known["sensors"], *known["references"]})
         if names:
             pictures = {name: store.reference(name) for name in names if name in references}

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from tactiledata.contract.progress import Progress
-from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
@@ -19,12 +18,14 @@ from tactiledata.store.check.documents import document_findings
 from tactiledata.store.check.indices import INDEX_NEEDS, index_findings
 from tactiledata.store.check.meshes import mesh_findings
 from tactiledata.store.check.payloads import payload_faults
+from tactiledata.store.check.pointers import pointer_findings
 from tactiledata.store.check.splits import split_findings
+from tactiledata.store.check.stray_sizes import stray_findings
 from tactiledata.store.check.tables import not_checked, table_findings
 from tactiledata.store.check.values import value_findings
-from tactiledata.store.layout.sensors_table import image_crc
 from tactiledata.store.layout.statistics import statistics_fault
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.documents import sensor_faults
 from tactiledata.store.write.recover import (
     foreign_arrays,
     foreign_parts,
@@ -32,7 +33,6 @@ from tactiledata.store.write.recover import (
     is_interrupted,
     raw_arrays,
     row_arrays,
-    sensors_before,
     stale_staging,
     temporary_files,
 )
@@ -42,6 +42,7 @@ NEEDS = {
     **INDEX_NEEDS,
     "whether numbers are those of their recordings": ("sources",),
     IMAGES: ("frames",),
+    "whether images of another size are marked": ("frames", "sources"),
 }
 """Checks, and the tables that they need."""
 
@@ -77,6 +78,7 @@ def check(
     n_images = opened.n_frames if images and "frames" not in broken else 0
     steps = _Steps(n_sources + n_images, progress)
     findings = [
+        *pointer_findings(opened),
         *manifest_findings(opened.manifest),
         *document_findings(opened),
         *(one for found in of_tables.values() for one in found),
@@ -87,6 +89,8 @@ def check(
         findings += value_findings(opened, lambda key: steps.take(1, key))
     if n_images:
         findings += image_findings(opened, decode, threads, lambda count: steps.take(count, "images"))
+    if not {"frames", "sources"} & broken:
+        findings += stray_findings(opened)
     findings += [
         *mesh_findings(opened),
         *split_findings(opened),
@@ -156,23 +160,16 @@ def _shape_findings(store: Store) -> Iterator[Finding]:
 
 def _sensor_findings(store: Store) -> Iterator[Finding]:
     try:
-        place = Path(store.location)
-        known = sensors_before(place, store.manifest) if place.is_dir() else store.sensors()
-        for sensor, facts in known.items():
-            if digest_of(facts) != store.manifest["sensors"][sensor]:
-                yield _damage("store-sensors", f"the facts of sensor {sensor} are not those of the manifest", sensor)
+        for sensor, fault in sensor_faults(store):
+            yield _damage("store-sensors", fault, sensor)
     except TactileDataError as error:
         yield _damage("store-sensors", str(error))
-    for sensor, crc in store.manifest["references"].items():
+    for sensor in store.manifest["references"]:
         try:
-            image = store.reference(sensor).image
+            store.reference(sensor)
         except (TactileDataError, OSError, ValueError, KeyError) as error:
-            yield _damage("store-reference", f"the picture of {sensor} without contact cannot be read: {error}", sensor)
-            continue
-        if image_crc(image) != crc:
-            yield _damage(
-                "store-reference", f"the picture of {sensor} without contact does not fit its CRC-32C", sensor
-            )
+            found = error.found if isinstance(error, TactileDataError) else str(error)
+            yield _damage("store-reference", found, sensor)
 
 
 def image_findings(store: Store, decode: bool, threads: int | None, said: Callable[[int], None]) -> list[Finding]:

@@ -18,6 +18,7 @@ from tactiledata.contract.take import FrameFlag
 from tactiledata.contract.wording import counted
 from tactiledata.store.check.check import check, manifest_findings
 from tactiledata.store.check.payloads import payload_faults
+from tactiledata.store.check.pointers import need_no_pointers
 from tactiledata.store.check.tables import table_findings
 from tactiledata.store.layout.arrays import set_length
 from tactiledata.store.layout.batch import Batch
@@ -44,9 +45,15 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
         Whether the check afterwards decodes every image.
     progress : callable, optional
         Told of the check afterwards.
+
+    Raises
+    ------
+    NotFetched
+        Files are Git LFS pointers: what they stand for is not lost.
     """
     folder = Path(store_path)
     read_manifest(folder)
+    need_no_pointers(folder)
     with writing_lock(folder, INTAKE_LOCK):
         # what an ingest is staging right now must not be swept away
         recover(folder)

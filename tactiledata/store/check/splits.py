@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal
-from tactiledata.errors import SchemaError, TactileDataError
+from tactiledata.errors import NotFetched, SchemaError, TactileDataError
 from tactiledata.store.read.reader import Store
 
 
@@ -33,6 +33,8 @@ def split_findings(store: Store) -> Iterator[Finding]:
             table = document["table"] if str(document["format"]).startswith("tactiledata-split/") else None
             vouched |= {table["file"]} if table else set()
             fault = _table_fault(store, files, table["file"], table["sha256"]) if table else ""
+        except NotFetched as error:
+            fault = error.found
         except (ValueError, TypeError, KeyError, RecursionError, TactileDataError):
             fault = f"splits/{name} cannot be read"
         if fault:
@@ -68,6 +70,6 @@ def _need_older(document: Mapping[str, Any], name: str) -> None:
 def _table_fault(store: Store, files: list[str], file: str, sha256: str) -> str:
     if file not in files:
         return f"splits/{file} is missing"
-    if hashlib.sha256(store.read_file(f"splits/{file}")).hexdigest() != sha256:
+    if bytes_digest(store.read_file(f"splits/{file}")) != sha256:
         return f"splits/{file} is not the table that its document names"
     return ""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator
 
+from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError
 from tactiledata.store.layout.places import TABLE_SCHEMAS, TABLES, table_folder
@@ -27,7 +27,7 @@ def _part_findings(store: Store, table: str) -> Iterator[Finding]:
     for part in store.manifest["index"][table]:
         path = f"{table_folder(table)}/{part['file']}"
         try:
-            digest = hashlib.sha256(store.read_file(path)).hexdigest()
+            digest = bytes_digest(store.read_file(path))
         except (TactileDataError, OSError) as error:
             yield Finding("store-part", "damage", f"{path} cannot be read: {error}", stream=table)
             continue

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
+from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.errors import MissingFile, SchemaError, StoreError
@@ -32,14 +32,14 @@ def empty_manifest(settings: Settings) -> Manifest:
         "sources": [],
         "sensors": {},
         "references": {},
-        "digest": hashlib.sha256(FORMAT.encode()).hexdigest(),
+        "digest": bytes_digest(FORMAT.encode()),
     }
 
 
 def extended_digest(digest: str, *additions: str) -> str:
     """A store's digest after additions, in order; it does not depend on how additions were grouped into commits."""
     for addition in additions:
-        digest = hashlib.sha256(f"{digest}\n{addition}".encode()).hexdigest()
+        digest = bytes_digest(f"{digest}\n{addition}".encode())
     return digest
 
 

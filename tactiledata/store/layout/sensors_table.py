@@ -13,6 +13,7 @@ import zarr
 from numpy.typing import NDArray
 
 from tactiledata.contract.atomic import readable_json
+from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
@@ -78,6 +79,7 @@ def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str
     """Facts of the sensors that a manifest names, from the content of ``sensors.json``."""
     if not manifest["sensors"]:
         return {}
+    refuse_pointer_bytes(content or b"", where)
     try:
         facts = json.loads(content or b"")
         return {sensor: facts[sensor] for sensor in manifest["sensors"]}

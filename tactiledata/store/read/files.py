@@ -15,6 +15,7 @@ import zarr
 import zarr.abc.store
 from zarr.storage import FsspecStore, LocalStore
 
+from tactiledata.contract.lfs_pointer import START, refuse_pointer_bytes
 from tactiledata.errors import LostFile, StoreError
 
 MOST_MAPS = 256
@@ -29,7 +30,6 @@ class StoreFiles(ABC):
 
     location: str
 
-    @abstractmethod
     def read(self, path: str) -> bytes:
         """A whole file.
 
@@ -37,7 +37,31 @@ class StoreFiles(ABC):
         ------
         FileNotFoundError
             There is none.
+        NotFetched
+            A Git LFS pointer lies in its place.
         """
+        content = self._read(path)
+        refuse_pointer_bytes(content, f"{self.location}/{path}")
+        return content
+
+    @abstractmethod
+    def _read(self, path: str) -> bytes:
+        """A whole file as it lies there."""
+
+    def need_fetched(self, path: str) -> None:
+        """Nothing, where no file of an array is a Git LFS pointer; asked where an array cannot be read.
+
+        Raises
+        ------
+        NotFetched
+            One is.
+        """
+        for name in self.names(path):
+            try:
+                content = self.spans([(f"{path}/{name}", 0, len(START))])[0]
+            except OSError:
+                continue
+            refuse_pointer_bytes(content, f"{self.location}/{path}/{name}")
 
     @abstractmethod
     def spans(self, spans: Sequence[Span]) -> list[bytes]:
@@ -81,8 +105,7 @@ class LocalFiles(StoreFiles):
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_maps": OrderedDict()}
 
-    def read(self, path: str) -> bytes:
-        """A whole file."""
+    def _read(self, path: str) -> bytes:
         return (self._folder / path).read_bytes()
 
     def spans(self, spans: Sequence[Span]) -> list[bytes]:
@@ -105,6 +128,7 @@ class LocalFiles(StoreFiles):
                 if not os.fstat(stream.fileno()).st_size:
                     return b""  # what cannot be mapped
                 mapped = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
+            refuse_pointer_bytes(mapped[: len(START)], f"{self.location}/{path}")
         self._maps[path] = mapped
         if len(self._maps) > MOST_MAPS:
             self._maps.popitem(last=False)
@@ -129,7 +153,7 @@ class LocalFiles(StoreFiles):
 
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
-        return _opened(LocalStore(self._folder, read_only=True), path, self.location)
+        return _opened(LocalStore(self._folder, read_only=True), path, self)
 
     def place(self, path: str) -> Path:
         """Where a file of the store lies."""
@@ -165,8 +189,7 @@ class RemoteFiles(StoreFiles):
         folder = self._system[1]
         return f"{folder}/{path}" if folder else path
 
-    def read(self, path: str) -> bytes:
-        """A whole file."""
+    def _read(self, path: str) -> bytes:
         return self._system[0].cat_file(self._join(path))
 
     def spans(self, spans: Sequence[Span]) -> list[bytes]:
@@ -199,7 +222,7 @@ class RemoteFiles(StoreFiles):
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
         store = FsspecStore.from_url(self.location, storage_options=self._options, read_only=True)
-        return _opened(store, path, self.location)
+        return _opened(store, path, self)
 
     def place(self, path: str) -> str:
         """The URL of a file of the store."""
@@ -207,12 +230,14 @@ class RemoteFiles(StoreFiles):
         return f"{head.rstrip('/')}/{path}{separator}{tail}"
 
 
-def _opened(store: zarr.abc.store.Store, path: str, location: str) -> zarr.Array:
+def _opened(store: zarr.abc.store.Store, path: str, files: StoreFiles) -> zarr.Array:
+    location = files.location
     try:
         return zarr.open_array(store, path=path, mode="r")
     except FileNotFoundError as error:
         raise missing_file(path, location) from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
+        files.need_fetched(path)
         raise StoreError(
             f"array {path} in {location} has metadata that cannot be read: {error}",
             "the zarr.json that the store was written with",

@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 from tactiledata.contract.provenance import json_bytes
 from tactiledata.contract.records import FrameValues, Source, Stamps
 from tactiledata.contract.take import AlignedSignal, StoredSignal, Take
+from tactiledata.errors import StoreError
+from tactiledata.store.check.values import source_value_findings
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.documents import known_sensors, need_whole_documents
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,15 @@ class Origin:
 
     @classmethod
     def of(cls, store: Store) -> Origin:
-        """From a store."""
-        return cls(store, store.frames(), store.trajectories(), store.findings(), store.sensors())
+        """From a store whose documents are whole.
+
+        Raises
+        ------
+        StoreError
+            They are not: what is written from them would carry the damage on, under digests that fit.
+        """
+        need_whole_documents(store)
+        return cls(store, store.frames(), store.trajectories(), store.findings(), known_sensors(store))
 
 
 @dataclass(frozen=True)
@@ -62,8 +72,14 @@ def take_of(piece: Piece, frames: pa.Table, findings: pa.Table, sensors: Mapping
     """The source as a take, with these frames, findings and facts of sensors, and everything else as the store has it.
 
     A picture without contact is the one that the store keeps of that sensor; the source's own may have been another.
+
+    Raises
+    ------
+    StoreError
+        Its numbers are not those that came: a chunk that is gone reads as numbers that nobody recorded.
     """
     facts, contents, store = piece.facts, piece.contents, piece.store
+    _need_own_values(piece)
     return Take(
         source=Source(facts["key"], facts["key"], facts["format"], ()),
         sha256=facts["sha256"],
@@ -85,6 +101,19 @@ def take_of(piece: Piece, frames: pa.Table, findings: pa.Table, sensors: Mapping
             entry["name"]: _frame_values(piece, name, entry) for name, entry in contents["frame_values"].items()
         },
     )
+
+
+def _need_own_values(piece: Piece) -> None:
+    frames = (piece.first_frame, piece.first_frame + piece.facts["frames"])
+    found = list(source_value_findings(piece.store, piece.facts["key"], piece.facts["contents"], frames))
+    if found:
+        raise StoreError(
+            f"the store {piece.store.location} is damaged: {found[0].message}"
+            + (f"; {len(found) - 1} more" if found[1:] else ""),
+            "the numbers that were ingested",
+            "`tactiledata check` lists all damage; ingest that recording anew, with --replace.",
+            key=piece.facts["key"],
+        )
 
 
 def rows_of(table: pa.Table, source: int) -> pa.Table:

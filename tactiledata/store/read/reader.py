@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 import zarr
 from numpy.typing import ArrayLike, NDArray
 
@@ -21,95 +18,23 @@ from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.layout.manifest import Manifest, not_a_store, parse_manifest
 from tactiledata.store.layout.places import (
     MANIFEST,
-    TABLE_SCHEMAS,
     aligned_path,
     folder_name,
     frame_values_path,
     home_of,
     reference_path,
     sensors_path,
-    signal_path,
-    table_folder,
 )
-from tactiledata.store.layout.sensors_table import Facts, parse_sensors
+from tactiledata.store.layout.sensors_table import Facts, image_crc, parse_sensors
 from tactiledata.store.read.files import StoreFiles, missing_file, open_files
+from tactiledata.store.read.index_tables import IndexTables
 from tactiledata.store.read.meshes import StoredMesh
 from tactiledata.store.read.pictures import Pictures
 from tactiledata.store.read.rows import Rows, checked_rows
+from tactiledata.store.read.signal_rows import Meaning, SignalRows
 
 RowState = tuple[int, int, str]
 """How often recordings were replaced, number of sources, digest of their digests."""
-
-
-@dataclass(frozen=True)
-class Meaning:
-    """What columns of numbers mean.
-
-    Parameters
-    ----------
-    columns, units : tuple of str
-    frame : str
-        The frame in which vectors are expressed, as the recording names it.
-    attributes : dict
-        Of the first recording that brought them; ``sources()`` has each recording's own in ``contents``.
-    statistics : dict
-        ``count``, ``mean``, ``m2``, ``min``, ``max`` of each column, over all finite values of the store.
-    """
-
-    columns: tuple[str, ...]
-    units: tuple[str, ...]
-    frame: str
-    attributes: Mapping[str, Any]
-    statistics: Mapping[str, Any]
-
-    @classmethod
-    def of(cls, facts: Mapping[str, Any]) -> Meaning:
-        """From an entry of the manifest."""
-        columns, units = tuple(facts["columns"]), tuple(facts["units"])
-        return cls(columns, units, facts["frame"], facts["attributes"], facts["statistics"])
-
-
-class SignalRows:
-    """A signal at its native rate; ``signal_rows`` of a trajectory are ranges of its rows."""
-
-    def __init__(self, files: StoreFiles, home: str, name: str, facts: Mapping[str, Any]) -> None:
-        self.name = name
-        self.meaning = Meaning.of(facts)
-        self.n_rows: int = facts["rows"]
-        arrays = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
-        self._rows = {array: Rows(files, signal_path(home, name, array), self.n_rows) for array in arrays}
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the columns."""
-        return self.meaning.columns
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Units of the columns."""
-        return self.meaning.units
-
-    @property
-    def frame(self) -> str:
-        """The frame in which vectors are expressed."""
-        return self.meaning.frame
-
-    @property
-    def attributes(self) -> Mapping[str, Any]:
-        """Clock, rate and the like of the first recording that brought it."""
-        return self.meaning.attributes
-
-    def t_ns(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Times (n,) of rows [start, stop), host clock, ns."""
-        return self._rows["t_ns"].span(start, stop)
-
-    def values(self, start: int, stop: int) -> NDArray[np.float64]:
-        """Values (n, k) of rows [start, stop), SI units; read-only."""
-        return self._rows["value"].span(start, stop)
-
-    def stamps(self, kind: Literal["log", "publish", "header"], start: int, stop: int) -> NDArray[np.int64]:
-        """Time stamps (n,) as recorded, ns; -1 where the recording has none."""
-        return self._rows[f"{kind}_ns"].span(start, stop)
 
 
 class Store:
@@ -130,11 +55,11 @@ class Store:
     def __init__(self, files: StoreFiles, manifest: Manifest) -> None:
         self._files = files
         self.manifest = manifest
+        self._tables = IndexTables(files, manifest)
         self._pictures = Pictures(files, manifest, self.frames)
         self._signals: dict[str, SignalRows] = {}
         self._values: dict[str, Rows] = {}
         self._meshes: dict[str, StoredMesh] = {}
-        self._whole_parts: set[str] = set()
 
     @classmethod
     def open(
@@ -230,70 +155,25 @@ class Store:
 
     # -- tables ------------------------------------------------------------------------------------------------------
 
-    def _table(self, table: str, columns: Sequence[str] | None) -> pa.Table:
-        schema = TABLE_SCHEMAS[table]
-        for column in columns or ():
-            if column not in schema.names:
-                raise UnknownName(f"column of {table}", column, schema.names)
-        wanted = pa.schema([schema.field(name) for name in (schema.names if columns is None else columns)])
-        pieces = [wanted.empty_table()]
-        for part in self.manifest["index"][table]:
-            path = f"{table_folder(table)}/{part['file']}"
-            try:
-                content = self._part(path, part["sha256"])
-                piece = (
-                    pq.read_table(content, columns=wanted.names, partitioning=None).select(wanted.names).cast(wanted)
-                )
-            except FileNotFoundError as error:
-                raise missing_file(path, self.location) from error
-            except (pa.ArrowException, OSError, KeyError) as error:
-                raise StoreError(
-                    f"the part {path} of the store {self.location} is damaged: {error}",
-                    "a parquet file that fits the manifest",
-                    "Run `tactiledata check` on the store; restore the file from a copy.",
-                ) from error
-            if len(piece) != part["rows"]:
-                raise StoreError(f"{path} has {len(piece)} rows", f"the {part['rows']} rows that the manifest names")
-            pieces.append(piece)
-        return pa.concat_tables(pieces).unify_dictionaries()
-
-    def _part(self, path: str, sha256: str) -> Path | pa.BufferReader:
-        """A part of a table, to read from; its bytes are held against the manifest the first time.
-
-        A flipped byte mostly still reads, to other numbers; whoever writes them on would give them a fitting checksum.
-        """
-        if path in self._whole_parts and isinstance(place := self._files.place(path), Path):
-            return place
-        content = self._files.read(path)
-        if (digest := hashlib.sha256(content).hexdigest()) != sha256:
-            raise StoreError(
-                f"the part {path} of the store {self.location} is damaged: its SHA-256 is {digest[:12]}…",
-                f"{sha256[:12]}…, as the manifest says",
-                "Restore the file from a copy, or ingest the recordings into a new store; `tactiledata check` lists "
-                "all damage.",
-            )
-        self._whole_parts.add(path)
-        return pa.BufferReader(content)
-
     def table(self, table: str) -> pa.Table:
         """Any of the tables by its name: ``frames``, ``trajectories``, ``sources``, ``findings``."""
-        return self._table(table, None)
+        return self._tables.read(table)
 
     def frames(self, columns: Sequence[str] | None = None) -> pa.Table:
         """The frames table (``FRAME_SCHEMA``), or some of its columns; the row is the frame's number everywhere."""
-        return self._table("frames", columns)
+        return self._tables.read("frames", columns)
 
     def trajectories(self, columns: Sequence[str] | None = None) -> pa.Table:
         """The trajectories table (``TRAJECTORY_SCHEMA``), or some of its columns."""
-        return self._table("trajectories", columns)
+        return self._tables.read("trajectories", columns)
 
     def sources(self, columns: Sequence[str] | None = None) -> pa.Table:
         """The sources table (``SOURCE_SCHEMA``), or some of its columns."""
-        return self._table("sources", columns)
+        return self._tables.read("sources", columns)
 
     def findings(self, columns: Sequence[str] | None = None) -> pa.Table:
         """The findings table (``FINDING_SCHEMA``), or some of its columns."""
-        return self._table("findings", columns)
+        return self._tables.read("findings", columns)
 
     # -- numbers -----------------------------------------------------------------------------------------------------
 
@@ -397,12 +277,33 @@ class Store:
         return {sensor: self.reference(sensor) for sensor in sorted(self.manifest["references"])}
 
     def reference(self, sensor: str) -> Reference:
-        """The picture of a sensor without contact."""
+        """The picture of a sensor without contact.
+
+        Raises
+        ------
+        UnknownName
+            The store has none of that sensor.
+        StoreError
+            It is not the one that the manifest names: a chunk that is gone reads as black.
+        """
         if sensor not in self.manifest["references"]:
             raise UnknownName("sensor with a picture without contact", sensor, self.manifest["references"])
-        array = self.array(reference_path(home_of(self.manifest), sensor))
+        path = reference_path(home_of(self.manifest), sensor)
+        array = self.array(path)
         facts = {name: str(array.attrs.get(name, "")) for name in ("origin", "licence", "model")}
-        return Reference(np.asarray(array[...], dtype=np.uint8), **facts)
+        try:
+            image, fault = np.asarray(array[...], dtype=np.uint8), "it does not fit its CRC-32C"
+        except (ValueError, RuntimeError) as error:
+            self._files.need_fetched(path)
+            image, fault = None, str(error)
+        if image is None or image_crc(image) != self.manifest["references"][sensor]:
+            raise StoreError(
+                f"the picture of {sensor} without contact ({path} in {self.location}) is damaged: {fault}",
+                "the picture that the manifest names",
+                "Open the store again, if it was replaced meanwhile; else `tactiledata check` lists all damage.",
+                sensor=sensor,
+            )
+        return Reference(image, **facts)
 
     def names(self, folder: str) -> list[str]:
         """Names of the files in a folder of the store, sorted; empty where there is none or it cannot be listed."""

@@ -59,6 +59,7 @@ class Rows:
         try:
             rows = np.asarray(array[index * size : min((index + 1) * size, self.length)])
         except (ValueError, RuntimeError) as error:
+            self._files.need_fetched(self._path)
             raise StoreError(
                 f"chunk {index} of array {self._path} in {self._files.location} is damaged: {error}",
                 "a chunk that fits its CRC-32C",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -12,7 +11,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from tactiledata.contract.provenance import json_bytes
+from tactiledata.contract.provenance import bytes_digest, json_bytes
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import SOURCE_SCHEMA, findings_table
 from tactiledata.store.layout.arrays import open_root
@@ -166,4 +165,4 @@ def write_part(batch: Batch, table: str, file: str, rows: pa.Table) -> dict[str,
     pq.write_table(rows.cast(TABLE_SCHEMAS[table]), sink, compression="zstd", row_group_size=ROW_GROUP)
     content = sink.getvalue().to_pybytes()
     batch.write(f"{table_folder(table)}/{file}", content)
-    return {"file": file, "rows": len(rows), "sha256": hashlib.sha256(content).hexdigest()}
+    return {"file": file, "rows": len(rows), "sha256": bytes_digest(content)}

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import copy
-import hashlib
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tactiledata.contract.provenance import file_digest
+from tactiledata.contract.provenance import bytes_digest, file_digest
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.layout.arrays import open_root
 from tactiledata.store.layout.batch import Batch
@@ -22,6 +21,7 @@ from tactiledata.store.layout.manifest import (
     write_manifest,
 )
 from tactiledata.store.layout.places import CARD, COMMITTING, MANIFEST, STAGING, Settings
+from tactiledata.store.read.reader import Store
 from tactiledata.store.write.appender import Appender
 from tactiledata.store.write.card import card_bytes, write_card
 from tactiledata.store.write.documents import drop_other_sensors, need_whole_documents, record_documents
@@ -96,7 +96,7 @@ def _start(folder: Path, settings: Settings) -> None:
 
 
 def _name_card(folder: Path, manifest: Manifest) -> None:
-    manifest["documents"][CARD] = hashlib.sha256(card_bytes(folder, manifest)).hexdigest()
+    manifest["documents"][CARD] = bytes_digest(card_bytes(folder, manifest))
 
 
 def _settle(folder: Path, manifest: Manifest, with_card: bool) -> None:
@@ -191,7 +191,7 @@ def _recovered(folder: Path) -> Manifest:
     manifest = read_manifest(folder, checked=False)
     if is_interrupted(folder):
         _clean(folder, manifest)
-    need_whole_documents(folder)
+    need_whole_documents(Store.open(folder))
     return manifest
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from tactiledata.contract.atomic import readable_json, write_atomic
-from tactiledata.errors import MissingFile, StoreError, TactileDataError
+from tactiledata.contract.provenance import bytes_digest, digest_of
+from tactiledata.errors import MissingFile, NotFetched, StoreError, TactileDataError
 from tactiledata.store.layout.manifest import Manifest, read_manifest
 from tactiledata.store.layout.places import CARD, home_of, sensors_path
-from tactiledata.store.layout.sensors_table import read_sensors
+from tactiledata.store.layout.sensors_table import Facts, read_sensors
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.recover import array_lengths, array_paths, is_interrupted, sensors_before
 
@@ -36,9 +36,9 @@ def record_documents(folder: Path, manifest: Manifest) -> None:
     digests = {}
     for path in document_paths(manifest):
         if path == sensors_path(home_of(manifest)):
-            digests[path] = _sha256(readable_json(read_sensors(folder, manifest)))
+            digests[path] = bytes_digest(readable_json(read_sensors(folder, manifest)))
         elif (folder / path).is_file():
-            digests[path] = _sha256((folder / path).read_bytes())
+            digests[path] = bytes_digest((folder / path).read_bytes())
     if card := manifest.get("documents", {}).get(CARD):
         digests[CARD] = card
     manifest["documents"] = digests
@@ -65,9 +65,12 @@ def document_faults(store: Store) -> Iterator[tuple[str, str]]:
         except (MissingFile, OSError):
             yield path, "is missing"
             continue
+        except NotFetched:
+            yield path, "is a Git LFS pointer, not the file"
+            continue
         if path not in recorded:
             yield path, "has no digest in the manifest"
-        elif _sha256(content) != recorded[path] and not _is_ahead(store, path, content):
+        elif bytes_digest(content) != recorded[path] and not _is_ahead(store, path, content):
             yield path, "is not the file that was written: it does not fit its SHA-256 in the manifest"
 
 
@@ -80,7 +83,7 @@ def _is_ahead(store: Store, path: str, content: bytes) -> bool:
         return False
     # the card is written after the manifest
     recorded = store.manifest["documents"][path]
-    return path == CARD or _sha256(_cut(folder, store.manifest, path, content)) == recorded
+    return path == CARD or bytes_digest(_cut(folder, store.manifest, path, content)) == recorded
 
 
 def _cut(folder: Path, manifest: Mapping[str, Any], path: str, content: bytes) -> bytes:
@@ -95,7 +98,20 @@ def _cut(folder: Path, manifest: Mapping[str, Any], path: str, content: bytes) -
         return content
 
 
-def need_whole_documents(folder: Path) -> None:
+def known_sensors(store: Store) -> Facts:
+    """Facts of a store's sensors as its manifest names them, also where an interrupted commit has added to them."""
+    folder = Path(store.location)
+    return sensors_before(folder, store.manifest) if folder.is_dir() else store.sensors()
+
+
+def sensor_faults(store: Store) -> Iterator[tuple[str, str]]:
+    """Each sensor whose facts are not those that the manifest has the digest of, and that in words."""
+    for sensor, facts in known_sensors(store).items():
+        if digest_of(facts) != store.manifest["sensors"][sensor]:
+            yield sensor, f"the facts of sensor {sensor} are not those of the manifest"
+
+
+def need_whole_documents(store: Store) -> None:
     """Refuse documents that do not fit their digests: a writer would take damage over and give it a fitting digest.
 
     Raises
@@ -103,16 +119,15 @@ def need_whole_documents(folder: Path) -> None:
     StoreError
         One does not.
     """
-    faults = [(path, fault) for path, fault in document_faults(Store.open(folder)) if path != CARD]
+    faults = [(path, f"{path} {fault}") for path, fault in document_faults(store) if path != CARD]
+    if "documents" not in store.manifest:
+        # written before documents had digests; the facts of sensors had theirs always
+        faults = [(sensors_path(home_of(store.manifest)), fault) for _, fault in sensor_faults(store)]
     if faults:
         path, fault = faults[0]
         raise StoreError(
-            f"{folder / path} {fault}" + (f"; {len(faults) - 1} more" if faults[1:] else ""),
+            f"the store {store.location} is damaged: {fault}" + (f"; {len(faults) - 1} more" if faults[1:] else ""),
             "the documents that the manifest names",
             "`tactiledata check` lists all damage; restore those files from a copy, or ingest into a new store.",
             path=path,
         )
-
-
-def _sha256(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.provenance import bytes_digest
 from tactiledata.store.layout.arrays import append_rows, create_rows, open_root, set_length
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.manifest import Manifest, extended_digest
@@ -157,5 +157,5 @@ def _count(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
     statuses, counts = np.unique(np.asarray(arrays["status"]), return_counts=True)
     for status, count in zip(statuses.tolist(), counts.tolist(), strict=True):
         facts["counts"][str(status)] = facts["counts"].get(str(status), 0) + count
-    contents = [hashlib.sha256(arrays[name].tobytes()).hexdigest() for name in ("status", "wrench")]
+    contents = [bytes_digest(arrays[name].tobytes()) for name in ("status", "wrench")]
     facts["digest"] = extended_digest(facts["digest"], *contents)
