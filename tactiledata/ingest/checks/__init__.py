@@ -1,1 +1,8 @@
-"""What is remarked about a recording."""
+"""What is remarked about a recording, before and after it is kept.
+
+- ``checks``: the one entry before a commit; it calls the others.
+- ``plausible``, ``units_seen``: stated numbers and signals that are most likely in another unit.
+- ``apart``: streams that do not belong together. ``image_sizes``: stray pictures among those of a sensor.
+- ``spooled``: pictures that wait for their commit, read back for these checks.
+- ``twins``, ``conflicts``: what is known only beside other recordings and the store.
+"""

@@ -1,1 +1,7 @@
-"""Which recordings there are, and what became of them."""
+"""Which recordings there are, and what became of them.
+
+- ``discover``: recordings under the paths that a user names.
+- ``replacing``: which recording of a store a corrected one replaces.
+- ``reports``: what became of each recording, for people and for machines.
+- ``overview``: what a store holds, gathered for a page. ``first_program``: the program with which to start using it.
+"""

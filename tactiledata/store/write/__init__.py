@@ -1,1 +1,9 @@
-"""Recordings into a store, safe to kill at any moment."""
+"""Recordings into a store, safe to kill at any moment.
+
+- ``spool``: pictures on disk as they come. ``take_checks``: whether a take fits together.
+- ``writer``: a take becomes files that wait for their commit, a marker written last.
+- ``commit``: staged takes become part of the store in groups; the manifest is written last.
+- ``appender``, ``image_appender``, ``value_appender``: the rows of one group on their way into arrays and tables.
+- ``recover``: what a killed writer left behind is removed. ``documents``, ``card``: texts beside the manifest.
+- ``mesh_writer``: meshes that a replay attaches to frames.
+"""
