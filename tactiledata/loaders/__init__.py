@@ -1,8 +1,10 @@
 """The store as a dataset: batches of arrays (``numpy``) or of tensors (``torch``). Importing this imports no torch.
 
 - ``numpy``: frames or whole trajectories of one part of a split as arrays; start here.
-- ``torch``, ``collate``, ``resumable``: the same as a PyTorch dataset, with batches and a sampler that can be resumed.
-- ``selection``, ``index``, ``missing``, ``fit``: which frames a dataset holds, what they lack, whether they go together.
+- ``torch``, ``collate``, ``resumable``: the same as a PyTorch dataset, with batches and a sampler that can be
+  resumed.
+- ``selection``, ``index``, ``missing``, ``fit``: which frames a dataset holds, what they lack, whether they go
+  together.
 - ``streams``: what the names of streams stand for. ``normalise``: mean and spread over the train part.
 - ``order``: the order of items, shared between processes. ``facts``: who touched what, as a table.
 """

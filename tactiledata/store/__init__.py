@@ -8,5 +8,6 @@ Read the rooms in this order:
 - ``change``: stores merged, recordings replaced, sensors added; each is a commit of ``write``.
 - ``check``: whether a store is whole, and what of it can be mended without inventing data.
 
-A room imports only rooms above it in this list. Nothing here interprets numbers: forces and clocks belong to ``ingest``.
+A room imports only rooms above it in this list. Nothing here interprets numbers: forces and clocks belong to
+``ingest``.
 """
