@@ -83,7 +83,9 @@ class LogDescription:
         return int(clock["offset_ns"]) if "offset_ns" in clock and clock.get("known", True) else None
 
     def switched_on(self, sensor: str, before_ns: int) -> int | None:
-        """When a sensor was last switched on, host clock, ns, up to a moment; ``None`` where that is not stated."""
+        """Return the moment (ns, host clock) at which a sensor was last switched on before another; ``None`` where not
+        stated.
+        """
         stated = self.sensors.get(sensor, {}).get("power_on_ns", [])
         return max((int(moment) for moment in stated if moment <= before_ns), default=None)
 
@@ -94,7 +96,7 @@ class LogDescription:
         return None if value is None else Transform.from_document(to, source, value)
 
     def base_from_indenter(self, indenter: str) -> Transform | None:
-        """Where an indenter stands; ``None`` where not stated."""
+        """Return the stated pose of an indenter in the base frame; ``None`` where it is not stated."""
         if indenter not in self.indenters:
             raise UnknownName("indenter", indenter, self.indenters)
         value = self.indenters[indenter].get("base_from_indenter")

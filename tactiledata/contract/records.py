@@ -162,7 +162,7 @@ class Image:
 
 
 class ImageSink(Protocol):
-    """Where a format pushes images, in the order in which it meets them; nothing is kept in memory."""
+    """A receiver to which a format pushes images in the order in which it meets them; it keeps nothing in memory."""
 
     def add(self, image: Image) -> None:
         """Take one image."""

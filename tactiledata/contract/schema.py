@@ -58,7 +58,7 @@ def load_schema(name: str) -> dict[str, Any]:
 
 
 def check_document(document: Any, schema: str, where: str) -> None:
-    """Nothing, where the document fits ``schemas/<schema>.json``.
+    """Refuse a document that does not fit ``schemas/<schema>.json``.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _too_deep(where: str) -> SchemaError:
 
 
 def _check_shape(text: str, where: str) -> None:
-    """Nothing, where no collection lies too deep and what aliases stand for stays within `MAX_VALUES`.
+    """Refuse text whose collections lie too deep, or whose aliases stand for more than `MAX_VALUES` values.
 
     Events are met one by one, without recursion; aliases are counted as if they were written out, as whoever writes the
     document as JSON would do.

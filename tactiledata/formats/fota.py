@@ -52,7 +52,7 @@ MODELS = {"tvl": "digit", "calandra17": "gelsight", "visgel": "gelsight", "yuan1
 
 @dataclass(slots=True)
 class _Sample:
-    """Where the two files of one sample lie: (tar, first byte, bytes)."""
+    """The places of the two files of one sample in a tar: (tar, first byte, bytes)."""
 
     key: str
     part: str
@@ -67,7 +67,7 @@ class _Sequence:
 
 
 def sequence_of(key: str, domain: str) -> str:
-    """Which sequence a sample belongs to: its key without the frame's number.
+    """The sequence that a sample belongs to: its key without the frame's number.
 
     Examples
     --------
@@ -165,7 +165,7 @@ def _looks_right(tar: Path) -> bool:
 
 
 def _index(tars: Sequence[Path], intake: Intake) -> list[_Sample]:
-    """Where every sample lies; a cut tar gives the samples before the cut."""
+    """Return the places of all samples; a tar that is cut gives the samples before the cut."""
     samples: dict[tuple[str, str, int], _Sample] = {}
     for tar in tars:
         seen: dict[tuple[str, str], int] = {}

@@ -66,7 +66,7 @@ dataPack.npz            f0 (H, W, 3) BGR, without contact
         return bool(_packs(path))
 
     def sources(self, path: Path) -> Sequence[Source]:
-        """Each archive."""
+        """Each archive is one recording."""
         self.require(path)
         return [self.make_source(path.absolute(), pack, [pack]) for pack in _packs(path.absolute())]
 

@@ -70,7 +70,7 @@ class RtdeCsvFormat(CorpusFormat):
         return CLOCK.encode() in names and any(_VECTOR.fullmatch(name) for name in names)
 
     def sources(self, path: Path) -> Sequence[Source]:
-        """The file."""
+        """The file is one recording."""
         self.require(path)
         return [self.make_source(path, path, [path])]
 

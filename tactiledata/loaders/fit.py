@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def require_references(store: Store, index: FrameIndex, streams: Iterable[Stream]) -> None:
-    """Nothing, where backgrounds are not asked for or every sensor has one; else `StoreError`."""
+    """Refuse a dataset that asks for pictures without contact of sensors that have none."""
     if not any(stream.kind == "background" for stream in streams):
         return
     lacking = sorted(set(index.sensor_names) - set(store.manifest["references"]))
@@ -39,7 +39,7 @@ def require_references(store: Store, index: FrameIndex, streams: Iterable[Stream
 
 
 def require_one_size(store: Store, index: FrameIndex, camera: str | None) -> None:
-    """Nothing, where the pictures of the camera can be stacked; else `UsageError`."""
+    """Refuse a dataset whose pictures of one camera have several sizes and cannot be stacked."""
     if camera is None:
         return
     frames = store.frames(["height", "width"]).take(index.rows)

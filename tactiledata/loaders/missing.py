@@ -29,7 +29,7 @@ class MissingValuesWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Gaps:
-    """Where one stream of a dataset has no values.
+    """The items of a dataset in which one stream has no values.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Gaps:
         return f"{where}; {self.empty} of the trajectories have none at all)"
 
     def document(self) -> dict[str, Any]:
-        """As JSON values."""
+        """The gaps as JSON values."""
         return dict(vars(self))
 
 

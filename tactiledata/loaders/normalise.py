@@ -71,7 +71,7 @@ class Normaliser:
         return (values * np.asarray(self.std) + np.asarray(self.mean)).astype(np.float32)
 
     def document(self) -> dict[str, Any]:
-        """As JSON values."""
+        """Means and spreads as JSON values."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(self).items()}
 
     @classmethod

@@ -204,7 +204,7 @@ class TactileArrays:
         return self.normalisers[name].apply(scaled) if name in self.normalisers else scaled
 
     def read_frames(self, numbers: Sequence[int]) -> Item:
-        """As `batch`, pictures as stored: uint8, neither scaled nor normalised."""
+        """Read frames like `batch`, with pictures as stored: uint8, neither scaled nor normalised."""
         if self.unit != "frame":
             raise UsageError("frames of a dataset of trajectories", "unit='frame'", "Use `items` for trajectories.")
         _require_some(numbers)
@@ -226,7 +226,7 @@ class TactileArrays:
         }
 
     def read_trajectories(self, numbers: Sequence[int]) -> list[Item]:
-        """As `items` in trajectory mode, pictures as stored: uint8, neither scaled nor normalised."""
+        """Read trajectories like `items`, with pictures as stored: uint8, neither scaled nor normalised."""
         if self.unit != "trajectory":
             raise UsageError("trajectories of a dataset of frames", "unit='trajectory'", "Use `batch` for frames.")
         _require_some(numbers)

@@ -53,7 +53,7 @@ class LoadReport:
         return replace(self, notes=(*self.notes, *(note for note in notes if note)))
 
     def document(self) -> dict[str, Any]:
-        """As JSON values."""
+        """The report as JSON values."""
         missing = {stream: gaps.document() for stream, gaps in self.missing.items()}
         return {**vars(self), "left_out": dict(self.left_out), "missing": missing, "notes": list(self.notes)}
 

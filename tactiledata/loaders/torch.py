@@ -97,7 +97,7 @@ class TactileDataset(Dataset[Item]):
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same items of the same store."""
+        """A digest that is the same for the same items of the same store."""
         return self.arrays.fingerprint
 
     def __len__(self) -> int:

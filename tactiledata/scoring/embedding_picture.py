@@ -18,7 +18,9 @@ from tactiledata.store.read.reader import Store
 def embed_sets(
     store: Store, sets: Sequence[SensorSet], encode: Encode, seed: int = 0
 ) -> dict[str, dict[str, NDArray[np.float32]]]:
-    """By kind of vector and by set: places (n, 2) of its touches; all sets that have such vectors share a plane.
+    """Return places (n, 2) of the touches of each set on a plane, by kind of vector and set.
+
+    Sets with such vectors share one plane.
 
     Pictures of one set are in memory at once.
     """
@@ -28,7 +30,7 @@ def embed_sets(
 def embed_vectors(
     vectors: Mapping[str, Mapping[str, NDArray[np.floating]]], seed: int = 0
 ) -> dict[str, dict[str, NDArray[np.float32]]]:
-    """By kind of vector and by set: places (n, 2) of vectors (n, d) given by set and by kind."""
+    """Return places (n, 2) on a plane of vectors (n, d) that are given by set and by kind."""
     kinds = list(dict.fromkeys(kind for found in vectors.values() for kind in found))
     drawn = {}
     for kind in kinds:

@@ -50,7 +50,7 @@ class PairScore:
     interval: Interval
 
     def document(self) -> dict[str, Any]:
-        """As JSON."""
+        """The score as JSON values."""
         names = ("metric", "first", "second", "first_kind", "second_kind", "looked_at")
         facts = {name: getattr(self, name) for name in names}
         about = {name: getattr(self.score, name) for name in ("name", "title", "unit", "better")}

@@ -98,7 +98,7 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
 
 
 def size_sentences(sets: Sequence[SensorSet]) -> list[str]:
-    """Which sets have fewer frames than were asked for, as their pictures are large, for people."""
+    """Sentences on the sets that have fewer frames than were asked for, because their pictures are large."""
     return [
         f"{one.name}: {len(one.rows)} of {len(one.rows) + one.left_out} frames are scored; its pictures are so large "
         "that more would not fit into memory. Scaled down before they are ingested, all can be."

@@ -13,7 +13,7 @@ PARTED = frozenset(",;=")
 
 
 def command(location: str, name: str, options: Mapping[str, Any]) -> str:
-    """As people type it; what has its default is left out, and names that cannot be typed are dots.
+    """Return a command as people type it. What has its default is left out, and names that cannot be typed are dots.
 
     Parameters
     ----------

@@ -174,7 +174,9 @@ def _between_parts(uids: Sequence[str], groups: Groups, partition: NDArray[np.ob
 def _carried(
     trajectories: pa.Table, groups: Groups, held_out: Held
 ) -> tuple[dict[str, NDArray[np.bool_]], dict[str, NDArray[np.bool_]]]:
-    """By unit kind, (n,) each: carries a held-out unit itself; a founding member of its group does."""
+    """Return two masks (n,) for each kind of unit: what carries a held-out unit itself, and what has it by a founder of
+    its group.
+    """
     own, of_group = {}, {}
     for kind in UNIT_KINDS:
         names = set(held_out.get(kind, ()))

@@ -81,7 +81,7 @@ class AuditReport:
         ]
 
     def _verdict(self) -> str:
-        """In words, whether it leaks, and first whether it can be judged at all."""
+        """Say in words whether a split leaks, and first whether it can be judged at all."""
         codes = [finding.code for finding in self.leaks]
         if "split-changed" in codes:
             return "its files were changed or damaged, so that nothing can be said about leaks"

@@ -127,7 +127,7 @@ def place_of(trajectories: pa.Table) -> NDArray[np.int64]:
 
 
 def shared_place_of(trajectories: pa.Table) -> NDArray[np.int64]:
-    """As `place_of`, but one number for a sensor in all recordings where their times tell a moment.
+    """Number the places like `place_of`, with one number for a sensor in all recordings whose times tell a moment.
 
     Sensors that a recording leaves unnamed have another made-up name in each: there only equal spans are one place.
     """

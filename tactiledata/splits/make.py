@@ -147,7 +147,7 @@ def _existing(store: Store, name: str, options: SplitOptions) -> dict[str, Any] 
 
 
 def _moved(store: Store, name: str, table: pa.Table) -> list[str]:
-    """In words, who has another part than before; nobody, unless a missing parent turned up or a table was changed."""
+    """Say who has another part than before: nobody, unless a missing parent turned up or a table was changed."""
     try:
         old = read_split(store, name).table
     except StoreError as error:

@@ -243,7 +243,7 @@ def load_split(store: Store, name: str) -> Split:
 
 
 def coverage_problem(split: Split, uids: pa.ChunkedArray) -> str:
-    """In words, how the trajectories of a split and of a store differ; empty where they are the same."""
+    """Say how the trajectories of a split and of a store differ; empty where they are the same."""
     inside = split.table["uid"]
     new = len(uids) - pc.sum(pc.is_in(uids, value_set=inside.combine_chunks()), min_count=0).as_py()
     gone = len(inside) - pc.sum(pc.is_in(inside, value_set=uids.combine_chunks()), min_count=0).as_py()

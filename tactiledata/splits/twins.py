@@ -25,7 +25,7 @@ def join_twins(
     start: NDArray[np.int64],
     end: NDArray[np.int64],
 ) -> dict[int, tuple[int, ...]]:
-    """Which clusters of touches stand with clusters of earlier recordings.
+    """Return, for each cluster of touches, the clusters of earlier recordings that it repeats.
 
     Recordings are gone through in the order in which they came to the store, so that what comes later joins what is
     there, and never moves it.

@@ -134,7 +134,7 @@ class SignalBuffer:
         return found
 
     def _frame_findings(self) -> list[Finding]:
-        """That messages state no frame_id, and which frame they are taken to be in."""
+        """Findings that messages state no frame_id, with the frame that they are taken to be in."""
         if not self.unframed:
             return []
         text = f"{self.unframed} messages of {self.topic} state no frame_id; the mapping says {self.frame!r}"

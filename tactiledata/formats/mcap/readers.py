@@ -127,7 +127,7 @@ def unit_factors(role: SignalRole) -> list[float]:
 
 
 class JointOrder:
-    """Where our six joints are among the names of a message; never by position.
+    """The places of the six joints of the arm among the names of a message; never taken by position.
 
     Names may carry a prefix (``left_elbow_joint``, ``ur/elbow_joint``) as long as only one robot fits. -1 stands for a
     joint that a message lacks while it holds others of the robot.

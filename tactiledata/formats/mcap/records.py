@@ -256,7 +256,7 @@ class RecordWalker:
         return opcode == DATA_END or further == 0 or self._is_chain(position + HEAD.size + length, further - 1)
 
     def _next_record(self, start: int) -> int | None:
-        """Where the next record begins that can be believed, from ``start`` on; ``None`` where there is none."""
+        """Return the first byte, from ``start`` on, of a record that can be believed; ``None`` where there is none."""
         if self._landmarks.chunks:
             index = bisect_right(self._landmarks.chunks, start - 1)
             return self._landmarks.chunks[index] if index < len(self._landmarks.chunks) else None

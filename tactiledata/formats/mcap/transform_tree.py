@@ -63,7 +63,7 @@ class TransformTree:
         return take
 
     def findings(self) -> list[Finding]:
-        """That the two frames were never joined, with the frames that there are."""
+        """Findings that two frames were never joined, with the frames that there are."""
         if self._way():
             return []
         edges = sorted(f"{parent} -> {child}" for child, (parent, _) in self._edges.items())

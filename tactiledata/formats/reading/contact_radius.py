@@ -14,7 +14,8 @@ CODE = "impossible-contact-radius"
 
 
 def impossible_radii(radii: ArrayLike, indenter_radius: float, pixel_pitch: float) -> NDArray[np.bool_]:
-    """Which contact radii (n,), pixels, exceed the indenter's own radius, or are negative or not finite.
+    """Return a mask (n,) of contact radii, in pixels, that exceed the indenter's own radius, or are negative or not
+    finite.
 
     Parameters
     ----------

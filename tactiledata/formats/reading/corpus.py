@@ -236,7 +236,7 @@ class CorpusFormat(Format):
         return Source(str(home), key, self.name, tuple(map(str, files)), "" if part is None else part.name)
 
     def require(self, path: Path) -> None:
-        """Nothing, where the path exists and is of this format."""
+        """Refuse a path that does not exist or is not of this format."""
         if not path.exists():
             raise MissingFile(f"{path} does not exist", f"a file or folder of {self.title}", path=str(path))
         if not self.sniff(path):

@@ -59,7 +59,7 @@ class CsvTable:
         return [value.strip() for value in self.cells.column(column).to_pylist()]
 
     def require(self, columns: Sequence[str], remedy: str = "") -> None:
-        """Nothing, where the table has these columns; else a `BrokenLog` that names what it has."""
+        """Refuse a table that lacks one of these columns; the `BrokenLog` names the columns that it has."""
         missing = [column for column in columns if column not in self.columns]
         if missing:
             raise BrokenLog(

@@ -169,7 +169,7 @@ def _parse(text: _Text, columns: tuple[str, ...], separator: str) -> tuple[pa.Ta
 
 
 def _parse_quoted(text: _Text, columns: tuple[str, ...], separator: str) -> tuple[pa.Table, int, list[int]]:
-    """As `_parse`, line by line: an unbalanced quote then costs one row, not the rest of the file."""
+    """Parse a table line by line, so that an unbalanced quote costs one row and not the rest of the file."""
     rows: list[list[str]] = []
     faulty: list[int] = []
     lines = [line for line in re.split(r"\r\n|\n|\r", text.body.decode()) if line]

@@ -105,7 +105,7 @@ def contact_poses(
 
 
 def find_jumps(positions: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which of n positions lie farther from the one before than ten times the mean step so far.
+    """Return a mask (n,) of positions that lie farther from the one before than ten times the mean step so far.
 
     YCB-Slide's own filter; its script deletes such poses, and the first pose of every trajectory too, but not their
     images. Here rows are only marked, and the first pose stays.
@@ -121,7 +121,9 @@ def find_jumps(positions: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def is_pose(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which rows (n, 7) are poses: within a million metres, with a quaternion that is neither zero nor absurd."""
+    """Return a mask (n,) of rows (n, 7) that are poses: within a million metres, with a quaternion that can be
+    normalised.
+    """
     sizes = np.abs(rows)
     is_sane = np.all(sizes < FAR, axis=1, keepdims=True)  # false for NaN
     lengths = np.linalg.norm(np.where(is_sane, rows, 0.0)[:, 3:], axis=1)

@@ -48,7 +48,7 @@ _GET_OPCODES = {"BINGET", "LONG_BINGET", "GET"}
 
 
 def index_bytes_list(path: Path) -> BytesList | None:
-    """Where the items of a pickled list of bytes lie; ``None`` where the file holds something else.
+    """Return the places of the items of a pickled list of bytes; ``None`` where the file holds something else.
 
     Nothing is executed and one item at a time is in memory, so a list of any length is read in flat memory.
 

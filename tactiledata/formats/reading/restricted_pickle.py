@@ -144,12 +144,12 @@ class BoundedReader:
         self._end = stream.tell() + size
 
     def read(self, size: int = -1) -> bytes:
-        """At most ``size`` bytes, never more than are left."""
+        """Read at most ``size`` bytes, and never more than are left."""
         left = max(self._end - self._stream.tell(), 0)
         return self._stream.read(left if size < 0 else min(size, left))
 
     def readline(self, size: int = -1) -> bytes:
-        """One line."""
+        """Read one line, and never more than is left."""
         return self._stream.readline(size)
 
     def readinto(self, buffer: Any) -> int:

@@ -15,7 +15,7 @@ SLERP = "linear in position, slerp in rotation, between the neighbouring samples
 
 
 def broken_rotations(poses: Values) -> NDArray[np.bool_]:
-    """Which poses (n, 7) have a quaternion that is no rotation: its norm is off 1 by more than a tenth."""
+    """Return a mask (n,) of poses (n, 7) whose quaternion is no rotation: its norm is off 1 by more than a tenth."""
     with np.errstate(over="ignore", invalid="ignore"):
         return ~(np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) < 0.1)
 

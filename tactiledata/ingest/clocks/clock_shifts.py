@@ -30,7 +30,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Shift:
-    """By how much (ns) a stream is late, and the stream that tells it."""
+    """The time (ns) by which a stream is late, and the name of the stream that shows it."""
 
     late_ns: int
     against: str
@@ -68,7 +68,9 @@ def span_of(t_ns: Times) -> Span:
 
 
 def touched_span(recording: Recording, cameras: Mapping[str, Times]) -> Span | None:
-    """From the first to the last trajectory that a recording names, else from the first image to the last."""
+    """Return the span from the first to the last trajectory that a recording names, else from its first image to its
+    last.
+    """
     if recording.trajectories:
         starts = [trajectory.start_ns for trajectory in recording.trajectories]
         return min(starts), max(trajectory.end_ns for trajectory in recording.trajectories)
@@ -103,7 +105,7 @@ def shift_finding(name: str, shift: Shift, t_ns: Times, stated_ns: int, clock: s
 
 @dataclass(frozen=True)
 class DisplacedFrames:
-    """Which images (n,) have a time that is off, and what is to be said."""
+    """A mask (n,) of images whose time is off, and the findings on them."""
 
     is_off: NDArray[np.bool_]
     findings: tuple[Finding, ...]

@@ -55,7 +55,7 @@ class Witness:
 
 @dataclass(frozen=True)
 class BelievedTimes:
-    """Which samples (n,) have a time that can be believed, and what is to be said."""
+    """A mask (n,) of samples whose time can be believed, and the findings on the others."""
 
     kept: NDArray[np.bool_]
     findings: tuple[Finding, ...]

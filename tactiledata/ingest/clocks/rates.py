@@ -37,7 +37,7 @@ class Rate:
     largest_gap_ns: int
 
     def document(self) -> dict[str, float | int]:
-        """As JSON values."""
+        """The rate as JSON values."""
         return {
             "rate_hz": round(self.nominal, 3),
             "effective_rate_hz": round(self.effective, 3),

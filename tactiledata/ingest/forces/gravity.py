@@ -59,7 +59,7 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
 
 
 def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
-    """Which moments (n,) have no pose near enough to compute the tool's weight from.
+    """Return a mask (n,) of moments that have no pose near enough to compute the tool's weight from.
 
     They lie in a gap between two poses that is longer than `LONGEST_GAP`, or more than `LONGEST_HOLD` before the
     first or after the last. A gap with one pose at both ends is none: the arm stood, and nothing was written.
@@ -86,7 +86,7 @@ def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
 
 
 def _is_sound(tcp: StoredSignal) -> NDArray[np.bool_]:
-    """Which poses (n,) are known and turn by a rotation."""
+    """Return a mask (n,) of poses that are known and turn by a rotation."""
     return np.asarray(np.isfinite(tcp.values).all(axis=1) & ~broken_rotations(tcp.values))
 
 

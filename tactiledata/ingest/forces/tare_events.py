@@ -109,7 +109,7 @@ def _located(
 
 
 def tares_near(t_ns: Times, tare_ns: Sequence[int]) -> tuple[NDArray[np.bool_], list[Finding]]:
-    """Which stated moments (k,) lie within a day of a recording, and a finding on those that do not.
+    """Return a mask (k,) of stated moments that lie within a day of a recording, and a finding on the others.
 
     Parameters
     ----------

@@ -81,7 +81,7 @@ class IngestReport:
         return any(source.state == "failed" or source.status == "damaged" for source in self.sources)
 
     def document(self) -> dict[str, Any]:
-        """As JSON values."""
+        """The report as JSON values."""
         return {
             "store": self.store,
             "sources": [

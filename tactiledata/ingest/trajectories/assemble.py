@@ -154,7 +154,7 @@ def _displaced_frames(
     signals: Mapping[str, StoredSignal],
     said: _Findings,
 ) -> NDArray[np.bool_]:
-    """Which images (n,), in the order of the sink, have a time that is off."""
+    """Return a mask (n,) of images, in the order of the sink, whose time is off."""
     crc = captured.images["crc32c"].to_numpy()
     times = {name: signal.t_ns for name, signal in signals.items()}
     jumped = judge_frames(recording, frame_tables.rows_by_camera(captured), captured.t_ns, crc, times)

@@ -102,7 +102,9 @@ def add_sensor(
 
 
 def _refuse_doubtful(store: Store, name: str, image: NDArray[np.uint8], sensor: Sensor, what: str) -> None:
-    """Nothing, unless colours are swapped, or the store's own frames of the sensor in free air look otherwise."""
+    """Refuse a picture whose colours are swapped, or from which the store's own frames of the sensor in free air
+    differ.
+    """
     if sensor.name == "digit":
         refuse_swapped_channels(image, what)
     middle = free_air_median(store, name)

@@ -106,7 +106,7 @@ class _Steps:
         self._done, self._total, self._progress = 0, total, progress
 
     def take(self, count: int, what: str) -> None:
-        """So many more are done."""
+        """Report that so many more steps are done."""
         self._done += count
         if self._progress is not None:
             self._progress(self._done, self._total, what)

@@ -85,7 +85,7 @@ def _frame_faults(store: Store, frames: pa.Table) -> Iterator[tuple[str, Mask]]:
 
 
 def _equals(frames: pa.Table, name: str, value: str) -> Mask:
-    """Where a column of names has a value; the column's dictionary is searched, not its rows."""
+    """Return a mask of rows where a column of names has a value. The column's dictionary is searched, not its rows."""
     found = [np.empty(0, dtype=bool)]
     for chunk in frames[name].chunks:
         names = chunk.dictionary.to_pylist()

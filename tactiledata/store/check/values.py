@@ -47,7 +47,7 @@ def value_findings(
 
 
 def need_sound_values(store: Store, signals: Collection[str]) -> None:
-    """Nothing, where what frames tell, and these signals at their native rate, are the numbers of their sources.
+    """Refuse a store whose frame values, or whose named signals at native rate, are not the numbers of their sources.
 
     A chunk that was lost reads as numbers that nobody recorded: whoever computes from a store asks this first.
 
@@ -76,7 +76,7 @@ def source_value_findings(
     rows: dict[str, Rows] | None = None,
     is_asked: Callable[[str], bool] = lambda path: True,
 ) -> Iterator[Finding]:
-    """The same of one source.
+    """Findings on the numbers of one source that are not those that were ingested.
 
     Parameters
     ----------

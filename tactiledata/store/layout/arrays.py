@@ -33,7 +33,7 @@ class BatchStore(LocalStore):
         self.batch = batch
 
     def with_read_only(self, read_only: bool = False) -> BatchStore:
-        """The same store, writable or not."""
+        """Return the same store, writable or not."""
         return BatchStore(self.batch, read_only=read_only)
 
     async def get(

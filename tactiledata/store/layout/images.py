@@ -65,7 +65,7 @@ class HeapAppender:
     _open: tuple[int, int] | None = None
 
     def append(self, spool: Path, offsets: Indices, lengths: Indices, crc32c: NDArray[Any]) -> Indices:
-        """Where the payloads at ``offsets`` of a spool file came to lie in the heap.
+        """Append the payloads at ``offsets`` of a spool file, and return their places in the heap.
 
         Raises
         ------

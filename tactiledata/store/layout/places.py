@@ -151,7 +151,7 @@ def table_folder(table: str) -> str:
 
 
 def staging_folder(store_path: Path | str, sha256: str) -> Path:
-    """Where the staged take of a source lies until it is committed."""
+    """Return the folder in which the staged take of a source lies until it is committed."""
     if len(sha256) != 64 or set(sha256) - set("0123456789abcdef"):
         raise UsageError(f"source digest {sha256!r}", "a SHA-256 in 64 lower-case hex digits")
     return Path(store_path) / STAGING / sha256

@@ -144,7 +144,7 @@ class SensorAppender:
         self._facts, _ = merged_facts(self._facts, facts)
 
     def finish(self) -> None:
-        """Facts written."""
+        """Write the facts of all sensors."""
         if self._facts:
             self._manifest["sensors"] = write_sensors(self._batch, self._manifest, self._facts)
 

@@ -49,7 +49,7 @@ class StoreFiles(ABC):
         """A whole file as it lies there."""
 
     def need_fetched(self, path: str) -> None:
-        """Nothing, where no file of an array is a Git LFS pointer; asked where an array cannot be read.
+        """Refuse an array of which a file is a Git LFS pointer; asked where the array cannot be read.
 
         Raises
         ------
@@ -91,7 +91,7 @@ class StoreFiles(ABC):
 
     @abstractmethod
     def place(self, path: str) -> Path | str:
-        """Where a file of the store lies: a path, or a URL."""
+        """Return the path or the URL of a file of the store."""
 
 
 class LocalFiles(StoreFiles):
@@ -156,7 +156,7 @@ class LocalFiles(StoreFiles):
         return _opened(LocalStore(self._folder, read_only=True), path, self)
 
     def place(self, path: str) -> Path:
-        """Where a file of the store lies."""
+        """Return the path of a file of the store."""
         return self._folder / path
 
 

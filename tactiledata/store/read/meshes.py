@@ -152,7 +152,7 @@ class StoredMesh:
         return np.isin(self.status(rows), HAS_MESH)
 
     def pad_numbers(self, rows: ArrayLike | None = None) -> NDArray[np.int16]:
-        """Which of the pads (n,) each frame's sensor has; -1 where there is no mesh."""
+        """Return the number of the pad (n,) of each frame's sensor; -1 where there is no mesh."""
         return self._at("pad", rows)
 
     def _at(self, array: str, rows: ArrayLike | None) -> NDArray[Any]:

@@ -27,7 +27,7 @@ MOST_THREADS = 16
 
 
 class Pictures:
-    """Where the images of a store lie, and what they show.
+    """The images of a store: their places, and what they show.
 
     tensorstore would read shards as fast, but ends the process when it is used on both sides of a fork, which is how
     PyTorch starts its workers; a shard's index and frames are read here instead (`shards`).

@@ -32,7 +32,7 @@ class Origin:
 
     @classmethod
     def of(cls, store: Store) -> Origin:
-        """From a store whose documents are whole.
+        """Make an origin of a store whose documents are whole.
 
         Raises
         ------

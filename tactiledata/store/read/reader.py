@@ -317,7 +317,7 @@ class Store:
         return [stem for stem in stems if f"{stem}.parquet" in files]
 
     def split_path(self, name: str, suffix: str = ".parquet") -> Path | str:
-        """Where a split's file lies (``.parquet`` or ``.json``): a path, or a URL for a remote store."""
+        """Return the path of a split's file (``.parquet`` or ``.json``), or its URL for a remote store."""
         return self._files.place(f"splits/{folder_name(name)}{suffix}")
 
     def read_file(self, path: str) -> bytes:

@@ -37,7 +37,7 @@ class Meaning:
 
     @classmethod
     def of(cls, facts: Mapping[str, Any]) -> Meaning:
-        """From an entry of the manifest."""
+        """Read the meaning of a signal from an entry of the manifest."""
         columns, units = tuple(facts["columns"]), tuple(facts["units"])
         return cls(columns, units, facts["frame"], facts["attributes"], facts["statistics"])
 

@@ -17,7 +17,7 @@ STATUSES = ("ok", "unverified", "damaged")
 
 
 def check_take(take: Take, n_images: int) -> None:
-    """Nothing, where tables have their schemas, rows point inside, and arrays have the lengths that they should.
+    """Refuse a take whose tables lack their schemas, whose rows point outside, or whose arrays have other lengths.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class StagedTake:
         return np.memmap(self.folder / ARRAYS, entry["dtype"], "r", entry["offset"], tuple(entry["shape"]))
 
     def check(self) -> None:
-        """Nothing, where tables and arrays are what was staged.
+        """Refuse a staged take whose tables or arrays are not what was staged.
 
         Raises
         ------
