@@ -70,7 +70,7 @@ def test_files(names: Iterable[str]) -> list[str]:
     found: list[Path] = []
     for name in names:
         place = ROOT / "tests" / name
-        found += sorted(place.glob("test_*.py")) if place.is_dir() else [place]
+        found += sorted(place.rglob("test_*.py")) if place.is_dir() else [place]
     return [str(path.relative_to(ROOT)) for path in found]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.store.read.pictures import decode_jpeg_into
 
-BACKGROUNDS = sorted((Path(__file__).parents[2] / "tactiledata" / "sensors" / "digit_backgrounds").glob("*.jpg"))
+BACKGROUNDS = sorted((Path(__file__).parents[3] / "tactiledata" / "sensors" / "digit_backgrounds").glob("*.jpg"))
 
 
 def test_both_decoders_agree_to_the_bit():

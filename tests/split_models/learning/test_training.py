@@ -23,7 +23,7 @@ from split_models.learning.train_options import TrainOptions
 from split_models.networks.projection import Projection
 from tactiledata.errors import CheckpointError, MissingFile, NotFinite, UnknownName, UsageError
 
-LEARNER = Path(__file__).with_name("learner.py")
+LEARNER = Path(__file__).parents[1] / "learner.py"
 
 
 def losses(trained):

@@ -19,7 +19,7 @@ from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 
-PUBLISHED = Path(__file__).parents[1] / "data" / "digit_gel" / "digit_gel.mesh"
+PUBLISHED = Path(__file__).parents[2] / "data" / "digit_gel" / "digit_gel.mesh"
 MATERIAL = GelMaterial(0.9e6, 0.47, 0.6)
 
 

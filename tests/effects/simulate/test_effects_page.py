@@ -9,7 +9,7 @@ from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.reference_touch import RIG, contact_stiffness, largest_changes
 from tests.cli.command import run_command
 
-PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
+PAGE = Path(__file__).parents[3] / "docs" / "effects.md"
 
 
 def row(name):

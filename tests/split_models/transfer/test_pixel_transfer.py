@@ -12,7 +12,7 @@ from split_models.transfer.pixels.reinhard import statistics
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.sensors.backgrounds import load_background
 
-CONTACT = Path(__file__).parents[1] / "data" / "digit_contact" / "digit_raw.png"
+CONTACT = Path(__file__).parents[2] / "data" / "digit_contact" / "digit_raw.png"
 ALL = sorted(PIXEL_TRANSFERS)
 FROM_BACKGROUNDS = ["background_swap", "background_ratio", "histogram_matching", "reinhard"]
 """Methods that look at the picture only through the two backgrounds."""

@@ -145,7 +145,7 @@ def test_two_processes_train_a_recipe(touch_store, tmp_path):
         [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2", "-m", "split_models",
          "train", str(path), "--out", str(tmp_path / "out"), "--json"],
         capture_output=True, text=True, check=False, timeout=400, cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2]), "OMP_NUM_THREADS": "1"},
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[3]), "OMP_NUM_THREADS": "1"},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-2000:]
     models = json.loads(done.stdout[done.stdout.index("{") :])["models"]

@@ -10,7 +10,7 @@ from generators.collect import read
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.mcap import McapFormat
 
-FOLDER = Path(__file__).parents[1] / "data" / "mcap"
+FOLDER = Path(__file__).parents[2] / "data" / "mcap"
 FORMAT = McapFormat()
 MESSAGES = {
     "ros2/cdr_test_0.mcap": {"/test_topic": 3, "/array_topic": 4},

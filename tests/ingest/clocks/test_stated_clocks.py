@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from test_stated_tares import ALL, TOUCH_SECONDS, WITHIN, World
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps
 from tactiledata.ingest.clocks.align import align
 from tactiledata.ingest.clocks.timeline import put_on_host_clock
 from tactiledata.ingest.forces.contact import contact_wrench
-from tests.ingest.test_stated_tares import ALL, TOUCH_SECONDS, WITHIN, World
 
 KINDS = ("header", "unset header", "one stamp")
 FACTS = ("wrench", "tcp", "power_on_ns")

@@ -318,7 +318,7 @@ def test_inspect_counts_without_reading_images(tmp_path):
     assert inspection.facts["trajectories"] == 2
 
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "formats-folder.md"
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "formats-folder.md"
 
 
 def test_the_page_example_is_a_valid_log(tmp_path):
