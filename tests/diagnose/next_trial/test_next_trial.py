@@ -205,7 +205,7 @@ def test_an_abstention_asks_for_what_separates_the_strongest(named):
     unknown = dataclasses.replace(named.decision, verdict="none of the known effects", ties=())
     refitted = rivals_of(dataclasses.replace(named, decision=unknown))
     assert [one.name for one in refitted.members] == ["relaxation", "lag"]
-    screened = rivals_of(dataclasses.replace(named, decision=unknown, judged=[]))
+    screened = rivals_of(dataclasses.replace(named, decision=unknown, scored=[]))
     assert {one.name for one in screened.members} == {"relaxation", "lag"}
     first, second = (one.fit for one in refitted.members)
     both = dataclasses.replace(
