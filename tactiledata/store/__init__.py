@@ -11,3 +11,21 @@ Read the rooms in this order:
 A room imports only rooms above it in this list. Nothing here interprets numbers: forces and clocks belong to
 ``ingest``.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tactiledata.store.read.reader import Store
+
+__all__ = ["Store"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import `Store` when it is asked for: the rooms of this package load without it."""
+    if name == "Store":
+        from tactiledata.store.read.reader import Store
+
+        return Store
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -136,7 +136,7 @@ def _loading(manifest: Mapping[str, Any]) -> list[str]:
         "## Loading",
         "",
         "```python",
-        "from tactiledata.store.read.reader import Store",
+        "from tactiledata.store import Store",
         "",
         'store = Store.open("ds.zarr")',
         "frames = store.frames()  # a pyarrow table, a row a frame",
