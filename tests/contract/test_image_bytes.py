@@ -114,3 +114,21 @@ def test_the_limit_of_a_decoded_size_is_said_in_millions_of_pixels():
     said = "4096 rows x 4097 columns are 16.8 million pixels, and at most 16.8 million are decoded"
     assert size_fault(4096, 4097) == said
     assert size_fault(30000, 30000).startswith("30000 rows x 30000 columns are 900.0 million pixels")
+
+
+@pytest.mark.parametrize("lost", [1, 2, 3, 4, 11, 12])
+def test_a_png_without_the_last_bytes_of_its_end_mark_is_cut(lost):
+    """The end mark has 12 bytes: length, name and CRC; one byte less, and the picture is not complete."""
+    payload = encoded(".png", picture())
+    assert read_header(payload).is_complete
+    assert read_header(payload + b"\0").is_complete
+    assert not read_header(payload[:-lost]).is_complete
+
+
+@pytest.mark.parametrize("size", [0, 8, 25])
+def test_a_png_that_ends_before_its_size_is_refused(size):
+    """26 bytes hold signature, length, name, size, bits and colours; the message says how many there are."""
+    payload = encoded(".png", picture(7, 9))
+    assert (read_header(payload[:26]).height, read_header(payload[:26]).width) == (7, 9)
+    with pytest.raises(BrokenLog):
+        read_header(payload[:size])
