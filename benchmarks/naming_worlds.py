@@ -129,7 +129,7 @@ def _refit(cases: TouchSet, wrenches: np.ndarray) -> JointFit:
     """The plain simulation fitted to wrenches (N, 6) without noise; its cost in squares of the noise."""
     ends = np.cumsum(cases.counts)[:-1]
     exact = [replace(case, measured=one) for case, one in zip(cases.touches, np.split(wrenches, ends), strict=True)]
-    return plain_fit(WhitenedTouches.of(replace(cases, cases=exact), NamingOptions().errors), START)
+    return plain_fit(WhitenedTouches.of(replace(cases, touches=exact), NamingOptions().errors), START)
 
 
 def _found(naming: NamingResult, asked: Asked, change: np.ndarray) -> dict[str, Any]:
