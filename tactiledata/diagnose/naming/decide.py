@@ -67,6 +67,7 @@ class Decision:
     Parameters
     ----------
     verdict : Verdict
+        "named" and "one of a set" are claims; "below detection" is a trace; the other two name no effect.
     best : ScoredCandidate, optional
         The claim; the trace where the verdict is "below detection"; otherwise the nearest candidate. ``None`` where
         nothing was refitted.
@@ -112,6 +113,7 @@ def decide(
     left : RemainingStructure
         What the best of all fits leaves of held-out trajectories.
     thresholds : DecisionThresholds
+        What a claim needs.
     """
     is_left = left.is_structure(thresholds)
     chances = _probabilities(singles, pairs, thresholds, is_left)
@@ -176,6 +178,7 @@ def needed_of(
     singles : sequence of ScoredCandidate
         Candidates with one effect, both effects of the pair among them.
     thresholds : DecisionThresholds
+        What a claim needs.
     """
     alone = {single.names[0]: single for single in singles}
     sufficient = []
@@ -206,7 +209,11 @@ def _ties(
     metric: RandomEffects,
     thresholds: DecisionThresholds,
 ) -> tuple[Tie, ...]:
-    """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``."""
+    """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
+
+    A plausible effect is a tie where it explains the data as well and is not needlessly wide, or where it has more
+    evidence and nearly a claim's gain.
+    """
     others = [
         other
         for other in ranked
@@ -301,6 +308,7 @@ def ties_of_two(
     substitutes : sequence of (kept, substitute)
         The effect of the pair that is kept, scored by itself, and the pair of it with another effect.
     thresholds : DecisionThresholds
+        What a claim needs.
     """
     ties = []
     for kept, substitute in substitutes:

@@ -237,24 +237,27 @@ class ScoredCandidate:
         that were not fitted; trajectories that do not agree; a signature that the refit has not removed; and strengths
         that are not plausible.
         """
-        found = []
+        reasons = []
         if self.gain < thresholds.claim_gain and not self.has_broad_support(thresholds):
-            found.append(
+            reasons.append(
                 f"the held-out gain is {self.gain:.1f}, and errors of the simulation alone can bring up to"
                 f" {thresholds.claim_gain:g}"
             )
         if not self.is_certain(thresholds):
-            found.append(
+            reasons.append(
                 f"the held-out gain is {self.gain:.1f} with a standard error of {self.gain_error:.1f}, and the evidence"
                 f" is {self.evidence_without_best_two:.1f} without the two trajectories that contribute most"
             )
         if self.excess_share < thresholds.least_excess_share:
-            found.append(f"{100 * self.excess_share:.0f} % of the excess over the noise is gone in data not fitted")
+            reasons.append(
+                f"only {100 * self.excess_share:.0f} % of the excess over the noise is gone in data that were not"
+                " fitted"
+            )
         if not self.is_agreed(thresholds):
-            found.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
+            reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
         elif abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
-            found.append("the residual still holds the change that the effect should remove")
-        return (*found, *(f"{name} is not plausible" for name in self.implausible))
+            reasons.append("the residual still holds the change that the effect should remove")
+        return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 
 
 def score_candidate(

@@ -61,7 +61,7 @@ def intervals(
     """
     vector, (low, high) = fit.model.vector, fit.model.bounds
     deviations = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0) * dispersion)
-    found = []
+    results = []
     for entry in range(3 + len(fit.model.coordinates)):
         ends = []
         for side in (-1.0, 1.0):
@@ -73,8 +73,8 @@ def intervals(
         name, unit = _name(fit, entry)
         value, first, last = (_value(fit, entry, number) for number in (vector[entry], *ends))
         at_bound = bool(ends[0] <= low[entry]), bool(ends[1] >= high[entry])
-        found.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
-    return tuple(found)
+        results.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
+    return tuple(results)
 
 
 def _profiled(

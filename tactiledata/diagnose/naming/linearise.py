@@ -139,8 +139,9 @@ class Linearised:
         Parameters
         ----------
         model : JointModel
+            Present numbers.
         state, slopes : Evaluation, Sensitivities
-            Of this model.
+            Evaluation and derivatives of this model.
         damping : float
             Share of its diagonal that is added to the matrix of the normal equations (Levenberg and Marquardt).
         """

@@ -100,6 +100,7 @@ def best_imitation(metric: RandomEffects, field: Array, others: Array) -> float:
     Parameters
     ----------
     metric : RandomEffects
+        Metric of the cosine.
     field : (N, 6)
         Field that is imitated.
     others : (N, 6, p)

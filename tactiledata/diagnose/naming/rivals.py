@@ -69,7 +69,9 @@ class Rivals:
     Parameters
     ----------
     members : tuple of Rival
+        The explanations; `Pair` refers to them by index.
     pairs : tuple of Pair
+        Those that a next trial should separate.
     """
 
     members: tuple[Rival, ...]
@@ -107,6 +109,7 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     Parameters
     ----------
     naming : NamingResult
+        The answer, with all fits.
     most : int
         Largest number of explanations; it does not limit those of an answer that nothing is missing.
     """

@@ -304,6 +304,7 @@ def own_field(
     whitened : WhitenedTouches
         Trajectories.
     material : GelMaterial
+        Material of the gel.
     settings : sequence of EffectSetting
         Effects in the simulation.
     offsets : (t,) m

@@ -222,8 +222,8 @@ def own_sliders(path: Array, pull: Array, stiffness: Array, limit: Array) -> Sli
 
     most = float(np.log(LARGEST_FACTOR))
     start = min(([0.0, spread] for spread in STARTS), key=lambda values: float(np.sum(missing(np.array(values)) ** 2)))
-    found = least_squares(missing, start, bounds=([-most, -1e-9], [most, 1.0]), diff_step=1e-2, max_nfev=20).x
-    return Sliders(float(np.exp(found[0])), float(max(found[1], 0.0)))
+    solution = least_squares(missing, start, bounds=([-most, -1e-9], [most, 1.0]), diff_step=1e-2, max_nfev=20).x
+    return Sliders(float(np.exp(solution[0])), float(max(solution[1], 0.0)))
 
 
 def shear_change(path: Array, shift: Array, stiffness: Array, limit: Array, sliders: Sliders) -> Array:

@@ -106,6 +106,7 @@ class Played:
     wrench : (N, 6) N, N m
         What the sensor would read in all frames, one trajectory after the other.
     contacts : dict, number of a trajectory -> PlayedContact
+        Gel solution of each trajectory.
     """
 
     wrench: Array
