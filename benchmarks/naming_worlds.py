@@ -68,7 +68,7 @@ class Bench:
         fidelity: Fidelity = "linear" if plan.is_quick else "finite-strain"
         wanted = variants_of(varied) if with_variants else ()
         plays = play_touches(
-            plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, tell=_tell, variants=wanted
+            plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, progress=_tell, variants=wanted
         )
         played = set(plays[0].variants)
         asked = QUICK_EFFECTS if plan.is_quick else EFFECTS
