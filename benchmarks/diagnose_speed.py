@@ -78,7 +78,9 @@ class Diagnosis:
         options = DiagnosisOptions(trajectories=self._count, make_pad=coarse_pad)
         began = time.perf_counter()
         done = diagnose_store(
-            Store.open(self._store), options, thinking=lambda what: steps.append((what, time.perf_counter() - began))
+            Store.open(self._store),
+            options,
+            step_progress=lambda what: steps.append((what, time.perf_counter() - began)),
         )
         steps.append(("page and document", time.perf_counter() - began))
         document = store_document(done)

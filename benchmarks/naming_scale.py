@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 Case = dict[str, Any]
 SAID = 0.03
 """Share of nulls that may be answered: as a twentieth at most is to be, and other nulls differ."""
-FITTED = ("slope", "objected", "none", "other")
+FITTED = ("evidence_slope", "objection_cost", "log_odds_nothing", "log_odds_unlisted")
 EVERYWHERE = frozenset({"sensor_drift"})
 """What every world of the rig has a little of."""
 EDGES = (0.0, 0.5, 0.8, 0.95, 1.01)
@@ -77,7 +77,7 @@ class Considered:
 
     def shares(self, scale: DecisionThresholds) -> Array:
         """Probabilities (c + 2,)."""
-        return scale.shares(self.evidence, self.is_objected, self.at_large > scale.dispersion)
+        return scale.shares(self.evidence, self.is_objected, self.at_large > scale.structure_dispersion)
 
 
 def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
@@ -185,7 +185,8 @@ def main() -> None:
     nulls = [case for case in cases if case["kind"] == "nulls"]
     print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {DEFAULT_THRESHOLDS.claim_gain:g})")
     most = float(np.quantile([case["at_large"] for case in nulls], 0.99))
-    print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {DEFAULT_THRESHOLDS.dispersion:g})")
+    in_use = DEFAULT_THRESHOLDS.structure_dispersion
+    print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {in_use:g})")
     for name in FITTED:
         print(f"{name}: {getattr(DEFAULT_THRESHOLDS, name):.3g} -> {getattr(scale, name):.3g}")
     print(f"mean -log p of what is right: {cost(told, DEFAULT_THRESHOLDS):.3f} -> {cost(told, scale):.3f}")

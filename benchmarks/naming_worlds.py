@@ -68,7 +68,7 @@ class Bench:
         fidelity: Fidelity = "linear" if plan.is_quick else "finite-strain"
         wanted = variants_of(varied) if with_variants else ()
         plays = play_touches(
-            plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, tell=_tell, variants=wanted
+            plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, progress=_tell, variants=wanted
         )
         played = set(plays[0].variants)
         asked = QUICK_EFFECTS if plan.is_quick else EFFECTS
@@ -129,7 +129,7 @@ def _refit(cases: TouchSet, wrenches: np.ndarray) -> JointFit:
     """The plain simulation fitted to wrenches (N, 6) without noise; its cost in squares of the noise."""
     ends = np.cumsum(cases.counts)[:-1]
     exact = [replace(case, measured=one) for case, one in zip(cases.touches, np.split(wrenches, ends), strict=True)]
-    return plain_fit(WhitenedTouches.of(replace(cases, cases=exact), NamingOptions().errors), START)
+    return plain_fit(WhitenedTouches.of(replace(cases, touches=exact), NamingOptions().errors), START)
 
 
 def _found(naming: NamingResult, asked: Asked, change: np.ndarray) -> dict[str, Any]:

@@ -85,7 +85,7 @@ def bic_ladder(case: Case) -> tuple[str, ...]:
 
     best, signatures, kept = case.base, case.signatures, frozenset[Strength]()
     for _ in range(MOST_STEPS):
-        ranked = sorted(screen(best.metric, best.undone, signatures), key=lambda one: -one.score)
+        ranked = sorted(screen(best.metric, best.residual_at_centre, signatures), key=lambda one: -one.score)
         tried = [_with(case, best, kept, one) for one in ranked[:MOST_REFITS] if one.effect not in best.names]
         if not tried:
             break

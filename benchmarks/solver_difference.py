@@ -147,7 +147,7 @@ def exact_cases(bench: Bench) -> TouchSet:
     cases = maker.cases(maker.recorded(0, truth, []), bench.family)
     exact = replace(maker, plan=Still(bench.plan.number, bench.plan.is_quick)).recorded(0, truth, [], is_exact=True)
     read = [replace(case, measured=wrench) for case, wrench in zip(cases.touches, exact.wrenches, strict=True)]
-    return replace(cases, cases=read)
+    return replace(cases, touches=read)
 
 
 def fitted(cases: TouchSet, start: GelMaterial, errors: NumericalErrors) -> JointFit:

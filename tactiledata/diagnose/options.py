@@ -1,4 +1,4 @@
-"""What a user may choose of a store's diagnosis."""
+"""The choices of a diagnosis of a store."""
 
 from __future__ import annotations
 
@@ -17,39 +17,41 @@ from tactiledata.replay.plan import MakePad
 
 @dataclass(frozen=True)
 class DiagnosisOptions:
-    """What shapes a diagnosis, beside the store.
+    """The choices that decide the result of a diagnosis, beside the store.
 
     Parameters
     ----------
     trajectories : int
-        Drawn from the store, indenters in turn.
+        Number of trajectories that are drawn from the store, indenters in turn; at least ``FEWEST_CASES``.
     fidelity : "finite-strain" or "linear"
+        Mechanics of the gel. Effects that change the gel itself are simulated at finite strain only.
     bounds : "paper" or "wide"
-        In which nu and mu are sought; E is free, as an effect may move it far.
-    shore_a : durometer reading, for the start (Gent)
+        Bounds of nu and mu in the fits. E is free, as an effect may move it far.
+    shore_a : float
+        Reading of a Shore A durometer; it gives the Young's modulus from which fits start (Gent).
     sensor : str, optional
-        Only trajectories of this sensor.
+        Serial number: only trajectories of this sensor are drawn.
     indenters : tuple of str
-        Only trajectories of these; all where it is empty.
+        Only trajectories of these indenters are drawn; of all where the tuple is empty.
     effects : tuple of str
-        Candidates; the whole catalogue where it is empty.
+        Names of candidate effects; the whole catalogue where the tuple is empty.
     pairs : bool
         Whether two effects at once are tried.
     seed : int
-        Of what is drawn, and of folds and chances.
+        Random seed for drawing trajectories, folds and sign flips.
     workers : int
-        Processes that play trajectories.
+        Number of processes that play trajectories.
     make_pad : callable, optional
-        A pad of one's own for each sensor model.
+        Makes the mesh of the gel from a sensor model's name and geometry, instead of the built-in one.
     indenter_folder : Path, optional
-        Where the meshes of indenters lie that recordings name by a path.
+        Folder of the mesh files that recordings name for their indenters.
 
     Raises
     ------
     UsageError
-        A value outside its range.
+        A value is outside its range.
     UnknownName
-        No such effect.
+        An effect is not in the catalogue.
     """
 
     trajectories: int = 60
@@ -76,12 +78,12 @@ class DiagnosisOptions:
         self.calibration()
 
     def calibration(self) -> CalibrationOptions:
-        """The same, for what reads and plays touches.
+        """Return the choices that concern reading and playing touches, as a calibration takes them.
 
         Raises
         ------
         UsageError
-            A value outside its range.
+            A value is outside its range.
         """
         return CalibrationOptions(
             fidelity=self.fidelity,
@@ -97,7 +99,7 @@ class DiagnosisOptions:
         )
 
     def document(self) -> dict[str, Any]:
-        """What the result depends on, for provenance."""
+        """Return all choices on which the result depends, ready for JSON, as its provenance."""
         names = ("trajectories", "fidelity", "bounds", "shore_a", "sensor", "pairs", "seed")
         return {name: getattr(self, name) for name in names} | {
             "indenters": sorted(self.indenters),

@@ -1,4 +1,4 @@
-"""`diagnose STORE`: read, play, name, locate, show, and what to record next."""
+"""The diagnosis of a store: which physics its simulation lacks, where they differ, and what to record next."""
 
 from __future__ import annotations
 
@@ -25,51 +25,60 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_trajectories
 
 READ = ("contact_wrench", "wrench", "tcp", "joints")
-"""Streams that are read at their native rate, whatever their source is called."""
+"""Streams whose values must be sound before anything is read, whatever their source is called."""
 
 
 def diagnose_store(
     store: Store,
     options: DiagnosisOptions,
-    playing: Progress = no_progress,
-    thinking: Callable[[str], None] = lambda what: None,
+    play_progress: Progress = no_progress,
+    step_progress: Callable[[str], None] = lambda what: None,
 ) -> StoreDiagnosis:
-    """What the simulation of a store's touches lacks.
+    """Return which physics the simulation of a store's touches lacks, where they differ, and what to record next.
 
     Parameters
     ----------
-    playing : callable
-        Told how many of the plays are done.
-    thinking : callable
-        Told what is done with them.
+    store : Store
+        Recordings.
+    options : DiagnosisOptions
+        Which trajectories and effects, and how the gel plays them.
+    play_progress : Progress
+        Called with how many plays of touches are finished, how many there are, and what was played last.
+    step_progress : callable
+        Called with a few words at the beginning of each later step.
 
     Raises
     ------
     TactileDataError
-        The store is damaged; too few trajectories can be used, the message counts the reasons; or scikit-learn is not
-        installed.
+        The store is damaged; too few trajectories can be used, and the message counts the reasons; or scikit-learn is
+        not installed.
     """
+    # check, read and play
     need_learning_library()
     need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
-    played = store_touches(store, options.calibration(), playing)
-    wanted = tuple(name for name in played.effects if not options.effects or name in options.effects)
+    played = store_touches(store, options.calibration(), play_progress)
+    # name what is missing
+    candidates = tuple(name for name in played.effects if not options.effects or name in options.effects)
     errors = NumericalErrors.of(options.fidelity)
-    asked = NamingOptions(effects=wanted, errors=errors, pairs=options.pairs, seed=options.seed)
-    naming = name_effects(played.touch_set, played.start, asked, thinking)
-    shown = show(naming, options.seed, thinking)
+    naming_options = NamingOptions(effects=candidates, errors=errors, pairs=options.pairs, seed=options.seed)
+    naming = name_effects(played.touch_set, played.start, naming_options, step_progress)
+    # compare on data that had no part in the fit
+    shown = show(naming, options.seed, step_progress)
+    # a formula where no known effect explains what is missing
     formula = None
     if Answer(naming).is_missing and not shown.names:
-        thinking("looking for a formula")
+        step_progress("looking for a formula")
         residuals = case_residuals(naming.whitened, naming.base)
         known = signature_fields(
-            naming.whitened, naming.base, [name for name in wanted if name not in naming.not_tried]
+            naming.whitened, naming.base, [name for name in candidates if name not in naming.not_tried]
         )
         how = locating(naming.whitened, naming.base, options.seed)
         formula = explain(residuals, how, "seconds", signatures=known, located=shown.located)
-    thinking("what to record next")
+    # what to record next, limits of the recordings, causes of drifting zeros
+    step_progress("what to record next")
     proposals = propose_trials(naming)
     free = read_zeros(store)
-    told = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
+    remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
     simulated = simulated_trajectories(store, played.uids)
-    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, told, causes, simulated)
+    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, remarks, causes, simulated)

@@ -1,1 +1,19 @@
-"""Which known effect is missing: screening, refits, evidence, decision."""
+"""Which known effect does the simulation lack? The answer is one effect, two, a set that cannot be told apart, or none.
+
+Read in this order:
+
+1. `strength`, `parameters`: the numbers of an effect; everything that one fit determines, as a vector.
+2. `metric`: in which sense two changes of the data are alike, beyond what a refit imitates.
+3. `signatures`: what each effect would change. `screen`: how much of the residual it would explain, without a refit.
+4. `linearise`, `joint_fit`: the fit of material, effects and all nuisance parameters together. `refit`: which are made.
+5. `held_out`: what fits predict of data they have not seen. `remaining_structure`: whether the best leaves more than
+   noise.
+6. `evidence`: gain, evidence and signature of a candidate, and the objections to it. `thresholds`: the numbers that a
+   claim needs, and where they come from. `decide`: the answer and its ties.
+7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
+   what the fit attributes to errors of the simulation.
+8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: what the answer leaves open.
+
+The room imports `tactiledata.diagnose.touches`, the effects, and names and words of `tactiledata.diagnose.residuals`.
+It reads no store, draws no page, and knows nothing of locators or formulas.
+"""

@@ -1,4 +1,18 @@
-"""From what refits have gained to an answer: an effect, a set of them, or that there is none to be named."""
+"""From scored candidates to the answer: an effect, a set of them, or that nothing can be named.
+
+`tactiledata.diagnose.naming.evidence` defines gain, evidence, signature statistic, excess, objection and trace. Here:
+
+claim
+    The effect, or the pair, that the answer names: the candidate with most evidence among those without objections.
+difference that is certain
+    The sum D = Σ (g_k - h_k) of two candidates' gains over trajectories k, where it exceeds ``claim_gain`` and
+    ``gain_sigmas`` standard errors of D. Smaller differences can come from errors of the simulation or from chance.
+tie
+    Another effect that explains the data about as well as the claim, so that these data cannot decide between the two.
+    A claim with ties is answered as "one of a set".
+structure
+    What the best fit leaves where that is more than noise in most trajectories (`RemainingStructure`).
+"""
 
 from __future__ import annotations
 
@@ -20,19 +34,22 @@ NONE, OTHER = "none", "other"
 
 @dataclass(frozen=True)
 class Tie:
-    """An effect that cannot be told from the one that was named.
+    """An effect that these data cannot tell from a named one.
 
     Parameters
     ----------
     name : str
+        The other effect.
     instead_of : str
-        The one that was named; one of the two where two are.
+        The named effect for which it could stand; one of the two where two are named.
     label : str
-        Of the refit with it.
+        Label of the refit with the other effect: a pair where two are named.
     cosine : float
-        Of what the named one changes, beyond what a refit imitates, with the nearest that this one can change.
+        Cosine, beyond what a refit imitates, of what the named effect changes with what the other one changes or, if
+        that is larger, with the nearest change that the other one could make. Where two effects are named: of what
+        the two pairs change, beyond what a refit with the kept effect imitates.
     gain_apart, error : float
-        How much more the named one gains where it was not fitted, and its standard error over trajectories.
+        How much more the named candidate gains, and the standard error of that difference over trajectories.
     """
 
     name: str
@@ -45,22 +62,25 @@ class Tie:
 
 @dataclass(frozen=True)
 class Decision:
-    """What is said.
+    """The answer, with the candidate that it is about and what speaks for and against it.
 
     Parameters
     ----------
     verdict : Verdict
+        "named" and "one of a set" are claims; "below detection" is a trace; the other two name no effect.
     best : ScoredCandidate, optional
-        What is named, or would be if the evidence sufficed.
+        The claim; the trace where the verdict is "below detection"; otherwise the nearest candidate. ``None`` where
+        nothing was refitted.
     ties : tuple of Tie
+        Effects that these data cannot tell from ``best``.
     probabilities : dict, label -> probability
-        Of each candidate, of "none" and of "other".
+        Of each candidate, of ``NONE`` (nothing is missing) and of ``OTHER`` (an effect outside the catalogue).
     objections : tuple of str
         Why ``best`` is not named; empty where it is.
     left : RemainingStructure
-        What the best fit leaves of trajectories held out.
+        What the best fit leaves of held-out trajectories.
     is_more_left : bool
-        Whether that is structure still.
+        Whether the best fit leaves structure, or more than noise beside a candidate that is rejected for it.
     """
 
     verdict: Verdict
@@ -78,75 +98,108 @@ def decide(
     gains: dict[str, Array],
     metric: RandomEffects,
     left: RemainingStructure,
-    scale: DecisionThresholds,
+    thresholds: DecisionThresholds,
 ) -> Decision:
-    """The answer.
+    """Return the answer to which effect the simulation lacks.
 
     Parameters
     ----------
-    gains : label -> (t,)
-        Held-out gain of each candidate by trajectory.
+    singles, pairs : sequences of ScoredCandidate
+        Refits with one effect and with two. Each effect of a pair is also among the singles.
+    gains : dict, label -> (t,)
+        Gain of each candidate in each trajectory.
     metric : RandomEffects
-        What a refit of the plain simulation could imitate.
+        Metric of the plain fit: what its refit could imitate counts for nothing.
     left : RemainingStructure
-        What the best fit leaves.
+        What the best of all fits leaves of held-out trajectories.
+    thresholds : DecisionThresholds
+        What a claim needs.
     """
-    is_left = left.is_structure(scale)
-    chances = _probabilities(singles, pairs, scale, is_left)
-    ranked = sorted(singles, key=lambda one: -one.gain_lower_bound(scale))
-    best = max((one for one in singles if not one.objections(scale)), key=_evidence, default=None)
-    if best is not None and _exceeds(gains[ranked[0].label] - gains[best.label], scale):
-        # another explains far more, and yet cannot be believed: what is there is not what could be
+    is_left = left.is_structure(thresholds)
+    chances = _probabilities(singles, pairs, thresholds, is_left)
+    # the single without objections that has most evidence
+    ranked = sorted(singles, key=lambda single: -single.gain_lower_bound(thresholds))
+    best = max((single for single in singles if not single.objections(thresholds)), key=_evidence, default=None)
+    if best is not None and _is_certain_difference(gains[ranked[0].label] - gains[best.label], thresholds):
+        # the single that gains most is not the best, and gains certainly more: the best is not what is missing
         best = None
-    # of the pairs that surely gain more: the one with most evidence may gain it from few touches
-    gaining = [one for one in pairs if best is None or _exceeds(gains[one.label] - gains[best.label], scale)]
-    pair = max((one for one in gaining if not one.objections(scale)), key=_evidence, default=None)
+    # a pair replaces it where it gains certainly more; of several, the one with most evidence
+    gaining = [
+        pair
+        for pair in pairs
+        if best is None or _is_certain_difference(gains[pair.label] - gains[best.label], thresholds)
+    ]
+    pair = max((pair for pair in gaining if not pair.objections(thresholds)), key=_evidence, default=None)
     if pair is not None:
-        best = needed_of(pair, singles, scale)
-    is_much = left.without_worst_two > scale.noise and not left.is_in_few(scale)
-    if best is not None and is_much and best.excess_share < scale.explains:
-        # it takes off the smaller part of what is there: something else is, and takes this one's place
+        best = needed_of(pair, singles, thresholds)
+    # a candidate that removes the smaller part of the excess, beside more than noise, stands in for something else
+    is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
+    if best is not None and is_more_than_noise and best.excess_share < thresholds.main_cause_share:
         return Decision(
             "none of the known effects", best, (), chances,
-            (f"{100 * best.excess_share:.0f} % of the excess gone, and more than the noise is left",), left, True,
+            (
+                f"only {100 * best.excess_share:.0f} % of the excess over the noise is gone, and more than the noise"
+                " is left",
+            ),
+            left, True,
         )  # fmt: skip
+    # a claim; ties of a pair need further refits and follow in `ties_of_two`
     if best is not None:
-        ties = _ties(best, ranked, gains, metric, scale) if len(best.names) == 1 else ()
+        ties = _ties(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
         verdict: Verdict = "one of a set" if ties else "named"
         return Decision(verdict, best, ties, chances, (), left, is_left)
+    # no claim: structure, a trace, or nothing
     hint = ranked[0] if ranked else None
-    objections = hint.objections(scale) if hint is not None else ()
-    if is_left or (hint is not None and hint.is_structure(scale)):
+    objections = hint.objections(thresholds) if hint is not None else ()
+    if is_left or (hint is not None and hint.is_structure(thresholds)):
         return Decision("none of the known effects", hint, (), chances, objections, left, is_left)
-    trace = max((one for one in singles if one.is_trace(scale)), key=_evidence, default=None)
+    trace = max((single for single in singles if single.is_trace(thresholds)), key=_evidence, default=None)
     if trace is not None:
-        ties = _ties(trace, ranked, gains, metric, scale)
-        return Decision("below detection", trace, ties, chances, trace.objections(scale), left, is_left)
+        ties = _ties(trace, ranked, gains, metric, thresholds)
+        return Decision("below detection", trace, ties, chances, trace.objections(thresholds), left, is_left)
     return Decision("nothing is missing", hint, (), chances, objections, left, is_left)
 
 
-def needed_of(pair: ScoredCandidate, singles: Sequence[ScoredCandidate], scale: DecisionThresholds) -> ScoredCandidate:
-    """The pair, or one of its two where the other adds nothing of its own beside it.
+def needed_of(
+    pair: ScoredCandidate, singles: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+) -> ScoredCandidate:
+    """Return a pair, or the one of its two effects that suffices where the other adds too little.
 
-    Nothing of its own is what errors of the simulation bring, too; or what the other would have explained in its place,
-    had it been alone: an effect whose form is a little off leaves what looks like its look-alikes.
+    Let A(x | y) be the evidence of the pair less that of y alone, and B(x) the evidence of x alone. Effect x adds too
+    little beside y in either of two cases. First, A(x | y) is below ``claim_gain``, which errors of the simulation can
+    bring as well. Second, A(x | y) is below ``remainder_share`` times B(x) and below that share of B(y): an effect y
+    whose form is a little off leaves what looks like its look-alike x. An effect with an implausible strength never
+    suffices. Where either effect suffices, the one with more evidence is returned.
+
+    Parameters
+    ----------
+    pair : ScoredCandidate
+        Candidate with two effects.
+    singles : sequence of ScoredCandidate
+        Candidates with one effect, both effects of the pair among them.
+    thresholds : DecisionThresholds
+        What a claim needs.
     """
-    alone = {one.names[0]: one for one in singles}
-    found = []
+    alone = {single.names[0]: single for single in singles}
+    sufficient = []
     for name, other in (pair.names, pair.names[::-1]):
         adds = pair.evidence - alone[name].evidence
-        is_remainder = adds < scale.remainder * alone[other].evidence and adds < scale.remainder * alone[name].evidence
-        if (adds < scale.claim_gain or is_remainder) and not alone[name].implausible:
-            found.append(alone[name])
-    return max(found, key=_evidence, default=pair)
+        is_remainder = (
+            adds < thresholds.remainder_share * alone[other].evidence
+            and adds < thresholds.remainder_share * alone[name].evidence
+        )
+        if (adds < thresholds.claim_gain or is_remainder) and not alone[name].implausible:
+            sufficient.append(alone[name])
+    return max(sufficient, key=_evidence, default=pair)
 
 
-def _evidence(one: ScoredCandidate) -> float:
-    return one.evidence
+def _evidence(candidate: ScoredCandidate) -> float:
+    return candidate.evidence
 
 
-def _exceeds(difference: Array, scale: DecisionThresholds) -> bool:
-    return float(difference.sum()) > max(scale.claim_gain, scale.standard_errors * error_of_sum(difference))
+def _is_certain_difference(difference: Array, thresholds: DecisionThresholds) -> bool:
+    """Whether a difference of gains (t,) sums to more than ``claim_gain`` and ``gain_sigmas`` standard errors."""
+    return float(difference.sum()) > max(thresholds.claim_gain, thresholds.gain_sigmas * error_of_sum(difference))
 
 
 def _ties(
@@ -154,98 +207,139 @@ def _ties(
     ranked: Sequence[ScoredCandidate],
     gains: dict[str, Array],
     metric: RandomEffects,
-    scale: DecisionThresholds,
+    thresholds: DecisionThresholds,
 ) -> tuple[Tie, ...]:
+    """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
+
+    A plausible effect is a tie where it explains the data as well and is not needlessly wide, or where it has more
+    evidence and nearly a claim's gain.
+    """
     others = [
-        one
-        for one in ranked
-        if one.label != best.label and not one.implausible and (one.gain > 0 or _rivals(one, best, scale))
+        other
+        for other in ranked
+        if other.label != best.label
+        and not other.implausible
+        and (other.gain > 0 or _has_more_evidence(other, best, thresholds))
     ]
     if not others:
         return ()
-    alike = cosines(metric, [best.fit.effect_change, *(one.fit.effect_change for one in others)])[0, 1:]
-    found = []
-    for one, fitted in zip(others, alike, strict=True):
-        # two fits to one noise differ by it: what the other could do counts, not only what it did
-        could = best_imitation(metric, best.fit.effect_change, one.fit.of_effects)
-        cosine, apart = max(float(fitted), could), gains[best.label] - gains[one.label]
-        is_tied = _explains(one, best, cosine, apart, scale) and not _is_needless(one, best, could, scale)
-        if is_tied or _rivals(one, best, scale):
-            found.append(Tie(one.label, best.label, one.label, cosine, float(apart.sum()), error_of_sum(apart)))
-    return tuple(found)
+    alike = cosines(metric, [best.fit.effect_change, *(other.fit.effect_change for other in others)])[0, 1:]
+    ties = []
+    for other, cosine_fitted in zip(others, alike, strict=True):
+        # two fits differ by noise: what the other effect could change counts, not only what it was fitted to change
+        cosine_possible = best_imitation(metric, best.fit.effect_change, other.fit.effect_fields)
+        cosine, apart = max(float(cosine_fitted), cosine_possible), gains[best.label] - gains[other.label]
+        is_tied = _explains_as_well(other, best, cosine, apart, thresholds) and not _is_needlessly_wide(
+            other, best, cosine_possible, thresholds
+        )
+        if is_tied or _has_more_evidence(other, best, thresholds):
+            ties.append(Tie(other.label, best.label, other.label, cosine, float(apart.sum()), error_of_sum(apart)))
+    return tuple(ties)
 
 
-def _explains(
-    one: ScoredCandidate, best: ScoredCandidate, cosine: float, apart: Array, scale: DecisionThresholds
+def _explains_as_well(
+    other: ScoredCandidate, best: ScoredCandidate, cosine: float, apart: Array, thresholds: DecisionThresholds
 ) -> bool:
-    """Whether another does for the data what the best does.
+    """Whether another candidate explains the data about as well as the best one.
+
+    Three conditions must hold. It resembles the best one (cosine above ``tie``), could be claimed itself with
+    ``comparable_gain_share`` of the gain, or reaches ``claim_gain`` and is not beaten by ``rival_sigmas`` standard
+    errors. It keeps enough evidence without its best two trajectories, or as much as the best one does. And the best
+    one is ahead neither by a certain difference of gains nor by evidence of ``claim_gain``.
 
     Parameters
     ----------
     cosine : float
-        Of what both change.
+        Cosine of what the two change, as in `Tie`.
     apart : (t,)
-        By how much more the best gains in each trajectory.
+        How much more the best one gains in each trajectory.
     """
-    explains_as_much = not one.objections(scale) and one.gain >= scale.as_good * best.gain
-    is_rival = one.gain >= scale.claim_gain and float(apart.sum()) <= scale.rival * error_of_sum(apart)
-    # of few touches it can be only where the best is, too
-    has_broad_support = one.evidence_without_best_two >= min(
-        scale.evidence_without_best_two, best.evidence_without_best_two
+    is_comparable = not other.objections(thresholds) and other.gain >= thresholds.comparable_gain_share * best.gain
+    is_rival = other.gain >= thresholds.claim_gain and float(apart.sum()) <= thresholds.rival_sigmas * error_of_sum(
+        apart
     )
-    # what simulators that differ bring is no proof of one against the other
-    is_as_good = not _exceeds(apart, scale) and best.evidence - one.evidence <= scale.claim_gain
-    return (cosine > scale.tie or explains_as_much or is_rival) and has_broad_support and is_as_good
+    has_broad_support = other.evidence_without_best_two >= min(
+        thresholds.evidence_without_best_two, best.evidence_without_best_two
+    )
+    # errors of the simulation can bring evidence of a claim's size: no proof of one effect against the other
+    is_not_beaten = (
+        not _is_certain_difference(apart, thresholds) and best.evidence - other.evidence <= thresholds.claim_gain
+    )
+    return (cosine > thresholds.tie or is_comparable or is_rival) and has_broad_support and is_not_beaten
 
 
-def _rivals(one: ScoredCandidate, best: ScoredCandidate, scale: DecisionThresholds) -> bool:
-    """Whether all frames together speak for another, though its gain where it was not fitted is uncertain."""
-    return one.evidence >= max(best.evidence, scale.claim_gain) and one.gain + one.gain_error >= scale.claim_gain
+def _has_more_evidence(other: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
+    """Whether another has at least the evidence of the best and of a claim, and a claim's gain within its error."""
+    return (
+        other.evidence >= max(best.evidence, thresholds.claim_gain)
+        and other.gain + other.gain_error >= thresholds.claim_gain
+    )
 
 
-def _is_needless(one: ScoredCandidate, best: ScoredCandidate, could: float, scale: DecisionThresholds) -> bool:
-    """Whether one holds the best as a special case, with numbers more than needed: the special case is said then.
+def _is_needlessly_wide(
+    other: ScoredCandidate, best: ScoredCandidate, cosine_possible: float, thresholds: DecisionThresholds
+) -> bool:
+    """Whether the other contains the best as a special case, has more numbers and clearly less evidence.
 
     Parameters
     ----------
-    could : float
-        Cosine of what the best changes with the nearest that the other can.
+    cosine_possible : float
+        Cosine of what the best changes with the nearest change that the other could make.
     """
-    is_wider = could > scale.tie and len(one.fit.model.coordinates) > len(best.fit.model.coordinates)
-    return is_wider and best.evidence - one.evidence > scale.needless
+    is_wider = cosine_possible > thresholds.tie and len(other.fit.model.coordinates) > len(best.fit.model.coordinates)
+    return is_wider and best.evidence - other.evidence > thresholds.special_case_evidence
 
 
 def ties_of_two(
-    best: ScoredCandidate, twins: Sequence[tuple[ScoredCandidate, ScoredCandidate]], scale: DecisionThresholds
+    best: ScoredCandidate,
+    substitutes: Sequence[tuple[ScoredCandidate, ScoredCandidate]],
+    thresholds: DecisionThresholds,
 ) -> tuple[Tie, ...]:
-    """Effects that could as well stand for one of two that are named.
+    """Return effects that could stand for one of two named effects.
+
+    A substitute is a tie where it has no objections, adds ``comparable_gain_share`` of the gain that the named effect
+    adds to the one that is kept, is not beaten by a certain difference of gains or by evidence of ``claim_gain``, and
+    is not needlessly wide.
 
     Parameters
     ----------
-    twins : of (the one that stays by itself, it and another)
-        What the other adds to the one that stays is held against what the named one adds.
+    best : ScoredCandidate
+        The named pair.
+    substitutes : sequence of (kept, substitute)
+        The effect of the pair that is kept, scored by itself, and the pair of it with another effect.
+    thresholds : DecisionThresholds
+        What a claim needs.
     """
-    found = []
-    for stays, twin in twins:
-        apart = best.gains - twin.gains
-        adds_as_much = twin.gain - stays.gain >= scale.as_good * (best.gain - stays.gain)
-        is_beaten = _exceeds(apart, scale) or best.evidence - twin.evidence > scale.claim_gain
-        could = best_imitation(stays.fit.metric, best.fit.effect_change, twin.fit.of_effects)
-        is_needless = _is_needless(twin, best, could, scale)
-        if twin.objections(scale) or not adds_as_much or is_beaten or is_needless:
+    ties = []
+    for kept, substitute in substitutes:
+        apart = best.gains - substitute.gains
+        adds_as_much = substitute.gain - kept.gain >= thresholds.comparable_gain_share * (best.gain - kept.gain)
+        is_beaten = (
+            _is_certain_difference(apart, thresholds) or best.evidence - substitute.evidence > thresholds.claim_gain
+        )
+        cosine_possible = best_imitation(kept.fit.metric, best.fit.effect_change, substitute.fit.effect_fields)
+        is_needless = _is_needlessly_wide(substitute, best, cosine_possible, thresholds)
+        if substitute.objections(thresholds) or not adds_as_much or is_beaten or is_needless:
             continue
-        (named,), (other,) = ([name for name in one.names if name not in stays.names] for one in (best, twin))
-        cosine = float(cosines(stays.fit.metric, [best.fit.effect_change, twin.fit.effect_change])[0, 1])
-        found.append(Tie(other, named, twin.label, cosine, float(apart.sum()), error_of_sum(apart)))
-    return tuple(found)
+        (named,), (other,) = ([name for name in pair.names if name not in kept.names] for pair in (best, substitute))
+        cosine = float(cosines(kept.fit.metric, [best.fit.effect_change, substitute.fit.effect_change])[0, 1])
+        ties.append(Tie(other, named, substitute.label, cosine, float(apart.sum()), error_of_sum(apart)))
+    return tuple(ties)
 
 
 def _probabilities(
-    singles: Sequence[ScoredCandidate], pairs: Sequence[ScoredCandidate], scale: DecisionThresholds, is_left: bool
+    singles: Sequence[ScoredCandidate],
+    pairs: Sequence[ScoredCandidate],
+    thresholds: DecisionThresholds,
+    is_left: bool,
 ) -> dict[str, float]:
-    """Of what was refitted, of nothing, and of what the catalogue does not hold."""
-    objected = [bool(one.objections(scale)) for one in singles]
-    objected += [bool(one.objections(scale)) or needed_of(one, singles, scale) is not one for one in pairs]
-    judged = [*singles, *pairs]
-    shares = scale.shares(np.array([one.evidence for one in judged]), np.array(objected, dtype=bool), is_left)
-    return dict(zip([*(one.label for one in judged), NONE, OTHER], shares.tolist(), strict=True))
+    """Probability of each candidate by its label, of ``NONE`` and of ``OTHER``; they sum to 1."""
+    objected = [bool(single.objections(thresholds)) for single in singles]
+    objected += [
+        bool(pair.objections(thresholds)) or needed_of(pair, singles, thresholds) is not pair for pair in pairs
+    ]
+    candidates = [*singles, *pairs]
+    shares = thresholds.shares(
+        np.array([candidate.evidence for candidate in candidates]), np.array(objected, dtype=bool), is_left
+    )
+    return dict(zip([*(candidate.label for candidate in candidates), NONE, OTHER], shares.tolist(), strict=True))

@@ -1,4 +1,32 @@
-"""Whether trajectories agree that a change is there."""
+"""How strongly the trajectories support a candidate: its gain, evidence and signature, and the objections to it.
+
+A candidate is one effect, or a pair, refitted together with the material and all nuisance parameters, beside the plain
+fit, which has the same parameters without any effect. Symbols, with t trajectories numbered by k and one common
+dispersion φ:
+
+gain
+    G = Σ g_k with g_k = (p_k - c_k) / (2 φ). c_k is the sum of whitened squares of trajectory k under a candidate that
+    was fitted without it, its own contact offset marginalised; p_k is the same of the plain fit. G is the rise of the
+    log-likelihood on held-out data. Its standard error is √t times the sample standard deviation of the g_k.
+evidence
+    B = (P - C) / (2 φ) - O. C is the cost of the candidate fitted to all trajectories, whitened squares plus priors,
+    and P is that of the plain fit. B approximates the logarithm of their Bayes factor.
+Occam penalty
+    O = ½ ln det(I + SᵀMS) + Σ ln m, the price of the candidate's free numbers (`JointFit.occam`). S is what one prior
+    standard deviation of each strength changes in the whitened data, M the inverse covariance of the data with every
+    other fitted number marginalised, and m the number of values that a screen tries for each shape parameter.
+dispersion
+    φ = max(1, mean square that the best fit leaves of held-out trajectories, over that of noise alone). Errors that no
+    candidate explains weaken gain and evidence alike. O is not divided by it.
+signature statistic
+    Share of an effect's change that the residual holds, over its standard error between trajectories (`agreement`).
+excess
+    Sum of whitened squares that the plain fit leaves of held-out data, less the sum that noise alone leaves.
+objection
+    A sentence that says why a candidate cannot be claimed. A claim is a candidate without objections.
+trace
+    A candidate that would have no objections if a share of the gain and of the evidence were enough.
+"""
 
 from __future__ import annotations
 
@@ -15,23 +43,23 @@ from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.residuals.wording import quantity
 
-MOST_ALONE = 0.98
-"""Of what all tell, that one trajectory is taken to tell at most: one alone agrees with nobody."""
+LARGEST_LEVERAGE = 0.98
+"""Limits the leverage of one trajectory in the jackknife: a trajectory that alone decides agrees with no other."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How much of a change there is, as trajectories say.
+    """The share of an effect's change that the residual holds, and how well the trajectories agree on it.
 
-    A gain is a square, so that its spread over trajectories is mostly that of how much each can tell; here each weighs
-    as much as it can tell, and the error is what they disagree by.
+    A gain is a square: its spread over trajectories is mostly that of how much each trajectory can show. Here each
+    trajectory weighs as much as it can show, and the error measures how far the trajectories disagree.
 
     Parameters
     ----------
     share : float
-        Of the change, that is in the residual: 1 where all of it is, 0 where none.
+        1 where the residual holds all of the change, 0 where it holds none.
     error : float
-        Its standard error over trajectories.
+        Standard error of the share over trajectories.
     """
 
     share: float
@@ -39,63 +67,75 @@ class Agreement:
 
     @property
     def standard_errors(self) -> float:
-        """By how many of them the share is not 0."""
+        """Signature statistic: the share divided by its standard error; 0 where there is no error."""
         return self.share / self.error if self.error > 0 else 0.0
 
 
 def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreement:
-    """A change (N, 6) against a residual (N, 6), both whitened, beyond what the metric's refit imitates.
+    """Return the regression coefficient of a residual on an effect's change, with its error over trajectories.
+
+    With r the residual, d the change, M the metric and (Md)_k the rows of trajectory k: a_k = (Md)_kᵀ r_k,
+    b_k = (Md)_kᵀ d_k, share s = Σ a_k / Σ b_k, leverage h_k = b_k / Σ b_k, and the squared standard error is
+    Σ ((a_k - b_k s) / (1 - h_k))² / (Σ b_k)². Both are 0 where nothing of the change is left in the metric.
+
+    Parameters
+    ----------
+    metric : RandomEffects
+        What a refit can imitate counts for nothing in it.
+    change, residual : (N, 6)
+        Whitened.
 
     Source: MacKinnon and White, Journal of Econometrics 29 (1985), HC3, here of trajectories.
     """
     weighed = metric.weigh(change[:, :, None])[:, :, 0]
     scores = np.add.reduceat((weighed * residual).sum(axis=1), metric.starts)
-    told = np.add.reduceat((weighed * change).sum(axis=1), metric.starts)
-    total = float(told.sum())
+    squares = np.add.reduceat((weighed * change).sum(axis=1), metric.starts)
+    total = float(squares.sum())
     if not total > 0:
         return Agreement(0.0, 0.0)
     share = float(scores.sum()) / total
-    # what one trajectory tells is partly its own noise: the share without it, as in a jackknife
-    alone = np.clip(told / total, 0.0, MOST_ALONE)
-    spread = float((((scores - told * share) / (1.0 - alone)) ** 2).sum())
+    # a trajectory pulls the share towards its own noise: dividing by 1 - leverage undoes that, as in a jackknife
+    leverage = np.clip(squares / total, 0.0, LARGEST_LEVERAGE)
+    spread = float((((scores - squares * share) / (1.0 - leverage)) ** 2).sum())
     return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total)
 
 
 AT_BOUND = 0.01
-"""Share of its bounds, that near to which a number stands at one."""
-BEST = 2
-"""Trajectories that a gain may not hang on: two of 25 gained 43 together in a world where nothing was missing."""
-OF_INDENTERS = ("indenter_name", "mount")
-"""Places of which a trajectory with another indenter tells nothing."""
-STANDS_OUT = 2.0
-"""Standard errors by which a number must be implausible to count against an effect."""
+"""Share of the width of its bounds within which a fitted number counts as standing at a bound."""
+MOST_INFLUENTIAL = 2
+"""Trajectories on which no claim may depend: two of 25 gained 43 together in a world where nothing was missing."""
+INDENTER_PLACES = ("indenter_name", "mount")
+"""Values of `Effect.each` whose numbers differ by indenter: the other indenters say nothing about a held-out one."""
+IMPLAUSIBLE_SIGMAS = 2.0
+"""Standard errors by which a strength must exceed its plausible range to count against an effect."""
 
 
 @dataclass(frozen=True)
 class ScoredCandidate:
-    """One effect, or two, beside the plain simulation.
+    """One effect, or a pair, with everything by which it is judged beside the plain fit.
 
     Parameters
     ----------
     fit : JointFit
+        The refit with the effects, to all trajectories.
     gains : (t,)
-        Rise of the held-out log-likelihood of each trajectory, over the dispersion.
+        Gain g_k of each trajectory.
     indenter_gain, indenter_error : float
-        The same over indenters; NaN where there is one only, or the effect has numbers of its own for each.
+        Gain summed over held-out indenters and its standard error over them. Not a number where there is one indenter
+        only, or where an effect has numbers of its own for each indenter.
     excess_share : float
-        Of what the plain fit leaves beyond the noise on indenters held out, the share that is gone; on trajectories
-        where there is one indenter only, or each has numbers of its own.
+        Share of the excess that is gone with the effects, on held-out indenters; on held-out trajectories where
+        ``indenter_gain`` is not a number.
     signature_before, signature_after : float
-        Score along what the effect changes, over its standard error between trajectories, before and after the refit.
+        Signature statistic of what the effects change, in the plain fit's residual and with that change taken off.
     implausible : tuple of str
-        Numbers outside what can be believed.
+        Strengths beyond what is plausible, as "name = value".
     at_bounds : tuple of str
-        Numbers at the end of what was tried.
+        Names of fitted numbers that stand at a bound of the fit.
     evidence : float
-        Logarithm of the Bayes factor against the plain simulation where both are fitted to everything, over the
-        dispersion: every frame speaks, and what is paid is what numbers can imitate.
+        Evidence B, Occam penalty taken off.
     evidence_per_trajectory : (t,)
-        What of it, before anything is paid, each trajectory brings.
+        Contribution of each trajectory to the evidence, before the Occam penalty and the priors of shared numbers.
     """
 
     fit: JointFit
@@ -112,175 +152,195 @@ class ScoredCandidate:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the effects."""
+        """Names of the effects of the candidate."""
         return self.fit.names
 
     @cached_property
     def label(self) -> str:
-        """For tables."""
+        """Names of the effects joined by " + ", as in tables; "none" without effects."""
         return " + ".join(self.names) if self.names else "none"
 
     @property
     def gain(self) -> float:
-        """Of all trajectories together."""
+        """Gain G of all trajectories together."""
         return float(self.gains.sum())
 
     @property
     def gain_error(self) -> float:
-        """Its standard error over trajectories."""
+        """Standard error of the gain over trajectories."""
         return error_of_sum(self.gains)
 
-    def gain_lower_bound(self, scale: DecisionThresholds) -> float:
-        """By which candidates are ranked."""
-        return scale.sure(self.gain, self.gain_error)
+    def gain_lower_bound(self, thresholds: DecisionThresholds) -> float:
+        """Return the gain minus ``gain_penalty_sigmas`` standard errors, by which candidates are ranked."""
+        return thresholds.lower_bound(self.gain, self.gain_error)
 
     @property
     def gain_without_best_two(self) -> float:
-        """What is left of the gain without the trajectories that bring most."""
-        return float(np.sort(self.gains)[:-BEST].sum())
+        """Gain that remains without the two trajectories that gain most."""
+        return float(np.sort(self.gains)[:-MOST_INFLUENTIAL].sum())
 
     @property
     def evidence_without_best_two(self) -> float:
-        """What is left of the evidence without the trajectories that bring most."""
-        return self.evidence - float(np.sort(self.evidence_per_trajectory)[-BEST:].sum())
+        """Evidence that remains without the two trajectories that contribute most; the Occam penalty stays whole."""
+        return self.evidence - float(np.sort(self.evidence_per_trajectory)[-MOST_INFLUENTIAL:].sum())
 
-    def has_broad_support(self, scale: DecisionThresholds) -> bool:
-        """Whether all trajectories together speak for it, without the best two still, and those held out not against.
+    def has_broad_support(self, thresholds: DecisionThresholds) -> bool:
+        """Whether the evidence is large, remains without its best two trajectories, and half the gain is there.
 
         Nulls with a mismatched simulator have most of their evidence from two trajectories.
         """
         return (
-            self.evidence >= scale.claim_gain
-            and self.evidence_without_best_two >= scale.evidence_without_best_two
-            and self.gain >= 0.5 * scale.claim_gain
+            self.evidence >= thresholds.claim_gain
+            and self.evidence_without_best_two >= thresholds.evidence_without_best_two
+            and self.gain >= 0.5 * thresholds.claim_gain
         )
 
-    def is_certain(self, scale: DecisionThresholds) -> bool:
-        """Whether trajectories at large, and not one of them, speak for it.
+    def is_certain(self, thresholds: DecisionThresholds) -> bool:
+        """Whether the gain is more than chance and does not depend on two trajectories.
 
-        A gain is a square: an effect that only fast touches show has most of it from few of them, and a large error.
-        The signature weighs each trajectory by what it can tell, so that it may be certain where the gain is not. And
-        an effect of one place is under few touches: what is left without the best of them may be enough. Of all frames
-        together something must be left without the best two in any case.
+        Without its best two trajectories a candidate must keep enough evidence or enough gain. Besides, one of four
+        conditions must hold: the gain has ``gain_sigmas`` standard errors; the signature statistic reaches
+        ``certain_signature`` (an effect that only fast touches show has a large error of its gain); the gain without
+        the best two reaches a claim (an effect of one place acts under few touches); or the support is broad.
         """
-        hangs_on_two = (
-            self.evidence_without_best_two < scale.evidence_without_best_two
-            and self.gain_without_best_two < scale.claim_gain
+        depends_on_two = (
+            self.evidence_without_best_two < thresholds.evidence_without_best_two
+            and self.gain_without_best_two < thresholds.claim_gain
         )
-        return not hangs_on_two and (
-            self.gain >= scale.standard_errors * self.gain_error
-            or self.signature_before >= scale.agreement
-            or self.gain_without_best_two >= scale.claim_gain
-            or self.has_broad_support(scale)
+        return not depends_on_two and (
+            self.gain >= thresholds.gain_sigmas * self.gain_error
+            or self.signature_before >= thresholds.certain_signature
+            or self.gain_without_best_two >= thresholds.claim_gain
+            or self.has_broad_support(thresholds)
         )
 
-    def is_agreed(self, scale: DecisionThresholds) -> bool:
-        """Whether trajectories agree on its direction, or enough of them gain by it on their own."""
+    def is_agreed(self, thresholds: DecisionThresholds) -> bool:
+        """Whether trajectories agree on the effect's direction, or enough of them gain by it on their own."""
         return (
-            self.signature_before >= scale.signature_threshold
-            or self.gain_without_best_two >= scale.claim_gain
-            or self.has_broad_support(scale)
+            self.signature_before >= thresholds.signature_threshold
+            or self.gain_without_best_two >= thresholds.claim_gain
+            or self.has_broad_support(thresholds)
         )
 
-    def is_structure(self, scale: DecisionThresholds) -> bool:
-        """Whether a gain that cannot be claimed is there for sure: not one that a single trajectory brings."""
-        return self.gain >= 2.0 * scale.claim_gain and self.is_certain(scale)
+    def is_structure(self, thresholds: DecisionThresholds) -> bool:
+        """Whether the gain is certain and twice a claim's: the residual has structure, even if no claim is possible."""
+        return self.gain >= 2.0 * thresholds.claim_gain and self.is_certain(thresholds)
 
-    def is_trace(self, scale: DecisionThresholds) -> bool:
-        """Whether it could be claimed if a share of what a claim needs were enough."""
-        return not self.objections(scale.of_traces)
+    def is_trace(self, thresholds: DecisionThresholds) -> bool:
+        """Whether there are no objections with the lowered thresholds of a trace."""
+        return not self.objections(thresholds.for_traces)
 
-    def objections(self, scale: DecisionThresholds) -> tuple[str, ...]:
-        """Why it cannot be claimed; empty where it can."""
-        found = []
-        if self.gain < scale.claim_gain and not self.has_broad_support(scale):
-            found.append(
-                f"held-out gain {self.gain:.1f}: simulators that differ by some per cent reach {scale.claim_gain:g}"
+    def objections(self, thresholds: DecisionThresholds) -> tuple[str, ...]:
+        """Return sentences that say why the candidate cannot be claimed; empty where it can.
+
+        There are six: too small a gain without broad support; an uncertain gain; too little of the excess gone on data
+        that were not fitted; trajectories that do not agree; a signature that the refit has not removed; and strengths
+        that are not plausible.
+        """
+        reasons = []
+        if self.gain < thresholds.claim_gain and not self.has_broad_support(thresholds):
+            reasons.append(
+                f"the held-out gain is {self.gain:.1f}, and errors of the simulation alone can bring up to"
+                f" {thresholds.claim_gain:g}"
             )
-        if not self.is_certain(scale):
-            found.append(
-                f"held-out gain {self.gain:.1f} with a standard error of {self.gain_error:.1f}, and evidence of"
-                f" {self.evidence_without_best_two:.1f} without the two trajectories that bring most"
+        if not self.is_certain(thresholds):
+            reasons.append(
+                f"the held-out gain is {self.gain:.1f} with a standard error of {self.gain_error:.1f}, and the evidence"
+                f" is {self.evidence_without_best_two:.1f} without the two trajectories that contribute most"
             )
-        if self.excess_share < scale.excess:
-            found.append(f"{100 * self.excess_share:.0f} % of the excess gone where it was not fitted")
-        if not self.is_agreed(scale):
-            found.append(f"trajectories do not agree on it ({self.signature_before:.1f} standard errors)")
-        elif abs(self.signature_after) > max(scale.signature_threshold, 0.5 * self.signature_before):
-            found.append("what it should cure is still there")
-        return (*found, *(f"{name} is not plausible" for name in self.implausible))
+        if self.excess_share < thresholds.least_excess_share:
+            reasons.append(
+                f"only {100 * self.excess_share:.0f} % of the excess over the noise is gone in data that were not"
+                " fitted"
+            )
+        if not self.is_agreed(thresholds):
+            reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
+        elif abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
+            reasons.append("the residual still holds the change that the effect should remove")
+        return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 
 
 def score_candidate(
     base: JointFit, fit: JointFit, base_out: GroupedCosts, out: GroupedCosts, expected: float, dispersion: float
 ) -> ScoredCandidate:
-    """A refit beside the plain one.
+    """Return the scores of a refit beside the plain fit; the module's docstring has the formulas.
 
     Parameters
     ----------
+    base, fit : JointFit
+        The plain fit and the refit with effects, both to all trajectories.
+    base_out, out : GroupedCosts
+        Held-out squares of the plain fit and of the refit, over the same folds.
     expected : float
-        Sum of whitened squares where noise is all there is.
+        Sum of whitened squares of all trajectories where noise is all there is.
     dispersion : float
-        Mean square of what the best of all fits leaves: errors that no model explains make all evidence weaker.
+        φ, at least 1.
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
-    # what is another one for each indenter cannot be told of one that is held out
-    is_told = len(out.by_indenter) > 0 and not any(
-        setting.member.each in OF_INDENTERS for setting in fit.model.settings
+    # numbers that differ by indenter cannot be predicted for an indenter that is held out
+    has_indenter_gain = len(out.by_indenter) > 0 and not any(
+        setting.member.each in INDENTER_PLACES for setting in fit.model.settings
     )
-    of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion if is_told else np.zeros(0)
-    groups = base_out.by_indenter if is_told else base_out.by_trajectory
-    fitted = out.by_indenter if is_told else out.by_trajectory
+    of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion if has_indenter_gain else np.zeros(0)
+    # the excess is taken from indenters where that is possible, from trajectories otherwise
+    groups = base_out.by_indenter if has_indenter_gain else base_out.by_trajectory
+    fitted = out.by_indenter if has_indenter_gain else out.by_trajectory
     excess = float(groups.sum()) - expected
     before, after = (
         agreement(base.metric, fit.effect_change, residual).standard_errors
-        for residual in (base.undone, _without(base, fit))
+        for residual in (base.residual_at_centre, _without_effects(base, fit))
     )
     implausible, at_bounds = range_checks(fit)
     return ScoredCandidate(
-        fit, gains, float(of_indenters.sum()) if is_told else float("nan"),
-        error_of_sum(of_indenters), _share(float(groups.sum() - fitted.sum()), excess), before, after,
+        fit, gains, float(of_indenters.sum()) if has_indenter_gain else float("nan"),
+        error_of_sum(of_indenters), _excess_share(float(groups.sum() - fitted.sum()), excess), before, after,
         implausible, at_bounds,
         0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
-        0.5 * (base.by_trajectory - fit.by_trajectory) / dispersion,
+        0.5 * (base.cost_by_trajectory - fit.cost_by_trajectory) / dispersion,
     )  # fmt: skip
 
 
-def _share(gone: float, excess: float) -> float:
-    """At most 1; of an excess within the noise, what is gone is all of it."""
+def _excess_share(gone: float, excess: float) -> float:
+    """Share of an excess that is gone, -1 to 1; where more is gone than the excess, the share is 1."""
     return gone / max(excess, abs(gone), 1e-300)
 
 
 def error_of_sum(gains: Array) -> float:
-    """Standard error of the sum of what trajectories gain; NaN of one alone."""
+    """Return the standard error of the sum of independent gains (t,); not a number for fewer than two."""
     return float(np.sqrt(len(gains)) * gains.std(ddof=1)) if len(gains) > 1 else float("nan")
 
 
-def _without(base: JointFit, fit: JointFit) -> Array:
-    """The plain fit's residual less what the effect changes."""
-    return base.undone - fit.effect_change
+def _without_effects(base: JointFit, fit: JointFit) -> Array:
+    """The plain fit's residual (N, 6) less what the refit's effects change, whitened."""
+    return base.residual_at_centre - fit.effect_change
 
 
 def range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Numbers of a fit outside what can be believed, and those at the end of what was tried, for people."""
+    """Return implausible strengths of a fit as "name = value", and names of fitted numbers that stand at a bound.
+
+    A strength is implausible where it exceeds `Parameter.beyond`'s limit by ``IMPLAUSIBLE_SIGMAS`` standard errors.
+    """
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[3:]
     implausible, at_bounds = [], []
+    # E, nu and mu
     gel, box = fit.model.material, fit.model.box
     for symbol, value, low, high in zip(
         MATERIAL, (gel.youngs_modulus, gel.poisson_ratio, gel.friction), box.low, box.high, strict=True
     ):
         if min(value - low, high - value) < AT_BOUND * (high - low):
             at_bounds.append(symbol)
-    for one, error in zip(fit.model.coordinates, errors, strict=False):
-        setting = fit.model.settings[one.place]
-        value, name = setting.values[one.parameter.name], fit.model.name_of(one)
-        low, high = one.bounds
-        unit = one.to_unit(value)
-        is_null = one.is_strength and value == one.parameter.null
+    # numbers of the effects
+    for coordinate, error in zip(fit.model.coordinates, errors, strict=False):
+        setting = fit.model.settings[coordinate.setting_index]
+        value, name = setting.values[coordinate.parameter.name], fit.model.name_of(coordinate)
+        low, high = coordinate.bounds
+        unit = coordinate.to_unit(value)
+        # a strength that cannot be negative has its null at a bound, which is no sign of a poor fit
+        is_null = coordinate.is_strength and value == coordinate.parameter.null
         if not is_null and min(unit - low, high - unit) < AT_BOUND * (high - low):
             at_bounds.append(name)
-        if not one.is_strength:
+        if not coordinate.is_strength:
             continue
-        if one.parameter.beyond(value) > STANDS_OUT * error * one.scale:
-            implausible.append(f"{name} = {quantity(value, one.parameter.unit)}")
+        if coordinate.parameter.beyond(value) > IMPLAUSIBLE_SIGMAS * error * coordinate.scale:
+            implausible.append(f"{name} = {quantity(value, coordinate.parameter.unit)}")
     return tuple(implausible), tuple(at_bounds)

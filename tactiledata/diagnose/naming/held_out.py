@@ -1,113 +1,150 @@
-"""How well a fitted model tells what it has not seen: whole trajectories, and whole indenters, held out."""
+"""How well a fitted model predicts what it has not seen: whole trajectories and whole indenters that are held out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tactiledata.arrays import Array, Indices
+from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.linearise import bounded_change
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 FOLDS = 5
+"""Largest number of folds into which trajectories are dealt."""
 
 
 @dataclass(frozen=True)
 class GroupedCosts:
-    """Squares of what was left of groups that were held out, offsets and numerical errors marginalised.
+    """Squares of the whitened residual of groups that were held out, their contact offsets marginalised.
 
     Parameters
     ----------
     by_trajectory : (t,)
-        Five folds of trajectories.
+        Of each trajectory, held out with the others of its fold.
     by_indenter : (i,)
-        Each indenter in its turn; empty where there is one only.
+        Of all trajectories of each indenter, held out together, the force factor of that indenter marginalised; empty
+        where there is one indenter only.
     """
 
     by_trajectory: Array
     by_indenter: Array
 
 
-def held_out(cases: WhitenedTouches, fit: JointFit, seed: int = 0) -> GroupedCosts:
-    """Each group told by a fit to the others; that fit is a step from the whole one, in its linearisation.
+def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> GroupedCosts:
+    """Return the squares that held-out trajectories and indenters leave under a fit to the others.
 
-    The effects' numbers and E, nu, mu move; what is of one trajectory or one indenter only is left to its prior.
+    The fit to the others is one step of the whole fit, in its linearisation. E, nu, mu, the effects' numbers and the
+    errors of the simulation move; the contact offset of a held-out trajectory, and the force factor of a held-out
+    indenter, are left to their priors.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    fit : JointFit
+        Fit to all of them.
+    seed : int
+        Random seed with which trajectories are dealt to folds.
     """
-    count = len(cases.starts)
+    count = len(whitened.starts)
     dealt = folds_of(count, seed)
     by_trajectory = np.zeros(count)
-    refits = LinearRefits.of(cases, fit)
+    refits = LinearRefits.of(whitened, fit)
     for fold in range(int(dealt.max()) + 1):
-        for one, cost in refits.costs(dealt == fold, together=False).items():
-            by_trajectory[one] = cost
-    kinds = int(cases.indenter.max()) + 1
+        for number, cost in refits.costs(dealt == fold, together=False).items():
+            by_trajectory[number] = cost
+    indenters = int(whitened.indenter.max()) + 1
     by_indenter = np.array(
-        [sum(refits.costs(cases.indenter == kind, together=True).values()) for kind in range(kinds)]
-        if kinds > 1
+        [sum(refits.costs(whitened.indenter == indenter, together=True).values()) for indenter in range(indenters)]
+        if indenters > 1
         else []
     )
     return GroupedCosts(by_trajectory, by_indenter)
 
 
 def folds_of(count: int, seed: int = 0) -> Indices:
-    """Fold (t,) of each of so many trajectories."""
+    """Return the fold (t,) of each of ``count`` trajectories: equal parts in random order."""
     return np.random.default_rng(seed).permutation(np.arange(count) % min(FOLDS, count))
 
 
 @dataclass(frozen=True)
 class LinearRefits:
-    """What each trajectory tells: normal equations of its own, to be summed over those that are fitted."""
+    """Normal equations of each trajectory about a fit, to be summed over the trajectories that are fitted.
 
-    cases: WhitenedTouches
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    fit : JointFit
+        Fit to all of them; q numbers are shared.
+    grams : (t, q, q)
+        Matrix of the normal equations of each trajectory, its contact offset marginalised.
+    gradients : (t, q)
+        Right-hand side of each trajectory.
+    residual : (N, 6)
+        Whitened residual with every contact offset at 0.
+    """
+
+    whitened: WhitenedTouches
     fit: JointFit
-    gram: Array
-    told: Array
-    undone: Array
+    grams: Array
+    gradients: Array
+    residual: Array
 
     @staticmethod
-    def of(cases: WhitenedTouches, fit: JointFit) -> LinearRefits:
-        """Of a fit to these trajectories."""
-        undone = fit.residual + fit.own * fit.by_row
+    def of(whitened: WhitenedTouches, fit: JointFit) -> LinearRefits:
+        """Return the normal equations about a fit to these trajectories."""
+        residual = fit.residual + fit.own * fit.by_row
         metric = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
         weighed = metric.without_own(fit.shared)
-        gram = np.stack([
-            np.einsum("nkp,nkq->pq", fit.shared[rows], weighed[rows], optimize=True) for rows in _rows(cases)
+        grams = np.stack([
+            np.einsum("nkp,nkq->pq", fit.shared[rows], weighed[rows], optimize=True) for rows in _rows(whitened)
         ])  # fmt: skip
-        told = np.add.reduceat(np.einsum("nkp,nk->np", weighed, undone), fit.starts, axis=0)
-        return LinearRefits(cases, fit, gram, told, undone)
+        gradients = np.add.reduceat(np.einsum("nkp,nk->np", weighed, residual), fit.starts, axis=0)
+        return LinearRefits(whitened, fit, grams, gradients, residual)
 
-    def change_without(self, out: NDArray[np.bool_]) -> Array:
-        """By how much the vector (q,) moves where some trajectories (t,) are not fitted, in the fit's linearisation."""
+    def change_without(self, out: Mask) -> Array:
+        """Return by how much the vector (q,) moves where some trajectories (t,) are not fitted, to first order."""
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
-        gram = self.gram[~out].sum(axis=0) + np.diag(fit.precision)
+        gram = self.grams[~out].sum(axis=0) + np.diag(fit.precision)
         low, high = (end - fit.model.vector for end in fit.model.bounds)
-        return bounded_change(gram, self.told[~out].sum(axis=0) - prior, low, high)
+        return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, low, high)
 
-    def costs(self, out: NDArray[np.bool_], together: bool) -> dict[int, float]:
-        """Of each trajectory held out, or of all of them as one under the first one's number."""
+    def costs(self, out: Mask, together: bool) -> dict[int, float]:
+        """Return the squares that held-out trajectories leave, by the number of the trajectory.
+
+        Parameters
+        ----------
+        out : (t,) bool
+            Trajectories that are held out.
+        together : bool
+            Whether they are those of one indenter and count as one group, under the number of the first of them.
+        """
         fit = self.fit
-        left = self.undone - fit.shared @ self.change_without(out)
+        left = self.residual - fit.shared @ self.change_without(out)
         first_error = len(fit.precision) - len(fit.model.errors)
         numbers = np.flatnonzero(out)
         groups = [numbers] if together else [np.array([number]) for number in numbers]
         costs = {}
         for group in groups:
-            rows = np.isin(self.cases.trajectory, group)
-            starts = np.concatenate([[0], np.cumsum(self.cases.touch_set.counts[group])[:-1]]).astype(np.int64)
+            rows = np.isin(self.whitened.trajectory, group)
+            starts = np.concatenate([[0], np.cumsum(self.whitened.touch_set.counts[group])[:-1]]).astype(np.int64)
             random = fit.shared[rows][:, :, first_error:] if together else fit.shared[rows][:, :, :0]
             if together:
                 # the indenter's own factor was not fitted: it is at its prior's centre, with its spread
-                kind = int(self.cases.indenter[group[0]])
-                random = random[:, :, [kind]]
+                indenter = int(self.whitened.indenter[group[0]])
+                random = random[:, :, [indenter]]
             metric = RandomEffects(fit.own[rows], random, np.ones(random.shape[2]), starts)
             costs[int(group[0])] = metric.cost(left[rows])
         return costs
 
 
-def _rows(cases: WhitenedTouches) -> list[slice]:
-    return [slice(start, start + count) for start, count in zip(cases.starts, cases.touch_set.counts, strict=True)]
+def _rows(whitened: WhitenedTouches) -> list[slice]:
+    """Rows of each trajectory."""
+    return [
+        slice(start, start + count) for start, count in zip(whitened.starts, whitened.touch_set.counts, strict=True)
+    ]

@@ -1,4 +1,8 @@
-"""What can be found at all: how much of an effect a plain calibration hides, and which effects look alike; no data."""
+"""Which effects trajectories could show at all: what a plain calibration hides, and which effects look alike; no data.
+
+All numbers are of first order about the plain simulation. They say too little about limits and dead-bands, which begin
+all at once.
+"""
 
 from __future__ import annotations
 
@@ -17,25 +21,26 @@ from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 
 VISIBLE = DEFAULT_THRESHOLDS.visible
-"""Signal over noise, after all that a refit imitates, from which an effect can be claimed."""
+"""Signal-to-noise ratio, after all that a refit imitates, from which an effect can be claimed."""
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """Of each strength of each effect, k of them, at the default of its shapes or the most visible of their grid.
+    """What trajectories can show of k strengths of effects, each at its default shapes or the most visible of its grid.
 
     Parameters
     ----------
-    numbers : k of them
+    numbers : tuple of k Strength
+        The strengths that change anything.
     concealment : (k,)
-        Share of what the effect changes, squared, that E, nu, mu, offsets, zeros and numerical errors imitate: 0 shows
-        in full, 1 is hidden.
+        Share of the squared change that E, nu, mu, contact offsets, zeros and errors of the simulation can imitate: 0
+        is fully visible, 1 is hidden.
     confusability : (k, k)
-        Cosines of what is left of them: at 1 no data of this kind tell two apart.
+        Cosines of what is left of the changes: at 1, no data of this kind can tell two strengths apart.
     reach : (k,)
-        Signal over noise in these trajectories, after concealment, at the end of the plausible range.
+        Signal-to-noise ratio in these trajectories, after concealment, at the far end of the plausible range.
     not_told : tuple of str
-        Effects that depend on what the touches do not tell.
+        Effects that depend on covariates which the touches do not have.
     without_trace : tuple of str
         Effects that change nothing in these trajectories.
     """
@@ -49,58 +54,58 @@ class Identifiability:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Of each number."""
-        return tuple(one.effect for one in self.numbers)
+        """Effect of each strength."""
+        return tuple(strength.effect for strength in self.numbers)
 
     @property
     def strengths(self) -> tuple[str, ...]:
-        """In words: ``"x of ball3"`` where the effect is another one for each."""
-        return tuple(one.label for one in self.numbers)
+        """Each strength in words: ``"x of ball3"`` where the effect has numbers of its own for each place."""
+        return tuple(strength.label for strength in self.numbers)
 
     @property
     def ends(self) -> Array:
-        """Ends (k,) of the plausible ranges, the farther ones, without sign."""
-        return np.array([abs(one.end) for one in self.numbers])
+        """Absolute values (k,) of the far ends of the plausible ranges, in the parameters' units."""
+        return np.array([abs(strength.end) for strength in self.numbers])
 
     @property
     def shows_from(self) -> Array:
-        """Sizes (k,) of the strengths from which a signal can be claimed, to first order; infinite where none can."""
+        """Sizes (k,) from which a strength can be claimed, in the parameters' units; infinite where none can."""
         return np.divide(self.ends * VISIBLE, self.reach, out=np.full(len(self.reach), np.inf), where=self.reach > 0)
 
     @property
     def undetectable(self) -> tuple[str, ...]:
-        """Effects that could be as strong as they ever are and not be claimed in these trajectories."""
+        """Effects that could not be claimed in these trajectories at any plausible strength."""
         seen = {name for name, reach in zip(self.effects, self.reach, strict=True) if reach >= VISIBLE}
         return (*(name for name in dict.fromkeys(self.effects) if name not in seen), *self.without_trace)
 
     @property
     def undetectable_numbers(self) -> tuple[Strength, ...]:
-        """Strengths, of effects that would be seen, that could be as large as ever and not be claimed anywhere.
+        """Strengths of detectable effects that could not be claimed by themselves at any plausible size, at any place.
 
-        Where an effect is another one for each place, that of the first.
+        Of a strength with several places, the first one stands for all.
         """
         unseen = set(self.undetectable)
         most: dict[tuple[str, str], float] = {}
         first: dict[tuple[str, str], Strength] = {}
-        for one, reach in zip(self.numbers, self.reach, strict=True):
-            key = one.effect, one.name
-            first.setdefault(key, one)
+        for strength, reach in zip(self.numbers, self.reach, strict=True):
+            key = strength.effect, strength.name
+            first.setdefault(key, strength)
             most[key] = max(most.get(key, 0.0), float(reach))
         return tuple(first[key] for key, reach in most.items() if reach < VISIBLE and key[0] not in unseen)
 
     def look_alikes(self, least: float = 0.95) -> list[tuple[str, str, float]]:
-        """Pairs of different effects that can be seen and whose cosine is at least so large, the nearest first."""
-        found: dict[tuple[str, str], float] = {}
+        """Return pairs of detectable effects with their largest absolute cosine, at least ``least``, largest first."""
+        pairs: dict[tuple[str, str], float] = {}
         for i, first in enumerate(self.effects):
             for j, second in enumerate(self.effects[:i]):
                 size = abs(float(self.confusability[i, j]))
                 if first != second and min(self.reach[i], self.reach[j]) >= VISIBLE and size >= least:
-                    found[second, first] = max(size, found.get((second, first), 0.0))
-        return sorted(((*pair, size) for pair, size in found.items()), key=lambda one: -one[2])
+                    pairs[second, first] = max(size, pairs.get((second, first), 0.0))
+        return sorted(((*pair, size) for pair, size in pairs.items()), key=lambda alike: -alike[2])
 
     @property
     def document(self) -> list[dict[str, object]]:
-        """One entry a strength, ready for JSON."""
+        """One entry for each strength, ready for JSON."""
         return [
             {
                 "effect": effect,
@@ -116,46 +121,66 @@ class Identifiability:
 
 
 def identifiability(
-    cases: TouchSet, material: GelMaterial, effects: Sequence[str] | None = None, errors: NumericalErrors | None = None
+    touch_set: TouchSet,
+    material: GelMaterial,
+    effects: Sequence[str] | None = None,
+    errors: NumericalErrors | None = None,
 ) -> Identifiability:
-    """What trajectories as these could tell of effects, before any of them is measured.
+    """Return what trajectories such as these could show of effects, before any of them is measured.
 
     Parameters
     ----------
-    cases : TouchSet
-        Their measured wrenches only weigh the frames; those of a simulation, or zeros, serve as well.
+    touch_set : TouchSet
+        Trajectories, and the simulation without effects. The measured wrenches only weigh the frames; those of a
+        simulation, or zeros, serve as well.
     material : GelMaterial
-    effects : names; all of the catalogue where ``None``
+        Material of the gel.
+    effects : sequence of str, optional
+        Names of effects; all of the catalogue where ``None``.
+    errors : NumericalErrors, optional
+        Standard deviations of the simulation's own errors; the defaults where ``None``.
 
     Raises
     ------
     TactileDataError
-        Too few trajectories.
+        Too few trajectories, or too few frames in one of them.
     """
-    cases.need_cases()
-    white = WhitenedTouches.of(cases, errors)
-    names, not_told = playable(white, effects)
-    signatures = effect_signatures(white, material, names)
-    return identifiability_of(nuisance(white, material), signatures, tuple(not_told), names)
+    touch_set.need_touches()
+    whitened = WhitenedTouches.of(touch_set, errors)
+    names, not_told = playable(whitened, effects)
+    signatures = effect_signatures(whitened, material, names)
+    return identifiability_of(nuisance(whitened, material), signatures, tuple(not_told), names)
 
 
 def identifiability_of(
     metric: RandomEffects,
     signatures: Sequence[Signature],
     not_told: tuple[str, ...] = (),
-    asked: Sequence[str] = (),
+    names: Sequence[str] = (),
 ) -> Identifiability:
-    """The same from signatures that are known already, of all effects that were ``asked`` for and left anything."""
-    left_any = {one.effect for one in signatures}
+    """Return what trajectories could show of effects, from signatures that are known already.
+
+    Parameters
+    ----------
+    metric : RandomEffects
+        Metric of the plain simulation.
+    signatures : sequence of Signature
+        Of each strength, the shapes with the largest reach are kept.
+    not_told : tuple of str
+        Effects that depend on covariates which the touches do not have.
+    names : sequence of str
+        All effects that were tried: those without a signature change nothing.
+    """
+    with_signature = {signature.effect for signature in signatures}
     best: dict[Strength, tuple[float, float, Array]] = {}
-    for one in signatures:
-        left = np.einsum("nkp,nkp->p", one.field, metric.weigh(one.field))
-        whole = np.einsum("nkp,nkp->p", one.field, one.field)
-        for place, strength in enumerate(one.strengths):
-            reach = float(np.sqrt(max(left[place], 0.0))) * abs(strength.end) / float(one.scales[place])
-            hidden = 1.0 - float(np.clip(left[place] / whole[place], 0.0, 1.0))
+    for signature in signatures:
+        left = np.einsum("nkp,nkp->p", signature.field, metric.weigh(signature.field))
+        whole = np.einsum("nkp,nkp->p", signature.field, signature.field)
+        for index, strength in enumerate(signature.strengths):
+            reach = float(np.sqrt(max(left[index], 0.0))) * abs(strength.end) / float(signature.scales[index])
+            hidden = 1.0 - float(np.clip(left[index] / whole[index], 0.0, 1.0))
             if strength not in best or reach > best[strength][0]:
-                best[strength] = reach, hidden, one.field[:, :, place]
+                best[strength] = reach, hidden, signature.field[:, :, index]
     fields = [field for _, _, field in best.values()]
     alike = cosines(metric, fields) if fields else np.zeros((0, 0))
     return Identifiability(
@@ -164,5 +189,5 @@ def identifiability_of(
         alike,
         np.array([reach for reach, _, _ in best.values()]),
         not_told,
-        tuple(name for name in asked if name not in left_any),
+        tuple(name for name in names if name not in with_signature),
     )

@@ -1,4 +1,4 @@
-"""Intervals by the profile of the likelihood: how far a number can go while all others follow."""
+"""95 % intervals of fitted numbers, by the profile of the likelihood or by its curvature at the optimum."""
 
 from __future__ import annotations
 
@@ -13,19 +13,23 @@ from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 TURNS = 3
+"""Largest number of refits in which the end of an interval is searched."""
 ROUNDS = 3
+"""Largest number of rounds of each of these refits, which start near their optimum."""
 
 
 @dataclass(frozen=True)
 class ProfiledInterval:
-    """A number and what is known of it, 95 %.
+    """A fitted number with its 95 % interval.
 
     Parameters
     ----------
     name, unit : str
+        As in tables.
     value, low, high : float
+        Best value and ends of the interval, in the unit.
     low_is_bound, high_is_bound : bool
-        Whether an end is that of what was tried: the data alone would let the number go further.
+        Whether an end is a bound of the fit: the data alone would let the number go farther.
     """
 
     name: str
@@ -38,67 +42,91 @@ class ProfiledInterval:
 
 
 def intervals(
-    cases: WhitenedTouches, fit: JointFit, numerical: Array, dispersion: float, profiled: bool = True
+    whitened: WhitenedTouches, fit: JointFit, numerical: Array, dispersion: float, profiled: bool = True
 ) -> tuple[ProfiledInterval, ...]:
-    """Of E, nu, mu and each number of the effects; the plain fit has only the first three.
+    """Return the intervals of E, nu, mu and of each number of the effects.
 
     Parameters
     ----------
+    whitened : WhitenedTouches
+        Trajectories of the fit.
+    fit : JointFit
+        Fit whose numbers are asked for; the plain fit has only the first three.
     numerical : (N, 6, e)
-        As in the fit.
+        Whitened errors of the simulation, as in the fit.
     dispersion : float
-        By which the cost must rise more, where more than noise is left.
+        Factor by which the cost must rise more at an end, where more than noise is left; at least 1.
     profiled : bool
-        Otherwise from the curvature at the optimum: no further plays.
+        Whether the ends are searched by refits; otherwise they follow from the curvature, without further plays.
     """
     vector, (low, high) = fit.model.vector, fit.model.bounds
     deviations = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0) * dispersion)
-    found = []
-    for place in range(3 + len(fit.model.coordinates)):
+    results = []
+    for entry in range(3 + len(fit.model.coordinates)):
         ends = []
         for side in (-1.0, 1.0):
-            limit = low[place] if side < 0 else high[place]
-            reach = float(np.sqrt(RISE) * deviations[place])
+            limit = low[entry] if side < 0 else high[entry]
+            reach = float(np.sqrt(RISE) * deviations[entry])
             if profiled:
-                reach = _profiled(cases, fit, numerical, place, side, reach, abs(limit - vector[place]), dispersion)
-            ends.append(float(np.clip(vector[place] + side * reach, low[place], high[place])))
-        name, unit = _name(fit, place)
-        value, first, last = (_value(fit, place, each) for each in (vector[place], *ends))
-        at_bound = bool(ends[0] <= low[place]), bool(ends[1] >= high[place])
-        found.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
-    return tuple(found)
+                reach = _profiled(whitened, fit, numerical, entry, side, reach, abs(limit - vector[entry]), dispersion)
+            ends.append(float(np.clip(vector[entry] + side * reach, low[entry], high[entry])))
+        name, unit = _name(fit, entry)
+        value, first, last = (_value(fit, entry, number) for number in (vector[entry], *ends))
+        at_bound = bool(ends[0] <= low[entry]), bool(ends[1] >= high[entry])
+        results.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
+    return tuple(results)
 
 
 def _profiled(
-    cases: WhitenedTouches, fit: JointFit, numerical: Array, place: int, side: float, reach: float, room: float,
+    whitened: WhitenedTouches, fit: JointFit, numerical: Array, entry: int, side: float, reach: float, room: float,
     dispersion: float,
 ) -> float:  # fmt: skip
-    """How far the number goes until the cost has risen enough, all else fitted anew; by parabolas through the best."""
+    """How far an entry of the vector goes until the cost has risen by ``RISE``, all other numbers fitted anew.
+
+    Each round scales the reach as if the cost were a parabola with its minimum at the fit.
+
+    Parameters
+    ----------
+    whitened, fit, numerical, dispersion
+        As in `intervals`.
+    entry : int
+        Index into the model's vector.
+    side : float
+        -1 downwards, 1 upwards.
+    reach : float
+        First guess, in the unit of the vector.
+    room : float
+        Distance to the bound of the fit on this side.
+    """
     covariance = fit.covariance
-    along = covariance[:, place] / max(float(covariance[place, place]), 1e-300)
+    # the other entries start where they follow this one to first order
+    along = covariance[:, entry] / max(float(covariance[entry, entry]), 1e-300)
     low, high = fit.model.bounds
     for _ in range(TURNS):
         reach = min(reach, room)
         if reach <= 0.0:
             return 0.0
         start = fit.model.at(np.clip(fit.model.vector + side * reach * along, low, high), fit.model.offsets)
-        rise = (joint_fit(cases, numerical, start, held=(place,), rounds=ROUNDS).cost - fit.cost) / dispersion
+        rise = (joint_fit(whitened, numerical, start, held=(entry,), rounds=ROUNDS).cost - fit.cost) / dispersion
         if reach >= room and rise < RISE:
             return room
+        # 15 % of the rise is 7 % of the reach
         if abs(rise - RISE) < 0.15 * RISE:
             break
         reach *= float(np.clip(np.sqrt(RISE / max(rise, 1e-6)), 0.4, 2.5))
     return reach
 
 
-def _name(fit: JointFit, place: int) -> tuple[str, str]:
-    if place < 3:
-        return MATERIAL[place], ("Pa", "1", "1")[place]
-    one = fit.model.coordinates[place - 3]
-    return fit.model.name_of(one), one.parameter.unit
+def _name(fit: JointFit, entry: int) -> tuple[str, str]:
+    """Name and unit of an entry of the vector."""
+    if entry < 3:
+        return MATERIAL[entry], ("Pa", "1", "1")[entry]
+    coordinate = fit.model.coordinates[entry - 3]
+    return fit.model.name_of(coordinate), coordinate.parameter.unit
 
 
-def _value(fit: JointFit, place: int, unit_value: float) -> float:
-    if place == 0:
+def _value(fit: JointFit, entry: int, unit_value: float) -> float:
+    """Value of an entry in its unit, from its value in the vector."""
+    if entry == 0:
         return float(np.exp(unit_value))
-    return float(unit_value) if place < 3 else fit.model.coordinates[place - 3].to_value(unit_value)
+    return float(unit_value) if entry < 3 else fit.model.coordinates[entry - 3].to_value(unit_value)

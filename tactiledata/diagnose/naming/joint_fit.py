@@ -1,4 +1,8 @@
-"""E, nu, mu, the strengths of effects and all nuisance at once, by damped Gauss-Newton that is linearised anew."""
+"""Joint fit of material, effect strengths and all nuisance parameters: damped Gauss-Newton, linearised in each round.
+
+The fit minimises the cost: the sum of squares of the whitened residual plus the squares that the priors add, which is
+twice the negative logarithm of the posterior density up to a constant.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.naming.linearise import Evaluation, Linearised, Sensitivities, inverse_of
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel, joint_model
@@ -17,31 +20,37 @@ from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.offsets import PRIOR
 
 ROUNDS = 8
+"""Largest number of rounds of a fit: each linearises once and takes one step."""
 STILL = 0.05
-"""Fall of the cost that ends a fit, in twice the log-likelihood: fits that zigzag are far from their end at 0.25."""
+"""Fall of the cost below which a fit ends; at 0.25, fits that zigzag end far from their minimum."""
 MOST_DAMPING = 1e2
+"""Relative damping of the normal equations at which a fit gives up looking for a step that lowers the cost."""
 BEHIND = 100.0
-"""Cost beyond that of another explanation, from which it is asked whether a fit can still reach it."""
+"""Cost above that of another explanation beyond which a fit ends early, unless its rounds so far could make it up."""
 
 
 @dataclass(frozen=True)
 class JointFit:
-    """The best of a model, and how the data change about it; q numbers are shared by all trajectories.
+    """The best fit of a model and its linearisation about the optimum; q numbers are shared by all trajectories.
 
     Parameters
     ----------
     model : JointModel
+        The fitted numbers.
     cost : float
-        Squares of the whitened residual and of all priors.
-    residual : (N, 6), whitened
+        Sum of squares of the whitened residual, and of all priors.
+    residual : (N, 6)
+        Whitened: measured less predicted.
     shared : (N, 6, q)
-        Change over the entries of the model's vector.
+        Whitened change of the wrench over each entry of the model's vector.
     precision, centre : (q,)
-        Of their priors.
+        Inverse variance and mean of the prior of each entry; precision 0 where there is no prior.
     own : (N, 6)
-        Change over one standard deviation of the trajectory's offset.
+        Whitened change over one standard deviation of the trajectory's contact offset.
     effect_change : (N, 6)
-        Whitened wrench with the effects less that without, all else as fitted.
+        Whitened wrench with the effects less the wrench without them, all else as fitted.
+    starts : (t,)
+        First row of each trajectory.
     """
 
     model: JointModel
@@ -52,41 +61,47 @@ class JointFit:
     centre: Array
     own: Array
     effect_change: Array
-    starts: NDArray[np.int64]
+    starts: Indices
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of effects in it."""
+        """Names of the effects in the model, each once."""
         return tuple(dict.fromkeys(setting.effect for setting in self.model.settings))
 
     @property
-    def of_effects(self) -> Array:
-        """Change (N, 6, c) over the effects' numbers."""
+    def effect_fields(self) -> Array:
+        """Whitened change (N, 6, c) over each of the effects' c numbers: a part of ``shared``."""
         return self.shared[:, :, 3 : 3 + len(self.model.coordinates)]
 
     @property
     def by_row(self) -> Array:
-        """Offset (N, 1) of each row's trajectory, in standard deviations."""
+        """Contact offset (N, 1) of each row's trajectory, in standard deviations of its prior."""
         counts = np.diff(self.starts, append=len(self.own))
         return np.repeat(self.model.offsets / PRIOR, counts)[:, None]
 
     @property
-    def by_trajectory(self) -> Array:
-        """Squares (t,) of each trajectory's residual and offset: of the cost, what is not of shared numbers."""
+    def cost_by_trajectory(self) -> Array:
+        """Part (t,) of the cost that is each trajectory's own: its residual and the prior of its offset."""
         squares: Array = np.add.reduceat((self.residual**2).sum(axis=1), self.starts)
         return squares + (self.model.offsets / PRIOR) ** 2
 
     @property
     def metric(self) -> RandomEffects:
-        """What another refit of the same model could imitate, linearised here: what stands at a bound stays there."""
+        """Metric in which nothing counts that a refit of this model could imitate, linearised at the optimum.
+
+        Entries that stand at a bound could not move in a refit, and are left out.
+        """
         vector, (low, high) = self.model.vector, self.model.bounds
         edge = 1e-6 * np.maximum(1.0, np.abs(vector))
         inside = (vector > low + edge) & (vector < high - edge)
         return RandomEffects(self.own, self.shared[:, :, inside], self.precision[inside], self.starts)
 
     @property
-    def undone(self) -> Array:
-        """The residual (N, 6) with all that has a prior back at its centre, to first order: for scores in `metric`."""
+    def residual_at_centre(self) -> Array:
+        """Whitened residual (N, 6) with offsets and entries that have a prior moved back to its mean, to first order.
+
+        `metric` marginalises these numbers, so that scores in it need the residual that they have not yet reduced.
+        """
         vector, (low, high) = self.model.vector, self.model.bounds
         edge = 1e-6 * np.maximum(1.0, np.abs(vector))
         goes_back = (self.precision > 0) & (vector > low + edge) & (vector < high - edge)
@@ -95,87 +110,110 @@ class JointFit:
 
     @property
     def occam(self) -> float:
-        """What is paid for the effects' numbers: the logarithm of how much narrower data make their strengths than the
-        priors, beside all else, and that of how many shapes are tried.
+        """Occam penalty of the effects' numbers: ½ ln det(I + SᵀMS) + Σ ln m.
+
+        S (N, 6, s) is the whitened change over one prior standard deviation of each strength, M the inverse covariance
+        with every other fitted number marginalised, and m the number of grid values of each shape parameter. The
+        determinant says how much narrower the data make the strengths than their priors were; ln m is the price of
+        having chosen the best of m shapes.
 
         Source: Laplace's approximation of a Bayes factor, as in MacKay, Neural Computation 4 (1992).
         """
-        told = self.model.coordinates
+        coordinates = self.model.coordinates
         is_of_effects = np.zeros(self.shared.shape[2], dtype=bool)
-        is_of_effects[3 : 3 + len(told)] = True
+        is_of_effects[3 : 3 + len(coordinates)] = True
         beside = RandomEffects(self.own, self.shared[:, :, ~is_of_effects], self.precision[~is_of_effects], self.starts)
-        strengths = self.of_effects[:, :, [one.is_strength for one in told]]
+        strengths = self.effect_fields[:, :, [coordinate.is_strength for coordinate in coordinates]]
         narrowed = np.eye(strengths.shape[2]) + beside.products(strengths, strengths)
-        shapes = sum(np.log(len(one.parameter.grid)) for one in told if not one.is_strength)
+        shapes = sum(np.log(len(shape.parameter.grid)) for shape in coordinates if not shape.is_strength)
         return float(0.5 * np.linalg.slogdet(narrowed)[1] + shapes)
 
     @property
     def covariance(self) -> Array:
-        """Of the vector (q, q), as noise and priors have it."""
+        """Posterior covariance (q, q) of the model's vector, contact offsets marginalised."""
         about = RandomEffects(self.own, self.shared[:, :, :0], self.precision[:0], self.starts)
         return inverse_of(about.products(self.shared, self.shared) + np.diag(self.precision))
 
 
 def joint_fit(
-    cases: WhitenedTouches,
+    whitened: WhitenedTouches,
     numerical: Array,
     start: JointModel,
     held: Iterable[int] = (),
     rounds: int = ROUNDS,
     to_beat: float = np.inf,
 ) -> JointFit:
-    """The model whose residual and priors are least, from a start.
+    """Return the fit with the least cost that is reached from a start.
 
-    It is left where it is when it is far behind another explanation, and would stay so if all rounds that are left
-    brought as much as the better of the last two: a round may stall on the way.
+    It ends early when it is far behind another explanation, and would stay so if every round that is left brought as
+    much as the better of the last two: one round may stall on the way.
 
     Parameters
     ----------
+    whitened : WhitenedTouches
+        Measured trajectories.
     numerical : (N, 6, e)
-        Whitened numerical errors, the same for all models that are compared.
-    held : places of the vector that stay
+        Whitened change over one standard deviation of each error of the simulation; the same for all models that are
+        compared.
+    start : JointModel
+        Where the fit starts.
+    held : iterable of int
+        Entries of the model's vector that do not move.
+    rounds : int
+        Largest number of rounds; 0 only linearises about the start.
     to_beat : float
-        Cost of the other explanation.
+        Cost of the other explanation; infinite where there is none.
+
+    Raises
+    ------
+    UsageError
+        Gel and springs find no balance at the start.
     """
-    work = Linearised(cases, numerical, frozenset(held))
+    work = Linearised(whitened, numerical, frozenset(held))
     model, damping = start, 1e-3
-    state = work.weighed(model)
+    state = work.evaluate(model)
     slopes, before = work.slopes(model, state), np.inf
     for left in range(rounds - 1, -1, -1):
-        found = _stepped(work, model, state, slopes, damping)
-        if found is None:
+        better = _better(work, model, state, slopes, damping)
+        if better is None:
             break
-        fell = state.cost - found[1].cost
-        model, state, damping = found
+        fell = state.cost - better[1].cost
+        model, state, damping = better
         slopes = work.slopes(model, state)
         if fell < STILL or state.cost - left * max(fell, before) > to_beat + BEHIND:
             break
         before = fell
-    plain = cases.touch_set.play(model.material, [], model.offsets)
-    changed = cases.whiten(state.predicted.wrench - plain)
+    plain = whitened.touch_set.play(model.material, [], model.offsets)
+    changed = whitened.whiten(state.predicted.wrench - plain)
     return JointFit(
         model, state.cost, state.residual, slopes.shared, work.precision(model), work.centre(model), slopes.own,
-        changed, cases.starts,
+        changed, whitened.starts,
     )  # fmt: skip
 
 
-def _stepped(
+def _better(
     work: Linearised, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float
 ) -> tuple[JointModel, Evaluation, float] | None:
-    """A model that costs less, and the damping to go on with; none where no step promises that, or keeps it."""
+    """A model that costs no more, its evaluation and the next damping; ``None`` where no step promises or gives that.
+
+    Parameters
+    ----------
+    damping : float
+        Relative damping of the first step; ten times more after each step that raises the cost.
+    """
     while damping < MOST_DAMPING:
         tried, promised = work.step(model, state, slopes, damping)
         if promised < STILL:
             return None
-        after = work.weighed_or_none(tried)
+        after = work.evaluate_or_none(tried)
         if after is not None and after.cost <= state.cost:
             return tried, after, max(damping / 10.0, 1e-6)
         damping *= 10.0
     return None
 
 
-def plain_fit(white: WhitenedTouches, material: GelMaterial) -> JointFit:
-    """E, nu, mu, offsets of trajectories and errors of the simulation, from a material to begin with."""
-    numerical = white.simulation_error_fields(material)
-    model = joint_model(material, [], len(white.starts), numerical.shape[2], box=white.touch_set.box)
-    return joint_fit(white, numerical, model)
+def plain_fit(whitened: WhitenedTouches, material: GelMaterial) -> JointFit:
+    """Return the fit without effects, from a start material: E, nu, mu, contact offsets, errors of the simulation."""
+    numerical = whitened.simulation_error_fields(material)
+    model = joint_model(material, [], len(whitened.starts), numerical.shape[2], box=whitened.touch_set.box)
+    return joint_fit(whitened, numerical, model)

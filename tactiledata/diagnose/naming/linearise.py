@@ -1,13 +1,12 @@
-"""A joint model's linearisation about a guess, and the step that it promises."""
+"""Linearisation of a joint model about its present numbers, and the damped step that it promises."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.naming.signatures import material_fields, material_precision, own_field
@@ -17,14 +16,24 @@ from tactiledata.errors import UsageError
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 
 DIFFERENCE = 0.2
-"""Of a coordinate's scale, of the differences over it."""
+"""Step of the finite differences over a coordinate, in units of its scale."""
 FARTHEST_STEP = 3.0
-"""Scales, in one round."""
+"""Farthest that a coordinate moves in one round, in units of its scale: the linearisation holds no farther."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What a model predicts, what is left of it (N, 6), whitened, and its cost with all priors."""
+    """A model's prediction, its residual and its cost.
+
+    Parameters
+    ----------
+    predicted : Played
+        Simulated wrenches of all trajectories.
+    residual : (N, 6)
+        Whitened: measured less predicted.
+    cost : float
+        Sum of squares of the residual and of all priors.
+    """
 
     predicted: Played
     residual: Array
@@ -33,7 +42,15 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Sensitivities:
-    """Whitened change (N, 6, q) over the entries of a model's vector, (N, 6) over a deviation of each offset."""
+    """Whitened derivatives of the predicted wrench.
+
+    Parameters
+    ----------
+    shared : (N, 6, q)
+        Over each entry of the model's vector.
+    own : (N, 6)
+        Over one standard deviation of the contact offset of the row's trajectory.
+    """
 
     shared: Array
     own: Array
@@ -41,88 +58,114 @@ class Sensitivities:
 
 @dataclass(frozen=True)
 class Linearised:
-    """Trajectories and the errors of their simulation; ``held``: places of a model's vector that stay.
+    """The least-squares problem of a joint fit: data, errors of the simulation, and which entries do not move.
 
     Parameters
     ----------
-    cases : WhitenedTouches
+    whitened : WhitenedTouches
+        Measured trajectories.
     simulation_error_fields : (N, 6, e)
-        Whitened numerical errors.
+        Whitened change over one standard deviation of each error of the simulation.
     held : frozenset of int
+        Entries of the model's vector that do not move.
     """
 
-    cases: WhitenedTouches
+    whitened: WhitenedTouches
     simulation_error_fields: Array
     held: frozenset[int]
 
     def precision(self, model: JointModel) -> Array:
-        """Of the priors (q,)."""
-        of_effects = [1.0 if one.is_strength else 0.0 for one in model.coordinates]
+        """Return the inverse variance (q,) of the prior of each entry; 0 where there is none."""
+        of_effects = [1.0 if coordinate.is_strength else 0.0 for coordinate in model.coordinates]
         return np.concatenate([material_precision(), of_effects, np.ones(len(model.errors))])
 
     def centre(self, model: JointModel) -> Array:
-        """Of the priors (q,)."""
+        """Return the mean (q,) of the prior of each entry: the middle of the bounds for nu, 0 for the others."""
         low, high = model.bounds
         centre = np.zeros(len(low))
         centre[1] = (low[1] + high[1]) / 2.0
         return centre
 
-    def weighed(self, model: JointModel) -> Evaluation:
-        """Prediction, residual and cost."""
-        predicted = self.cases.touch_set.played(model.material, model.settings, model.offsets)
-        residual = self.cases.residual(predicted.wrench) - self.simulation_error_fields @ model.errors
+    def evaluate(self, model: JointModel) -> Evaluation:
+        """Return prediction, residual and cost of a model.
+
+        Raises
+        ------
+        UsageError
+            Gel and springs find no balance.
+        """
+        predicted = self.whitened.touch_set.played(model.material, model.settings, model.offsets)
+        residual = self.whitened.residual(predicted.wrench) - self.simulation_error_fields @ model.errors
         off = model.vector - self.centre(model)
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
         return Evaluation(predicted, residual, float((residual**2).sum() + priors))
 
-    def weighed_or_none(self, model: JointModel) -> Evaluation | None:
-        """The same; nothing where gel and springs find no balance."""
+    def evaluate_or_none(self, model: JointModel) -> Evaluation | None:
+        """Return prediction, residual and cost of a model; ``None`` where gel and springs find no balance."""
         try:
-            return self.weighed(model)
+            return self.evaluate(model)
         except UsageError:
             return None
 
     def slopes(self, model: JointModel, state: Evaluation) -> Sensitivities:
-        """Differences about a model."""
+        """Return finite-difference derivatives about a model whose evaluation is known."""
         settings, offsets = model.settings, model.offsets
-        gel = material_fields(self.cases, model.material, settings, offsets, state.predicted)
-        own = own_field(self.cases, model.material, settings, offsets, state.predicted)
+        gel = material_fields(self.whitened, model.material, settings, offsets, state.predicted)
+        own = own_field(self.whitened, model.material, settings, offsets, state.predicted)
         vector, high = model.vector, model.bounds[1]
         fields = []
-        for place in range(3, 3 + len(model.coordinates)):
+        for entry in range(3, 3 + len(model.coordinates)):
             there = vector.copy()
-            step = DIFFERENCE if vector[place] + DIFFERENCE <= high[place] else -DIFFERENCE
-            there[place] += step
+            # a difference backwards where the upper bound is near
+            step = DIFFERENCE if vector[entry] + DIFFERENCE <= high[entry] else -DIFFERENCE
+            there[entry] += step
             moved = model.at(there, offsets)
-            setting = moved.settings[model.coordinates[place - 3].place]
-            changed = self.cases.touch_set.play_where(setting, state.predicted, moved.material, moved.settings, offsets)
-            fields.append(self.cases.whiten(changed - state.predicted.wrench) / step)
+            setting = moved.settings[model.coordinates[entry - 3].setting_index]
+            changed = self.whitened.touch_set.play_where(
+                setting, state.predicted, moved.material, moved.settings, offsets
+            )
+            fields.append(self.whitened.whiten(changed - state.predicted.wrench) / step)
         return Sensitivities(
-            np.concatenate([gel, *(one[:, :, None] for one in fields), self.simulation_error_fields], axis=2), own
+            np.concatenate([gel, *(field[:, :, None] for field in fields), self.simulation_error_fields], axis=2), own
         )
 
     def step(
         self, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float
     ) -> tuple[JointModel, float]:
-        """One damped step of the shared numbers, the offsets following, and by how much it should lessen the cost."""
+        """Return the model after one damped step, and by how much the linearisation says that the cost falls.
+
+        The entries of the vector move first, the offsets eliminated from the equations; the offsets follow.
+
+        Parameters
+        ----------
+        model : JointModel
+            Present numbers.
+        state, slopes : Evaluation, Sensitivities
+            Evaluation and derivatives of this model.
+        damping : float
+            Share of its diagonal that is added to the matrix of the normal equations (Levenberg and Marquardt).
+        """
         vector, (low, high) = model.vector, model.bounds
         precision = self.precision(model)
-        about = RandomEffects(slopes.own, slopes.shared[:, :, :0], precision[:0], self.cases.starts)
+        # normal equations of the shared entries, each trajectory's offset eliminated
+        about = RandomEffects(slopes.own, slopes.shared[:, :, :0], precision[:0], self.whitened.starts)
         own_now = model.offsets / PRIOR
-        starts = self.cases.starts
+        starts = self.whitened.starts
         squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", slopes.own, slopes.own), starts)
-        by_row = self.cases.trajectory
+        by_row = self.whitened.trajectory
         pulled = offset_steps(slopes.own, state.residual, starts, squares, own_now)
         pull = state.residual - slopes.own * pulled[by_row, None]
         gradient = np.einsum("nkq,nk->q", slopes.shared, pull) - precision * (vector - self.centre(model))
         gram = about.products(slopes.shared, slopes.shared) + np.diag(precision)
-        free = np.array([place not in self.held for place in range(len(vector))])
+        # the step within bounds, effects within the reach of the linearisation
+        free = np.array([entry not in self.held for entry in range(len(vector))])
         of_effects = slice(3, 3 + len(model.coordinates))
         nearest, farthest = low.copy(), high.copy()
         nearest[of_effects] = np.maximum(low[of_effects], vector[of_effects] - FARTHEST_STEP)
         farthest[of_effects] = np.minimum(high[of_effects], vector[of_effects] + FARTHEST_STEP)
         damped = gram + damping * np.diag(np.diag(gram))
         moved = vector + bounded_change(damped, gradient, nearest - vector, farthest - vector, free)
+        # the offsets follow, and the cost that is reached to first order
         left = state.residual - slopes.shared @ (moved - vector)
         own = own_now + offset_steps(slopes.own, left, starts, squares, own_now)
         own = np.clip(own, -FARTHEST / PRIOR, FARTHEST / PRIOR)
@@ -131,42 +174,56 @@ class Linearised:
         return model.at(moved, own * PRIOR), state.cost - float(reached)
 
 
-def offset_steps(own: Array, residual: Array, starts: NDArray[np.int64], squares: Array, now: Array) -> Array:
-    """By how much each trajectory's offset (t,) should move, in its standard deviations.
+def offset_steps(own: Array, residual: Array, starts: Indices, squares: Array, now: Array) -> Array:
+    """Return by how much each trajectory's contact offset (t,) should move, in standard deviations of its prior.
 
     Parameters
     ----------
-    own, residual : (N, 6)
+    own : (N, 6)
+        Whitened change over one standard deviation of the offset.
+    residual : (N, 6)
+        Whitened: measured less predicted.
+    starts : (t,)
+        First row of each trajectory.
     squares : (t,)
-        One more than the sum of those of ``own``.
+        One (of the prior) plus the sum of squares of ``own``.
     now : (t,)
-        Where the offsets stand.
+        Present offsets, in standard deviations.
     """
     return (np.add.reduceat(np.einsum("nk,nk->n", own, residual), starts) - now) / squares
 
 
 def inverse_of(gram: Array) -> Array:
-    """Of a symmetric matrix, its scales evened out, directions without information left out."""
+    """Return the pseudo-inverse of a symmetric matrix (q, q), its diagonal scaled to 1 for the cut-off.
+
+    Directions without information, below 1e-12 of the largest, are 0 in it.
+    """
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-12, hermitian=True)
     return inverse / np.outer(scale, scale)
 
 
-def bounded_change(gram: Array, told: Array, low: Array, high: Array, free: NDArray[np.bool_] | None = None) -> Array:
-    """The step (q,) that solves ``gram step = told``; what would leave its bounds stays there, the others follow.
+def bounded_change(gram: Array, gradient: Array, low: Array, high: Array, free: Mask | None = None) -> Array:
+    """Return the step (q,) that solves ``gram @ step = gradient`` within bounds.
+
+    An entry that would leave its bounds stays at the bound for good; the others are solved for again.
 
     Parameters
     ----------
+    gram : (q, q)
+        Matrix of the normal equations, symmetric.
+    gradient : (q,)
+        Right-hand side: half the negative gradient of the cost.
     low, high : (q,)
-        Of the step.
+        Bounds of the step, not of the entries.
     free : (q,) bool, optional
-        What may move at all.
+        Entries that may move; all where ``None``.
     """
-    change = np.zeros(len(told))
-    moves = np.ones(len(told), dtype=bool) if free is None else free.copy()
+    change = np.zeros(len(gradient))
+    moves = np.ones(len(gradient), dtype=bool) if free is None else free.copy()
     while moves.any():
         inner = gram[np.ix_(moves, moves)]
-        change[moves] = inverse_of(inner) @ (told[moves] - gram[np.ix_(moves, ~moves)] @ change[~moves])
+        change[moves] = inverse_of(inner) @ (gradient[moves] - gram[np.ix_(moves, ~moves)] @ change[~moves])
         within = np.clip(change, low, high)
         left = moves & (within != change)
         change = within

@@ -1,4 +1,9 @@
-"""Scores in the metric that offsets, numerical errors and a refit of shared parameters leave."""
+"""The metric in which whitened fields are compared: what offsets, numerical errors and refits imitate counts nothing.
+
+A field is what something changes in the whitened wrenches of all frames, (N, 6). The product of two fields u and v is
+uᵀ M v with M the inverse of the covariance I + a aᵀ (one such term a trajectory) + C diag(1/p) Cᵀ. Directions C with a
+small precision p, as of a parameter that a refit is free to move, carry no information in it.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +18,16 @@ from tactiledata.arrays import Array, Indices
 
 @dataclass(frozen=True)
 class RandomEffects:
-    """Normal errors of trajectories and of all of them: the covariance I + a aᵀ by trajectory + C diag(v) Cᵀ.
+    """Covariance of whitened frames: unit noise, one random offset a trajectory, and parameters that all share.
 
     Parameters
     ----------
     own : (N, 6)
-        What one standard deviation of a trajectory's offset changes; 0 where there is none.
+        Change over one standard deviation of the offset of the row's trajectory; 0 where there is none.
     shared : (N, 6, m)
-        What one unit of each shared parameter changes.
+        Change over one unit of each shared parameter.
     precision : (m,)
-        Of those parameters' priors; 0 where there is none: such a direction is no evidence.
+        Inverse variance of each shared parameter's prior; 0 where there is no prior: its direction is no evidence.
     starts : (t,)
         First row of each trajectory.
     """
@@ -34,57 +39,73 @@ class RandomEffects:
 
     @cached_property
     def _share(self) -> Array:
+        """Factor (t,) 1 / (1 + aᵀa) of the inverse covariance of each trajectory's noise and offset."""
         return 1.0 / (1.0 + self._sum(np.einsum("nk,nk->n", self.own, self.own)))
 
     @cached_property
     def _trajectory(self) -> Indices:
+        """Trajectory of each row (N,)."""
         return np.repeat(np.arange(len(self.starts)), np.diff(self.starts, append=len(self.own)))
 
     def _sum(self, rows: Array) -> Array:
+        """Sums (t, ...) of rows (N, ...) over each trajectory."""
         return np.add.reduceat(rows, self.starts, axis=0)
 
     def without_own(self, field: Array) -> Array:
-        """A field (N, 6, c) times the inverse covariance of noise and offsets."""
+        """Return fields (N, 6, c) times the inverse covariance of noise and offsets alone (Sherman and Morrison)."""
         inside = self._sum(np.einsum("nk,nkc->nc", self.own, field)) * self._share[:, None]
         return field - self.own[:, :, None] * inside[self._trajectory][:, None, :]
 
     @cached_property
-    def _held(self) -> Array:
+    def _shared_without_own(self) -> Array:
+        """Shared fields (N, 6, m) times the inverse covariance of noise and offsets."""
         return self.without_own(self.shared)
 
     @cached_property
     def _inverse(self) -> Array:
-        gram = np.einsum("nkp,nkq->pq", self.shared, self._held) + np.diag(self.precision)
+        """Posterior covariance (m, m) of the shared parameters; directions without information and prior are 0."""
+        gram = np.einsum("nkp,nkq->pq", self.shared, self._shared_without_own) + np.diag(self.precision)
+        # evened scales make the cut-off of the pseudo-inverse independent of the parameters' units
         scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
         inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-10, hermitian=True)
         return inverse / np.outer(scale, scale)
 
     def weigh(self, field: Array) -> Array:
-        """A field (N, 6, c) times the inverse of the whole covariance."""
+        """Return fields (N, 6, c) times the inverse of the whole covariance (Woodbury's identity)."""
         if not self.shared.shape[2]:
             return self.without_own(field)
-        told = np.einsum("nkp,nkc->pc", self._held, field)
-        return self.without_own(field) - np.einsum("nkp,pc->nkc", self._held, self._inverse @ told)
+        onto_shared = np.einsum("nkp,nkc->pc", self._shared_without_own, field)
+        return self.without_own(field) - np.einsum("nkp,pc->nkc", self._shared_without_own, self._inverse @ onto_shared)
 
     def products(self, field: Array, other: Array) -> Array:
-        """Products (c, d) of fields (N, 6, c) and (N, 6, d) in this metric."""
+        """Return products (c, d) of fields (N, 6, c) with fields (N, 6, d) in the metric."""
         return np.einsum("nkc,nkd->cd", field, self.weigh(other), optimize=True)
 
     def cost(self, residual: Array) -> float:
-        """Square of a residual (N, 6) in this metric."""
+        """Return the square of a residual (N, 6) in the metric."""
         return float(self.products(residual[:, :, None], residual[:, :, None])[0, 0])
 
 
 def cosines(metric: RandomEffects, fields: Sequence[Array]) -> Array:
-    """Cosines (k, k) of fields (N, 6) in the metric; 0 where nothing of one is left."""
+    """Return cosines (k, k) of k fields (N, 6) in the metric; 0 where nothing of a field is left in it."""
     stacked = np.stack(fields, axis=2)
-    together = metric.products(stacked, stacked)
-    size = np.sqrt(np.maximum(np.diag(together), 1e-300))
-    return np.clip(together / np.outer(size, size), -1.0, 1.0)
+    products = metric.products(stacked, stacked)
+    size = np.sqrt(np.maximum(np.diag(products), 1e-300))
+    return np.clip(products / np.outer(size, size), -1.0, 1.0)
 
 
 def best_imitation(metric: RandomEffects, field: Array, others: Array) -> float:
-    """Cosine of a field (N, 6) with the nearest of all that fields (N, 6, p) can make together."""
+    """Return the cosine, 0 to 1, of a field with the nearest linear combination of other fields, in the metric.
+
+    Parameters
+    ----------
+    metric : RandomEffects
+        Metric of the cosine.
+    field : (N, 6)
+        Field that is imitated.
+    others : (N, 6, p)
+        Fields that are combined.
+    """
     inner = metric.products(others, others)
     toward = metric.products(others, field[:, :, None])[:, 0]
     size = float(metric.products(field[:, :, None], field[:, :, None])[0, 0])

@@ -1,4 +1,4 @@
-"""Naming what a simulation lacks: screen, refits, pairs, and the answer."""
+"""Naming what a simulation lacks: plain fit, screen, refits of single effects and pairs, decision, intervals."""
 
 from __future__ import annotations
 
@@ -24,22 +24,26 @@ from tactiledata.gel.elasticity.material import GelMaterial
 
 @dataclass(frozen=True)
 class NamingResult:
-    """Everything that was found on the way.
+    """The answer and every intermediate result that led to it.
 
     Parameters
     ----------
     whitened : WhitenedTouches
+        The trajectories in units of their noise.
     base : JointFit
-        Of the plain simulation.
+        Fit of the plain simulation.
     intervals_before, intervals : tuple of ProfiledInterval
-        Of E, nu, mu in the plain fit; of these and the effects' numbers in the best one.
+        Intervals of E, nu and mu in the plain fit; of these and of the effects' numbers in the decision's best fit.
     identifiable : Identifiability
-        What these trajectories could tell at all.
+        Which effects these trajectories could show at all.
     screened : list of Screened
+        First-order scores of all effects that were tried.
     scored : list of ScoredCandidate
-        Singles and pairs that were refitted.
+        Single effects and pairs that were refitted.
     decision : Decision
-    not_tried : effects that the touches do not tell enough for
+        The answer.
+    not_tried : tuple of str
+        Effects that depend on covariates which some touches do not have.
     """
 
     whitened: WhitenedTouches
@@ -54,54 +58,71 @@ class NamingResult:
 
 
 def name_effects(
-    cases: TouchSet,
+    touch_set: TouchSet,
     material: GelMaterial,
     options: NamingOptions | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> NamingResult:
-    """What the simulation lacks.
+    """Return which known effect the simulation lacks, with all fits that led to the answer.
 
     Parameters
     ----------
+    touch_set : TouchSet
+        Measured trajectories, and the simulation without effects.
     material : GelMaterial
-        Where the fits begin, as a plain calibration found it.
+        Start of the fits, as a plain calibration found it.
+    options : NamingOptions, optional
+        Candidates, priors, thresholds and numbers of refits; the defaults where ``None``.
+    progress : callable
+        Called with a few words at the beginning of each step.
 
     Raises
     ------
     TactileDataError
-        Too few trajectories, or frames.
+        Too few trajectories, or too few frames in one of them.
     """
     chosen = options or NamingOptions()
-    cases.need_cases()
-    white = WhitenedTouches.of(cases, chosen.errors)
+    touch_set.need_touches()
+    whitened = WhitenedTouches.of(touch_set, chosen.errors)
+    # plain fit
     progress("plain fit")
-    base = plain_fit(white, material)
+    base = plain_fit(whitened, material)
     if chosen.robust:
-        white = white.trusting(_huber(base.residual))
-        base = plain_fit(white, base.model.material)
-    numerical = white.simulation_error_fields(base.model.material, base.model.offsets)
-    base = joint_fit(white, numerical, base.model)
-    names, not_tried = playable(white, chosen.effects)
+        whitened = whitened.with_trust(_huber(base.residual))
+        base = plain_fit(whitened, base.model.material)
+    # errors of the simulation grow with its forces: their fields are taken anew where the plain fit ended
+    numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
+    base = joint_fit(whitened, numerical, base.model)
+    # screen
+    names, not_tried = playable(whitened, chosen.effects)
     progress("screen")
-    signatures = effect_signatures(white, base.model.material, names, offsets=base.model.offsets)
-    screened = screen(base.metric, base.undone, signatures)
-    fits = Refits(white, numerical, base, chosen, progress)
+    signatures = effect_signatures(whitened, base.model.material, names, offsets=base.model.offsets)
+    screened = screen(base.metric, base.residual_at_centre, signatures)
+    # refits and decision
+    fits = Refits(whitened, numerical, base, chosen, progress)
     singles = fits.singles(screened)
     pairs = fits.pairs(screened, singles) if chosen.pairs else []
-    judged, decision = fits.decided(singles, pairs)
+    scored, decision = fits.score_and_decide(singles, pairs)
+    # intervals; a profile needs many plays and is taken of a claim alone
     progress("intervals")
     claimed = decision.best is not None and not decision.objections
     best = decision.best.fit if decision.best is not None else base
     before, after = (
-        intervals(white, fit, numerical, max(1.0, decision.left.dispersion), chosen.profile and claimed)
+        intervals(whitened, fit, numerical, max(1.0, decision.left.dispersion), chosen.profile and claimed)
         for fit in (base, best)
     )
     identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
-    return NamingResult(white, base, before, after, identifiable, screened, judged, decision, tuple(not_tried))
+    return NamingResult(whitened, base, before, after, identifiable, screened, scored, decision, tuple(not_tried))
 
 
 def _huber(residual: Array, turn: float = 2.0) -> Array:
-    """Square roots of Huber's weights (N,) of frames: 1 up to ``turn`` times the usual size of a residual."""
+    """Square roots of Huber's weights (N,) of frames, from whitened residuals (N, 6).
+
+    Parameters
+    ----------
+    turn : float
+        Size of a residual, in medians of all sizes, up to which the weight is 1; beyond, it falls as 1 / size.
+    """
     size = np.sqrt((residual**2).mean(axis=1))
     usual = max(float(np.median(size)), 1e-300)
     return np.sqrt(np.minimum(1.0, turn * usual / np.maximum(size, 1e-300)))

@@ -1,4 +1,4 @@
-"""How to look for what a simulation lacks."""
+"""The choices of a naming run: candidates, priors, thresholds and how many refits are made."""
 
 from __future__ import annotations
 
@@ -10,30 +10,39 @@ from tactiledata.diagnose.touches.whitened import NumericalErrors
 
 @dataclass(frozen=True)
 class NamingOptions:
-    """How to look.
+    """The choices of a naming run; the defaults are those with which the thresholds were measured.
 
     Parameters
     ----------
-    effects : names of candidates; all of the catalogue where ``None``
+    effects : tuple of str, optional
+        Names of the candidate effects; all of the catalogue where ``None``.
     errors : NumericalErrors
-    scale : DecisionThresholds
+        Standard deviations of the simulation's own errors.
+    thresholds : DecisionThresholds
+        What a claim needs.
     promising : float
-        Logarithm of the first-order Bayes factor from which an effect is refitted.
-    most_singles, most_paired, most_first, most_pairs : int
-        At most so many are refitted; of the best so many, pairs are thought of, beside the best so many; so many pairs
-        are refitted.
+        Evidence to first order (`Screened.evidence`) above which an effect is refitted.
+    most_singles : int
+        Largest number of single effects that are refitted.
+    most_paired : int
+        Pairs are formed among this number of the best single refits.
+    most_first : int
+        The first effect of a pair is one of this number of the best single refits.
+    most_pairs : int
+        Largest number of pairs that are refitted.
     pairs : bool
+        Whether pairs of effects are tried at all.
     robust : bool
-        Whether frames that lie far off count for less (Huber).
+        Whether frames with large residuals get smaller weights (Huber).
     profile : bool
-        Whether intervals of what is claimed come from the profile of the likelihood; from its curvature otherwise.
+        Whether intervals of a claim come from the profile of the likelihood; from its curvature otherwise.
     seed : int
-        Of the folds.
+        Random seed with which trajectories are dealt to folds.
     """
 
     effects: tuple[str, ...] | None = None
     errors: NumericalErrors = field(default_factory=NumericalErrors)
-    scale: DecisionThresholds = DEFAULT_THRESHOLDS
+    thresholds: DecisionThresholds = DEFAULT_THRESHOLDS
     promising: float = 0.0
     most_singles: int = 8
     most_paired: int = 6

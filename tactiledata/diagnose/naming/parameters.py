@@ -1,4 +1,4 @@
-"""A material with effects as a vector of numbers, and back."""
+"""Everything that one fit determines, as a vector: material, effects and the simulation's own errors."""
 
 from __future__ import annotations
 
@@ -18,66 +18,70 @@ from tactiledata.gel.elasticity.material import GelMaterial
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A number of an effect that is fitted.
+    """One number of an effect that is fitted, and the unit in which it is fitted.
 
     Parameters
     ----------
-    place : int
-        Of its effect among the settings.
+    setting_index : int
+        Index of its effect among the settings of the model.
     parameter : Parameter
+        A strength, or a shape parameter with several grid values.
     """
 
-    place: int
+    setting_index: int
     parameter: Parameter
 
     @property
     def is_strength(self) -> bool:
-        """Whether it has a null, and with it a prior."""
+        """Whether the parameter has a null value, and with it a normal prior about the null."""
         return self.parameter.null is not None
 
     @property
     def is_logarithmic(self) -> bool:
-        """Whether it is fitted by its logarithm, as times and lengths are."""
+        """Whether the logarithm is fitted: of shape parameters that are positive, as times and lengths."""
         return not self.is_strength and self.parameter.bounds[0] > 0.0
 
     @property
     def scale(self) -> float:
-        """Of a step that means something: the prior's deviation, a factor e, or a tenth of the bounds."""
+        """Unit of the fit: the prior's standard deviation, a factor e, or a tenth of the width of the bounds."""
         if self.is_strength:
             return deviation_of(self.parameter)
         return 1.0 if self.is_logarithmic else (self.parameter.bounds[1] - self.parameter.bounds[0]) / 10.0
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """In which it moves, in units of its scale."""
+        """Smallest and largest value that a fit may try, in units of the fit."""
         low, high = (self.to_unit(end) for end in self.parameter.bounds)
         return low, high
 
     def to_unit(self, value: float) -> float:
-        """The value as it is fitted."""
+        """Return a value of the parameter in units of the fit."""
         return (float(np.log(value)) if self.is_logarithmic else value) / self.scale
 
     def to_value(self, unit: float) -> float:
-        """The other way, inside the bounds."""
+        """Return the parameter's value for a number in units of the fit, clipped to the parameter's bounds."""
         value = float(np.exp(unit * self.scale)) if self.is_logarithmic else float(unit * self.scale)
         return float(np.clip(value, *self.parameter.bounds))
 
 
 @dataclass(frozen=True)
 class JointModel:
-    """E, nu and mu, effects, and what is off without being physics.
+    """Fit parameters: material (E, nu, mu), effects, contact offset of each trajectory, and the simulator's own errors.
 
     Parameters
     ----------
     material : GelMaterial
+        Young's modulus E in pascals, Poisson's ratio nu and friction coefficient mu.
     settings : tuple of EffectSetting
+        Effects with their values, one setting for each place where an effect has strengths of its own.
     coordinates : tuple of Coordinate
         Numbers of the settings that are free.
     offsets : (t,) m
+        By how much each trajectory is deeper than recorded.
     errors : (e,)
-        Numerical errors, in their standard deviations.
+        Errors of the simulation, in their standard deviations.
     box : Bounds
-        In which E, nu and mu stay.
+        Bounds of E, nu and mu.
     """
 
     material: GelMaterial
@@ -89,39 +93,44 @@ class JointModel:
 
     @property
     def strengths(self) -> frozenset[Strength]:
-        """Those that are free."""
+        """Strengths that are free."""
         return frozenset(
-            strength_of(self.settings[one.place], one.parameter) for one in self.coordinates if one.is_strength
+            strength_of(self.settings[coordinate.setting_index], coordinate.parameter)
+            for coordinate in self.coordinates
+            if coordinate.is_strength
         )
 
     def name_of(self, coordinate: Coordinate) -> str:
-        """Of one of the numbers, for tables: ``"mount_offset x of ball3"``."""
-        setting = self.settings[coordinate.place]
+        """Return effect, parameter and place of a number, for tables: ``"mount_offset x of ball3"``."""
+        setting = self.settings[coordinate.setting_index]
         return f"{setting.effect} {strength_of(setting, coordinate.parameter).label}"
 
     @property
     def vector(self) -> Array:
-        """Logarithm of E, nu, mu, the coordinates in their units, and the errors."""
-        of_effects = [one.to_unit(self.settings[one.place].values[one.parameter.name]) for one in self.coordinates]
+        """Fitted numbers (q,) that all trajectories share: ln E, nu, mu, the coordinates in their units, the errors."""
+        of_effects = [
+            coordinate.to_unit(self.settings[coordinate.setting_index].values[coordinate.parameter.name])
+            for coordinate in self.coordinates
+        ]
         gel = [np.log(self.material.youngs_modulus), self.material.poisson_ratio, self.material.friction]
         return np.array([*gel, *of_effects, *self.errors])
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Least and largest value of each entry of the vector."""
-        ends = [one.bounds for one in self.coordinates]
+        """Smallest and largest value (q,) of each entry of the vector; the errors are unbounded."""
+        ends = [coordinate.bounds for coordinate in self.coordinates]
         free = np.full(len(self.errors), np.inf)
         low = [np.log(self.box.low[0]), *self.box.low[1:], *(low for low, _ in ends), *-free]
         high = [np.log(self.box.high[0]), *self.box.high[1:], *(high for _, high in ends), *free]
         return np.array(low), np.array(high)
 
     def at(self, vector: Array, offsets: Array) -> JointModel:
-        """The model with other numbers."""
+        """Return the same model with other numbers: a vector (q,) as of `vector`, and offsets (t,) in metres."""
         settings = list(self.settings)
-        for value, one in zip(vector[3:], self.coordinates, strict=False):
-            old = settings[one.place]
-            values = {**old.values, one.parameter.name: one.to_value(float(value))}
-            settings[one.place] = EffectSetting(old.effect, values, old.where)
+        for value, coordinate in zip(vector[3:], self.coordinates, strict=False):
+            old = settings[coordinate.setting_index]
+            values = {**old.values, coordinate.parameter.name: coordinate.to_value(float(value))}
+            settings[coordinate.setting_index] = EffectSetting(old.effect, values, old.where)
         gel = GelMaterial(float(np.exp(vector[0])), float(vector[1]), float(vector[2]))
         errors = vector[3 + len(self.coordinates) :]
         return replace(self, material=gel, settings=tuple(settings), offsets=offsets, errors=errors)
@@ -135,20 +144,32 @@ def joint_model(
     kept: Collection[Strength] | None = None,
     box: Bounds = BOUNDS["wide"],
 ) -> JointModel:
-    """A model of effects at their nulls or elsewhere.
+    """Return the model from which a fit starts, its offsets and errors at 0.
+
+    Free are the strengths in ``kept`` and the shape parameters that have several grid values.
 
     Parameters
     ----------
-    settings : of each effect, one for each place where it has strengths of its own
-    kept : strengths that leave anything; all of them where ``None``
+    material : GelMaterial
+        Start of E, nu and mu.
+    settings : sequence of EffectSetting
+        Effects with their start values, one setting for each place where an effect has strengths of its own.
+    trajectories : int
+        Number t of contact offsets.
+    errors : int
+        Number e of the simulation's own errors.
+    kept : collection of Strength, optional
+        Strengths that change anything in these touches; all of them where ``None``.
+    box : Bounds
+        Bounds of E, nu and mu.
     """
     coordinates = []
-    for place, setting in enumerate(settings):
+    for setting_index, setting in enumerate(settings):
         for parameter in setting.member.parameters:
             if parameter.null is None:
                 is_free = len(parameter.grid) > 1
             else:
                 is_free = kept is None or strength_of(setting, parameter) in kept
             if is_free:
-                coordinates.append(Coordinate(place, parameter))
+                coordinates.append(Coordinate(setting_index, parameter))
     return JointModel(material, tuple(settings), tuple(coordinates), np.zeros(trajectories), np.zeros(errors), box)

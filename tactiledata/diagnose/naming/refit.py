@@ -1,4 +1,4 @@
-"""Effects that promise something, alone and in pairs, refitted with everything else, and judged."""
+"""Refits of promising effects, alone and in pairs, together with material and nuisance parameters; their scores."""
 
 from __future__ import annotations
 
@@ -25,130 +25,155 @@ from tactiledata.errors import UsageError
 
 @dataclass(frozen=True)
 class Refits:
-    """Refits of one set of trajectories.
+    """The refits of one set of trajectories.
 
     Parameters
     ----------
-    white : WhitenedTouches
+    whitened : WhitenedTouches
+        The trajectories.
     simulation_error_fields : (N, 6, e)
+        Whitened change over one standard deviation of each error of the simulation; the same for all refits.
     base : JointFit
+        The plain fit.
     options : NamingOptions
+        Thresholds, and how many refits are made.
     progress : callable
+        Called with a few words before each refit.
     """
 
-    white: WhitenedTouches
+    whitened: WhitenedTouches
     simulation_error_fields: Array
     base: JointFit
     options: NamingOptions
     progress: Callable[[str], None]
 
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
-        """Of all that promise something."""
-        promising = [one for one in screened if one.evidence > self.options.promising][: self.options.most_singles]
-        found = []
-        for one in promising:
-            self.progress(f"refit {one.effect}")
-            tried = [self._fit(self.base, start, one.strengths) for start in one.starts]
-            found += sorted(filter(None, tried), key=lambda fit: fit.cost)[:1]
-        return found
+        """Return a refit of each promising effect, the best of its starts; effects without any balance are left out."""
+        promising = [effect for effect in screened if effect.evidence > self.options.promising][
+            : self.options.most_singles
+        ]
+        fits = []
+        for effect in promising:
+            self.progress(f"refit {effect.effect}")
+            tried = [self._fit(self.base, start, effect.strengths) for start in effect.starts]
+            fits += sorted(filter(None, tried), key=lambda fit: fit.cost)[:1]
+        return fits
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
-        """Pairs among the best singles whose second promises to explain what the first leaves: the best few, refitted.
+        """Return refits of the few most promising pairs among the best singles.
 
-        Scores of the second beside the refitted first, as in the first screen, say which.
+        A pair is promising where a screen beside the refitted first effect gives the second one evidence of
+        ``claim_gain``. The expected cost of a pair is that of the first effect less the score of the second.
         """
         best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
-        kept = {one.effect: one.strengths for one in screened}
+        kept = {effect.effect: effect.strengths for effect in screened}
+        # the start of each promising pair, from the better of its two orders
         promises: dict[frozenset[str], tuple[float, JointFit, tuple[EffectSetting, ...]]] = {}
         for first in best[: self.options.most_first]:
             self.progress(f"what {first.names[0]} leaves")
             others = [fit.names[0] for fit in best if fit is not first]
             model = first.model
-            signatures = effect_signatures(self.white, model.material, others, model.settings, model.offsets)
-            for second in screen(first.metric, first.undone, signatures):
-                if second.evidence < self.options.scale.claim_gain:
+            signatures = effect_signatures(self.whitened, model.material, others, model.settings, model.offsets)
+            for second in screen(first.metric, first.residual_at_centre, signatures):
+                if second.evidence < self.options.thresholds.claim_gain:
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
                 start = (*first.model.settings, *second.starts[0])
                 if key not in promises or cost < promises[key][0]:
                     promises[key] = cost, first, start
-        found: list[JointFit] = []
-        for _, first, start in sorted(promises.values(), key=lambda one: one[0])[: self.options.most_pairs]:
+        # refits, the most promising first; a hopeless one ends early
+        fits: list[JointFit] = []
+        for _, first, start in sorted(promises.values(), key=lambda promise: promise[0])[: self.options.most_pairs]:
             names = tuple(dict.fromkeys(setting.effect for setting in start))
             self.progress(f"refit {' with '.join(names)}")
             strengths = frozenset().union(*(kept[name] for name in names))
-            to_beat = min((fit.cost for fit in found if not range_checks(fit)[0]), default=np.inf)
+            to_beat = min((fit.cost for fit in fits if not range_checks(fit)[0]), default=np.inf)
             fit = self._fit(first, start, strengths, to_beat)
-            found += [fit] if fit is not None else []
-        return found
+            fits += [fit] if fit is not None else []
+        return fits
 
-    def decided(self, singles: list[JointFit], pairs: list[JointFit]) -> tuple[list[ScoredCandidate], Decision]:
-        """All refits, judged, and the answer."""
-        seed, scale = self.options.seed, self.options.scale
+    def score_and_decide(
+        self, singles: list[JointFit], pairs: list[JointFit]
+    ) -> tuple[list[ScoredCandidate], Decision]:
+        """Return the scores of all refits, and the answer; where a pair is named, its substitutes are refitted too."""
+        seed, thresholds = self.options.seed, self.options.thresholds
+        # held-out squares of every fit, and the dispersion that the best one leaves
         self.progress("held-out trajectories and indenters")
-        base_out = held_out(self.white, self.base, seed)
-        outs: list[GroupedCosts] = [held_out(self.white, fit, seed) for fit in (*singles, *pairs)]
-        expected = self.white.expected
+        base_out = held_out(self.whitened, self.base, seed)
+        outs: list[GroupedCosts] = [held_out(self.whitened, fit, seed) for fit in (*singles, *pairs)]
+        expected = self.whitened.expected
         least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
-        left = RemainingStructure.of(least, expected, [case.name for case in self.white.touch_set.touches])
+        left = RemainingStructure.of(least, expected, [case.name for case in self.whitened.touch_set.touches])
         dispersion = max(1.0, left.dispersion)
 
-        def judged_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
+        def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
             return score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion)
 
-        judged = [judged_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
-        gains = {one.label: one.gains for one in judged}
-        decision = decide(judged[: len(singles)], judged[len(singles) :], gains, self.base.metric, left, scale)
+        # scores and decision
+        scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
+        gains = {candidate.label: candidate.gains for candidate in scored}
+        decision = decide(scored[: len(singles)], scored[len(singles) :], gains, self.base.metric, left, thresholds)
         best = decision.best
         if decision.verdict != "named" or best is None or len(best.names) == 1:
-            return judged, decision
-        of_one = {one.label: one for one in judged[: len(singles)]}
-        twins = [
-            (of_one[stays], judged_of(fit, held_out(self.white, fit, seed)))
-            for stays, fit in self.twins(best.fit, [one.fit for one in of_one.values()])
+            return scored, decision
+        # ties of a named pair
+        of_single = {candidate.label: candidate for candidate in scored[: len(singles)]}
+        substitutes = [
+            (of_single[kept], score_of(fit, held_out(self.whitened, fit, seed)))
+            for kept, fit in self.substitutes(best.fit, [candidate.fit for candidate in of_single.values()])
         ]
-        ties = ties_of_two(best, twins, scale)
-        known = {frozenset(one.names) for one in judged}
-        judged += [twin for _, twin in twins if frozenset(twin.names) not in known]
-        return judged, replace(decision, ties=ties, verdict="one of a set" if ties else "named")
+        ties = ties_of_two(best, substitutes, thresholds)
+        known = {frozenset(candidate.names) for candidate in scored}
+        scored += [substitute for _, substitute in substitutes if frozenset(substitute.names) not in known]
+        return scored, replace(decision, ties=ties, verdict="one of a set" if ties else "named")
 
-    def twins(self, pair: JointFit, singles: Sequence[JointFit]) -> list[tuple[str, JointFit]]:
-        """Refits in which another single stands for one of two effects, each under the name of the one that stays.
+    def substitutes(self, pair: JointFit, singles: Sequence[JointFit]) -> list[tuple[str, JointFit]]:
+        """Return refits in which another single replaces one effect of a pair, each with the name of the kept effect.
 
-        Of those whose score beside it is about as good.
+        Refitted are those whose score beside the kept effect is at least ``comparable_gain_share`` of the score of the
+        effect that they replace.
         """
-        found = []
-        for place, stays in enumerate(pair.names):
-            alone = next(fit for fit in singles if fit.names == (stays,))
-            named = pair.names[1 - place]
+        fits = []
+        for index, kept in enumerate(pair.names):
+            alone = next(fit for fit in singles if fit.names == (kept,))
+            named = pair.names[1 - index]
             others = [named, *(fit.names[0] for fit in singles if fit.names[0] not in pair.names)]
             self.progress(f"what could stand for {named}")
             model = alone.model
-            signatures = effect_signatures(self.white, model.material, others, model.settings, model.offsets)
-            scores = {one.effect: one for one in screen(alone.metric, alone.undone, signatures)}
-            least = self.options.scale.as_good * scores[named].score if named in scores else np.inf
+            signatures = effect_signatures(self.whitened, model.material, others, model.settings, model.offsets)
+            scores = {effect.effect: effect for effect in screen(alone.metric, alone.residual_at_centre, signatures)}
+            least = self.options.thresholds.comparable_gain_share * scores[named].score if named in scores else np.inf
             for name, other in scores.items():
                 if name == named or other.score < least:
                     continue
                 strengths = model.strengths | other.strengths
                 fit = self._fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
-                found += [(stays, fit)] if fit is not None else []
-        return found
+                fits += [(kept, fit)] if fit is not None else []
+        return fits
 
     def _fit(
         self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
     ) -> JointFit | None:
-        """From effects, and from all else as another fit has it; see `joint_fit`.
+        """Joint fit from start settings; ``None`` where gel and springs find no balance, as with too strong an effect.
 
-        None where gel and springs find no balance: an effect so strong that it cannot be played is no candidate.
+        Parameters
+        ----------
+        near : JointFit
+            Fit from which material, contact offsets and errors of the simulation start.
+        start : sequence of EffectSetting
+            Effects with their start values.
+        kept : frozenset of Strength
+            Strengths that are free.
+        to_beat : float
+            Cost of another explanation: the fit ends early where it stays far behind.
         """
         from_there = near.model
         errors = self.simulation_error_fields.shape[2]
-        model = joint_model(from_there.material, start, len(self.white.starts), errors, kept, from_there.box)
-        told = model.vector[: 3 + len(model.coordinates)]
-        model = model.at(np.concatenate([told, from_there.errors]), from_there.offsets)
+        model = joint_model(from_there.material, start, len(self.whitened.starts), errors, kept, from_there.box)
+        of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
+        model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
-            return joint_fit(self.white, self.simulation_error_fields, model, to_beat=to_beat)
+            return joint_fit(self.whitened, self.simulation_error_fields, model, to_beat=to_beat)
         except UsageError:
             return None

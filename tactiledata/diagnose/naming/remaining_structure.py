@@ -1,4 +1,4 @@
-"""Whether a fit leaves structure: in trajectories at large, or in one or two of them."""
+"""Whether a fit leaves more than noise, and whether it does so in most trajectories or in one or two."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.evidence import BEST
+from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 
 
 @dataclass(frozen=True)
 class RemainingStructure:
-    """What is left of trajectories held out, over what noise alone would leave.
+    """Mean square that a fit leaves of held-out trajectories, over the mean square that noise alone would leave.
 
-    Physics that is missing shows wherever it acts. A touch that hung on a scrap, or whose slide the simulation ends a
-    step too early, is no news of physics: as no gain may hang on two trajectories, structure may not either.
+    Missing physics shows wherever it acts. One or two bad touches (debris, a slide simulated one step short) must not
+    count as missing physics: the two worst trajectories are ignored, as no gain may depend on two trajectories either.
 
     Parameters
     ----------
     dispersion : float
-        Mean square of all trajectories.
+        Of all trajectories; 1 where noise is all there is.
     without_worst_two : float
-        The same without the two of which most is left.
+        Without the two trajectories that exceed their noise most.
     worst_two : tuple of str
-        Names of these two.
+        Names of these two trajectories, the worst first.
     """
 
     dispersion: float
@@ -35,19 +35,29 @@ class RemainingStructure:
 
     @staticmethod
     def of(squares: Array, expected: Array, names: Sequence[str]) -> RemainingStructure:
-        """Of sums (t,) of whitened squares, and what noise alone would leave of each (t,)."""
+        """Return what held-out trajectories leave, from their sums of squares.
+
+        Parameters
+        ----------
+        squares : (t,)
+            Sum of whitened squares of each trajectory.
+        expected : (t,)
+            Sum of whitened squares that noise alone would leave of each trajectory.
+        names : sequence of str
+            Name of each trajectory.
+        """
         worst_last = np.argsort(squares - expected, kind="stable")
-        others, worst = worst_last[:-BEST], worst_last[-BEST:]
+        others, worst = worst_last[:-MOST_INFLUENTIAL], worst_last[-MOST_INFLUENTIAL:]
         return RemainingStructure(
             float(squares.sum() / expected.sum()),
             float(squares[others].sum() / expected[others].sum()),
             tuple(names[number] for number in worst[::-1]),
         )
 
-    def is_structure(self, scale: DecisionThresholds) -> bool:
-        """Whether it is more than noise in trajectories at large."""
-        return self.without_worst_two > scale.dispersion
+    def is_structure(self, thresholds: DecisionThresholds) -> bool:
+        """Whether more than noise is left even without the two worst trajectories."""
+        return self.without_worst_two > thresholds.structure_dispersion
 
-    def is_in_few(self, scale: DecisionThresholds) -> bool:
-        """Whether it is more than noise, yet not without the odd two."""
-        return not self.is_structure(scale) and self.dispersion > scale.dispersion
+    def is_in_few(self, thresholds: DecisionThresholds) -> bool:
+        """Whether more than noise is left of all trajectories, but not without the two worst."""
+        return not self.is_structure(thresholds) and self.dispersion > thresholds.structure_dispersion

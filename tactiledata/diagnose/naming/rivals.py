@@ -1,4 +1,4 @@
-"""Which explanations are still in the running, and which of them are to be told apart."""
+"""Which explanations an answer leaves open, and which pairs of them a next trial should tell apart."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from tactiledata.effects.simulate.setting import EffectSetting
 NOTHING = "nothing"
 CLAIMED = ("named", "one of a set")
 HALF = 0.5
+"""Share of the first explanation's support below which another one is not itself taken to be true."""
 
 
 @dataclass(frozen=True)
 class Rival:
-    """One explanation.
+    """One explanation of the recorded data.
 
     Parameters
     ----------
     name : str
-        Effects, joined by `` + ``; ``NOTHING`` for the plain simulation.
+        Names of its effects joined by " + "; ``NOTHING`` for the plain simulation.
     fit : JointFit
-        In the recorded data.
+        Its fit to the recorded data.
     """
 
     name: str
@@ -36,15 +37,17 @@ class Rival:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two explanations, by their places among all.
+    """Two explanations that are to be told apart.
 
     Parameters
     ----------
     first, second : int
+        Their indices among all explanations.
     both_ways : bool
         Whether either may be true; only the first where the second hardly differs from nothing.
     known : float
-        How far (in noise, squared) the recorded data really keep them apart, where that is less than they could.
+        Upper limit of the squared distance, in noise, by which the recorded data separate the two: twice the
+        difference of their supports; infinite where there is no such limit.
     """
 
     first: int
@@ -54,19 +57,21 @@ class Pair:
 
     @property
     def ways(self) -> tuple[tuple[int, int], ...]:
-        """(what is true, what is refitted to it)."""
+        """Index pairs (explanation that is true, explanation that is refitted to it)."""
         there = (self.first, self.second)
         return (there, there[::-1]) if self.both_ways else (there,)
 
 
 @dataclass(frozen=True)
 class Rivals:
-    """Explanations, and which of them are to be told apart.
+    """Explanations, and which pairs of them are to be told apart.
 
     Parameters
     ----------
     members : tuple of Rival
+        The explanations; `Pair` refers to them by index.
     pairs : tuple of Pair
+        Those that a next trial should separate.
     """
 
     members: tuple[Rival, ...]
@@ -74,52 +79,66 @@ class Rivals:
 
     @staticmethod
     def around(members: Sequence[Rival], supports: Sequence[float]) -> Rivals:
-        """The best supported against each of the others.
+        """Return the best supported explanation paired with each of the others.
+
+        An explanation with less than ``HALF`` of the first one's support is not itself taken to be true: it is only a
+        wrong name for the first. Nor is one whose effects are a part of the first one's.
 
         Parameters
         ----------
-        supports : descending
-            What each has gained in log-likelihood: one with less than half of the first's is no truth beside it, only a
-            wrong name for it. Nor is a part of the first.
+        members : sequence of Rival
+            The best supported first.
+        supports : sequence of float
+            What each has gained in log-likelihood.
         """
         whole = set(members[0].fit.names) if members else set()
         pairs = []
-        for place in range(1, len(members)):
-            may_be_true = supports[place] >= HALF * supports[0] and not set(members[place].fit.names) < whole
-            pairs.append(Pair(0, place, may_be_true, 2.0 * abs(supports[0] - supports[place])))
+        for index in range(1, len(members)):
+            may_be_true = supports[index] >= HALF * supports[0] and not set(members[index].fit.names) < whole
+            pairs.append(Pair(0, index, may_be_true, 2.0 * abs(supports[0] - supports[index])))
         return Rivals(tuple(members), tuple(pairs))
 
 
 def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
-    """What an answer leaves open.
+    """Return the explanations that an answer leaves open.
 
-    Of a set, the named effect and its ties; of a name alone, it and what came nearest; of an abstention, the strongest
-    few; where nothing is missing, what could be there and not show, each at the end of its plausible range, against
-    nothing.
+    Where a set is the answer: the named effect and its ties. Where one name is: it and the candidate that comes nearest
+    in gain. Where none is: the strongest few. Where nothing is missing: each effect that these data cannot show, at the
+    end of its plausible range, against nothing.
+
+    Parameters
+    ----------
+    naming : NamingResult
+        The answer, with all fits.
+    most : int
+        Largest number of explanations; it does not limit those of an answer that nothing is missing.
     """
     decision = naming.decision
     if decision.verdict == "nothing is missing":
-        return _unseen(naming)
-    ranked = sorted(naming.scored, key=lambda one: -one.gain)
+        return _undetectable(naming)
+    ranked = sorted(naming.scored, key=lambda candidate: -candidate.gain)
     if decision.verdict in CLAIMED and decision.best is not None:
         tied = {tie.label for tie in decision.ties}
-        others = [one for one in ranked if one.label in tied]
+        others = [candidate for candidate in ranked if candidate.label in tied]
         if not others:
-            others = [one for one in ranked if one is not decision.best and one.gain > 0][:1]
+            others = [candidate for candidate in ranked if candidate is not decision.best and candidate.gain > 0][:1]
         ranked = [decision.best, *others]
     else:
-        ranked = [one for one in ranked if len(one.names) == 1]
-    found = [Rival(one.label, one.fit) for one in ranked]
-    supports = [one.gain for one in ranked]
-    if len(found) < 2 and decision.verdict not in CLAIMED:
-        promising = [one for one in naming.screened if one.effect not in {rival.name for rival in found}][:most]
-        found += [_screened(naming, one.starts[0]) for one in promising]
-        supports += [one.evidence for one in promising]
-    return Rivals.around(found[:most], supports[:most])
+        ranked = [candidate for candidate in ranked if len(candidate.names) == 1]
+    rivals = [Rival(candidate.label, candidate.fit) for candidate in ranked]
+    supports = [candidate.gain for candidate in ranked]
+    # without a claim and with fewer than two refits, the screen adds effects by their first-order evidence
+    if len(rivals) < 2 and decision.verdict not in CLAIMED:
+        promising = [effect for effect in naming.screened if effect.effect not in {rival.name for rival in rivals}][
+            :most
+        ]
+        rivals += [_screened(naming, effect.starts[0]) for effect in promising]
+        supports += [effect.evidence for effect in promising]
+    return Rivals.around(rivals[:most], supports[:most])
 
 
 def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
-    """An effect that was not refitted, as its first-order score has it."""
+    """An effect that was not refitted, with the strengths of its first-order score, linearised there."""
     base = naming.base.model
     errors = len(base.errors)
     model = joint_model(base.material, start, len(base.offsets), errors, box=base.box)
@@ -132,21 +151,25 @@ def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
     )
 
 
-def _unseen(naming: NamingResult) -> Rivals:
+def _undetectable(naming: NamingResult) -> Rivals:
+    """Each effect that these data cannot show, by its most visible strength, against the plain simulation."""
     plain = Rival(NOTHING, naming.base)
     known = naming.identifiable
     members = [plain]
     for effect in known.undetectable:
-        reach = {one: known.reach[k] for k, one in enumerate(known.numbers) if one.effect == effect}
-        strengths = [Strength(effect, one.name) for one in strengths_of(EFFECTS[effect]())]
-        members.append(_at_its_strongest(naming, max(reach or strengths, key=lambda one: reach.get(one, 0.0))))
-    return Rivals(tuple(members), tuple(Pair(place, 0, False) for place in range(1, len(members))))
+        reach = {strength: known.reach[k] for k, strength in enumerate(known.numbers) if strength.effect == effect}
+        strengths = [Strength(effect, parameter.name) for parameter in strengths_of(EFFECTS[effect]())]
+        members.append(
+            _at_its_strongest(naming, max(reach or strengths, key=lambda strength: reach.get(strength, 0.0)))
+        )
+    return Rivals(tuple(members), tuple(Pair(index, 0, False) for index in range(1, len(members))))
 
 
 def _at_its_strongest(naming: NamingResult, strength: Strength) -> Rival:
-    base, cases = naming.base, naming.whitened
+    """The plain fit with one strength at the far end of its plausible range, nothing refitted."""
+    base, whitened = naming.base, naming.whitened
     setting = set_at(strength.effect, {strength.name: strength.end}, strength.place)
     model = replace(base.model, settings=(setting,), coordinates=())
-    plays = [cases.touch_set.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
-    change = cases.whiten(plays[0] - plays[1])
+    plays = [whitened.touch_set.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
+    change = whitened.whiten(plays[0] - plays[1])
     return Rival(strength.effect, replace(base, model=model, residual=base.residual - change, effect_change=change))

@@ -1,4 +1,4 @@
-"""What each effect would leave in the data: the whitened change of the wrench over one standard deviation of it."""
+"""The signature of each effect: the whitened change of the wrenches over one prior standard deviation of a strength."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.strength import Strength, set_at
@@ -24,244 +23,313 @@ from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.offsets import PRIOR
 
 OWN_STEP = 2e-5
-"""m, of the differences over a trajectory's offset."""
+"""Step of the finite differences over a trajectory's contact offset, in metres."""
 SHARE = 0.5
-"""Of a strength's standard deviation, of the differences over it."""
+"""Step of the finite differences over a strength, in standard deviations of its prior."""
 PARTS = (1.0, 0.25, 0.05)
-"""Of that, where springs as soft as the whole find no balance with the gel."""
+"""Shares of that step that are tried in turn: soft springs may find no balance with the gel at the whole step."""
 FAINT = 1e-6
-"""Norm of a signature per standard deviation, in noise: less is nothing."""
+"""Root mean square of a signature, in units of the noise, below which the strength counts as changing nothing."""
 MATERIAL = ("E", "nu", "mu")
+"""Symbols of Young's modulus, Poisson's ratio and the friction coefficient, the first entries of a model's vector."""
 
 
 @dataclass(frozen=True)
 class Signature:
-    """An effect at its null, at one choice of its shapes.
+    """What an effect changes about its null, at one choice of its shape parameters.
 
     Parameters
     ----------
     effect : str
+        Name in the catalogue.
     shapes : dict, parameter -> value
-    strengths : the p that leave anything
+        Values of the shape parameters.
+    strengths : tuple of p Strength
+        Those that change anything in these touches.
     scales : (p,)
-        Standard deviations of their priors.
+        Standard deviations of their priors, in the parameters' units.
     one_sided : (p,) bool
         Whether a strength cannot be negative.
-    looked_at : (p,)
-        Standard deviations at which the change was taken.
+    step_sizes : (p,)
+        Size of the finite difference, in standard deviations.
     field : (N, 6, p)
-        Whitened change over one standard deviation.
+        Whitened change over one standard deviation of each strength.
     """
 
     effect: str
     shapes: dict[str, float]
     strengths: tuple[Strength, ...]
     scales: Array
-    one_sided: NDArray[np.bool_]
-    looked_at: Array
+    one_sided: Mask
+    step_sizes: Array
     field: Array
 
     @property
     def label(self) -> str:
-        """For tables: ``"relaxation time=3"``."""
+        """Effect and shapes, for tables: ``"relaxation time=3"``."""
         return " ".join([self.effect, *(f"{name}={value:g}" for name, value in self.shapes.items())])
 
     def at(self, strengths: Array) -> tuple[EffectSetting, ...]:
-        """The effect with strengths (p,) in standard deviations, inside their bounds: a setting for each place."""
+        """Return the effect with strengths (p,) in standard deviations, clipped to their bounds: a setting a place."""
         values: dict[str, dict[str, float]] = {}
-        for one, strength, scale in zip(self.strengths, strengths, self.scales, strict=True):
-            value = float(np.clip(strength * scale, *one.parameter.bounds))
-            values.setdefault(one.place, {})[one.name] = value
-        return tuple(set_at(self.effect, {**self.shapes, **found}, place) for place, found in values.items())
+        for strength, size, scale in zip(self.strengths, strengths, self.scales, strict=True):
+            value = float(np.clip(size * scale, *strength.parameter.bounds))
+            values.setdefault(strength.place, {})[strength.name] = value
+        return tuple(set_at(self.effect, {**self.shapes, **at_place}, place) for place, at_place in values.items())
 
 
 def shape_grids(effect: Effect) -> Iterator[dict[str, float]]:
-    """Every combination of the values of its shapes that a screen tries."""
-    tried = [one for one in effect.parameters if one.null is None and len(one.grid) > 1]
-    for values in itertools.product(*(one.grid for one in tried)):
-        yield dict(zip((one.name for one in tried), values, strict=True))
+    """Yield every combination of grid values of an effect's shape parameters, which a screen tries."""
+    shapes = [parameter for parameter in effect.parameters if parameter.null is None and len(parameter.grid) > 1]
+    for values in itertools.product(*(shape.grid for shape in shapes)):
+        yield dict(zip((shape.name for shape in shapes), values, strict=True))
 
 
 def strengths_of(effect: Effect) -> tuple[Parameter, ...]:
-    """Parameters that make it strong."""
-    return tuple(one for one in effect.parameters if one.null is not None)
+    """Return the parameters with a null value, at which the effect is absent."""
+    return tuple(parameter for parameter in effect.parameters if parameter.null is not None)
 
 
-def looks(effect: Effect) -> int:
-    """At how many sizes its signature is taken: several where it acts from a threshold on."""
-    return max(1, *(len(one.grid) for one in strengths_of(effect)))
+def size_count(effect: Effect) -> int:
+    """Return at how many sizes a signature is taken: several for an effect that acts from a threshold on, else one."""
+    return max(1, *(len(parameter.grid) for parameter in strengths_of(effect)))
 
 
 def deviation_of(parameter: Parameter) -> float:
-    """Standard deviation of a strength's prior."""
+    """Return the standard deviation of a strength's prior: as declared, or a quarter of its plausible range."""
     return parameter.deviation or (parameter.plausible[1] - parameter.plausible[0]) / 4.0
 
 
-def playable(cases: WhitenedTouches, names: Iterable[str] | None = None) -> tuple[list[str], list[str]]:
-    """Names of effects that the touches tell enough for, and of those that they do not.
+def playable(whitened: WhitenedTouches, names: Iterable[str] | None = None) -> tuple[list[str], list[str]]:
+    """Return the effects whose needed covariates all touches have, and the effects for which some are missing.
 
     Parameters
     ----------
-    names : of candidates; all of the catalogue where ``None``
+    whitened : WhitenedTouches
+        Trajectories.
+    names : iterable of str, optional
+        Names of candidate effects; all of the catalogue where ``None``.
     """
-    asked = list(EFFECTS) if names is None else list(names)
-    touches = [case.touch for case in cases.touch_set.touches]
-    told = [
-        all(getattr(touch, need) is not None for need in EFFECTS[name].needs for touch in touches) for name in asked
+    candidates = list(EFFECTS) if names is None else list(names)
+    touches = [case.touch for case in whitened.touch_set.touches]
+    has_covariates = [
+        all(getattr(touch, need) is not None for need in EFFECTS[name].needs for touch in touches)
+        for name in candidates
     ]
     return (
-        [name for name, is_told in zip(asked, told, strict=True) if is_told],
-        [name for name, is_told in zip(asked, told, strict=True) if not is_told],
+        [name for name, has_all in zip(candidates, has_covariates, strict=True) if has_all],
+        [name for name, has_all in zip(candidates, has_covariates, strict=True) if not has_all],
     )
 
 
 def effect_signatures(
-    cases: WhitenedTouches,
+    whitened: WhitenedTouches,
     material: GelMaterial,
     names: Iterable[str],
     settings: Sequence[EffectSetting] = (),
     offsets: Array | None = None,
 ) -> list[Signature]:
-    """Signatures of effects beside others that are set already.
+    """Return signatures of effects beside effects that are set already: one for each choice of shapes and sizes.
 
-    Strengths that leave nothing in these touches are left out, and effects without any.
+    Strengths that change nothing in these touches are left out, and so are effects without any other.
 
     Parameters
     ----------
-    offsets : (t,) m
-        Of the trajectories: what slides, and what is beyond a limit, depends on them.
+    whitened : WhitenedTouches
+        Trajectories.
+    material : GelMaterial
+        Material of the gel in the simulation.
+    names : iterable of str
+        Names of effects.
+    settings : sequence of EffectSetting
+        Effects that are set already.
+    offsets : (t,) m, optional
+        Contact offset of each trajectory: what slides, and what is beyond a limit, depends on it.
     """
-    before = cases.touch_set.played(material, settings, offsets)
-    found = []
+    before = whitened.touch_set.played(material, settings, offsets)
+    signatures = []
     for name in names:
         member: Effect = EFFECTS[name]()
         known: dict[tuple[object, ...], Array] = {}
-        for shapes, look in itertools.product(shape_grids(member), range(looks(member))):
+        for shapes, size_number in itertools.product(shape_grids(member), range(size_count(member))):
+            # the field of every strength at every place, each played once
             fields, kept = [], []
-            for place in places_of(cases, member):
+            for place in places_of(whitened, member):
                 for parameter in strengths_of(member):
-                    share = _looked_at(parameter, look)
+                    share = _step_size(parameter, size_number)
                     key = (*shapes.values(), place, parameter.name, share)
                     if key not in known:
-                        # only what acts from a threshold on is looked at in several sizes
+                        # only an effect that acts from a threshold on is taken at several sizes
                         values = {**shapes, parameter.name: share * deviation_of(parameter)}
                         settings_there = [*settings, set_at(name, values, place)]
-                        changed = _playable_change(cases, material, settings_there, parameter.name, offsets, before)
-                        known[key] = cases.whiten(changed) / share
+                        changed = _playable_change(whitened, material, settings_there, parameter.name, offsets, before)
+                        known[key] = whitened.whiten(changed) / share
                     field = known[key]
                     if np.linalg.norm(field) > FAINT * np.sqrt(field.size):
                         fields.append(field)
                         kept.append(Strength(name, parameter.name, place))
             if kept:
-                found.append(
+                signatures.append(
                     Signature(
                         name,
                         shapes,
                         tuple(kept),
-                        np.array([deviation_of(one.parameter) for one in kept]),
-                        np.array([one.parameter.bounds[0] >= 0.0 for one in kept]),
-                        np.array([_looked_at(one.parameter, look) for one in kept]),
+                        np.array([deviation_of(strength.parameter) for strength in kept]),
+                        np.array([strength.parameter.bounds[0] >= 0.0 for strength in kept]),
+                        np.array([_step_size(strength.parameter, size_number) for strength in kept]),
                         np.stack(fields, axis=2),
                     )
                 )
-    return found
+    return signatures
 
 
-def _looked_at(parameter: Parameter, look: int) -> float:
-    """In standard deviations."""
-    return parameter.grid[look] / deviation_of(parameter) if parameter.grid else SHARE
+def _step_size(parameter: Parameter, size_number: int) -> float:
+    """Size of the finite difference over a strength, in standard deviations of its prior."""
+    return parameter.grid[size_number] / deviation_of(parameter) if parameter.grid else SHARE
 
 
-def places_of(cases: WhitenedTouches, effect: Effect) -> tuple[str, ...]:
-    """Where an effect has strengths of its own: one empty name where it is the same everywhere."""
+def places_of(whitened: WhitenedTouches, effect: Effect) -> tuple[str, ...]:
+    """Return the places where an effect has strengths of its own; one empty name where the touches share them.
+
+    They are shared as well where some touch does not name its place.
+    """
     if not effect.each:
         return ("",)
-    names = {getattr(case.touch, effect.each) for case in cases.touch_set.touches}
+    names = {getattr(case.touch, effect.each) for case in whitened.touch_set.touches}
     return tuple(sorted(names)) if all(names) else ("",)
 
 
 def _playable_change(
-    cases: WhitenedTouches,
+    whitened: WhitenedTouches,
     material: GelMaterial,
     settings: list[EffectSetting],
     strength: str,
     offsets: Array | None,
     before: Played,
 ) -> Array:
-    """What the last setting changes (N, 6), in proportion from a smaller strength where gel and springs find no balance
-    at the whole; nothing where they find none at all, as what cannot be played is no candidate.
+    """Change of the wrench (N, 6), in N and N m, by the last setting.
+
+    Where gel and springs find no balance at the whole strength, it is scaled up from a smaller one; 0 where they find
+    none at all, as an effect that cannot be played is no candidate.
+
+    Parameters
+    ----------
+    settings : list of EffectSetting
+        All effects, the one in question last.
+    strength : str
+        Parameter of the last setting that is made smaller.
+    offsets : (t,) m, optional
+        Contact offset of each trajectory.
+    before : Played
+        The trajectories without the last setting.
     """
     last = settings[-1]
     for part in PARTS:
         values = {**last.values, strength: part * last.values[strength]}
         smaller = EffectSetting(last.effect, values, last.where)
         try:
-            return _change(cases, material, [*settings[:-1], smaller], offsets, before) / part
+            return _change(whitened, material, [*settings[:-1], smaller], offsets, before) / part
         except UsageError:
             continue
     return np.zeros_like(before.wrench)
 
 
 def _change(
-    cases: WhitenedTouches, material: GelMaterial, settings: list[EffectSetting], offsets: Array | None, before: Played
+    whitened: WhitenedTouches,
+    material: GelMaterial,
+    settings: list[EffectSetting],
+    offsets: Array | None,
+    before: Played,
 ) -> Array:
-    """What the last setting changes (N, 6); without offsets where, with them, gel and springs find no balance."""
+    """Change of the wrench (N, 6) by the last setting; without contact offsets where there is no balance with them."""
     last = settings[-1]
     try:
-        return cases.touch_set.play_where(last, before, material, settings, offsets) - before.wrench
+        return whitened.touch_set.play_where(last, before, material, settings, offsets) - before.wrench
     except UsageError:
         if offsets is None:
             raise
-        without = cases.touch_set.played(material, settings[:-1])
-        return cases.touch_set.play_where(last, without, material, settings) - without.wrench
+        without = whitened.touch_set.played(material, settings[:-1])
+        return whitened.touch_set.play_where(last, without, material, settings) - without.wrench
 
 
 def material_steps(bounds: Bounds) -> Array:
-    """Steps of ln E, nu and mu for differences."""
+    """Return the steps (3,) of the finite differences over ln E, nu and mu."""
     return np.array([1e-2, 0.02 * float(bounds.span[1]), 0.01])
 
 
 def material_fields(
-    cases: WhitenedTouches,
+    whitened: WhitenedTouches,
     material: GelMaterial,
     settings: Sequence[EffectSetting],
     offsets: Array | None,
     before: Played,
 ) -> Array:
-    """Whitened change (N, 6, 3) over ln E, nu and mu."""
+    """Return the whitened change (N, 6, 3) over ln E, nu and mu.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    material : GelMaterial
+        Material about which the differences are taken.
+    settings : sequence of EffectSetting
+        Effects in the simulation.
+    offsets : (t,) m, optional
+        Contact offset of each trajectory.
+    before : Played
+        The trajectories as played with all of these.
+    """
     bounds = find_bounds("wide")
     steps = material_steps(bounds)
     here = np.array([np.log(material.youngs_modulus), material.poisson_ratio, material.friction])
     fields = []
-    for place, step in enumerate(steps):
-        inward = -step if here[1] + step > bounds.high[1] and place == 1 else step
+    for entry, step in enumerate(steps):
+        # nu stays below its upper bound, near which the gel is incompressible
+        inward = -step if here[1] + step > bounds.high[1] and entry == 1 else step
         there = here.copy()
-        there[place] += inward
+        there[entry] += inward
         moved = GelMaterial(float(np.exp(there[0])), float(there[1]), float(there[2]))
-        changed = cases.touch_set.play(moved, settings, offsets, before) - before.wrench
-        fields.append(cases.whiten(changed) / inward)
+        changed = whitened.touch_set.play(moved, settings, offsets, before) - before.wrench
+        fields.append(whitened.whiten(changed) / inward)
     return np.stack(fields, axis=2)
 
 
 def own_field(
-    cases: WhitenedTouches, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
+    whitened: WhitenedTouches, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
 ) -> Array:
-    """Whitened change (N, 6) over one standard deviation of each trajectory's offset."""
-    moved = cases.touch_set.play(material, settings, offsets + OWN_STEP, before)
-    return cases.whiten(moved - before.wrench) * (PRIOR / OWN_STEP)
+    """Return the whitened change (N, 6) over one prior standard deviation of each trajectory's contact offset.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    material : GelMaterial
+        Material of the gel.
+    settings : sequence of EffectSetting
+        Effects in the simulation.
+    offsets : (t,) m
+        Contact offsets about which the difference is taken.
+    before : Played
+        The trajectories as played with all of these.
+    """
+    moved = whitened.touch_set.play(material, settings, offsets + OWN_STEP, before)
+    return whitened.whiten(moved - before.wrench) * (PRIOR / OWN_STEP)
 
 
 def material_precision() -> Array:
-    """Precision (3,) of the priors of ln E, nu and mu: nu is known to lie within its bounds, the others may be any."""
+    """Return the inverse variances (3,) of the priors of ln E, nu and mu; 0 for ln E and mu, which have no prior.
+
+    The prior standard deviation of nu is half the width of its bounds.
+    """
     half = 0.5 * float(find_bounds("wide").span[1])
     return np.array([0.0, half**-2, 0.0])
 
 
-def nuisance(cases: WhitenedTouches, material: GelMaterial) -> RandomEffects:
-    """What a refit of the plain simulation and its numerical errors could imitate."""
-    before = cases.touch_set.played(material, [])
-    own = own_field(cases, material, [], np.zeros(len(cases.starts)), before)
-    errors = cases.simulation_error_fields(material)
-    shared = np.concatenate([material_fields(cases, material, [], None, before), errors], axis=2)
+def nuisance(whitened: WhitenedTouches, material: GelMaterial) -> RandomEffects:
+    """Return the metric of the plain simulation at a material: what its refit or its errors imitate does not count."""
+    before = whitened.touch_set.played(material, [])
+    own = own_field(whitened, material, [], np.zeros(len(whitened.starts)), before)
+    errors = whitened.simulation_error_fields(material)
+    shared = np.concatenate([material_fields(whitened, material, [], None, before), errors], axis=2)
     precision = np.concatenate([material_precision(), np.ones(errors.shape[2])])
-    return RandomEffects(own, shared, precision, cases.starts)
+    return RandomEffects(own, shared, precision, whitened.starts)

@@ -1,4 +1,4 @@
-"""What a candidate fits: a strength of an effect, at one place where the effect is another one for each."""
+"""One fitted strength of an effect, at one place where the effect has numbers of its own for each place."""
 
 from __future__ import annotations
 
@@ -10,7 +10,17 @@ from tactiledata.effects.simulate.setting import EffectSetting
 
 
 class Strength(NamedTuple):
-    """One strength of an effect, of the touches at one place where the effect is another one for each."""
+    """One strength of an effect: a parameter with a null value, at which the effect is absent.
+
+    Parameters
+    ----------
+    effect : str
+        Name of the effect in the catalogue.
+    name : str
+        Name of the parameter.
+    place : str
+        Sensor, indenter or mount whose touches it acts on; empty where it acts on all.
+    """
 
     effect: str
     name: str
@@ -18,25 +28,35 @@ class Strength(NamedTuple):
 
     @property
     def label(self) -> str:
-        """For tables: ``"x of ball3"``."""
+        """The strength in words for tables: ``"x of ball3"``."""
         return f"{self.name} of {self.place}" if self.place else self.name
 
     @property
     def parameter(self) -> Parameter:
-        """As the effect has it."""
-        return next(one for one in EFFECTS[self.effect]().parameters if one.name == self.name)
+        """The parameter as the effect declares it."""
+        return next(parameter for parameter in EFFECTS[self.effect]().parameters if parameter.name == self.name)
 
     @property
     def end(self) -> float:
-        """Of what is plausible, the farther one from nothing."""
+        """End of the plausible range that is farther from 0, in the parameter's unit."""
         return max(self.parameter.plausible, key=abs)
 
 
 def set_at(effect: str, values: dict[str, float], place: str) -> EffectSetting:
-    """An effect with values, at one place where it is another one for each; everywhere where no place is named."""
+    """Return an effect with values, restricted to one place; everywhere where the effect has no places.
+
+    Parameters
+    ----------
+    effect : str
+        Name in the catalogue.
+    values : dict, parameter -> value
+        In the parameters' units.
+    place : str
+        Sensor, indenter or mount; empty for all touches.
+    """
     return EffectSetting(effect, values, {EFFECTS[effect]().each: place} if place else {})
 
 
 def strength_of(setting: EffectSetting, parameter: Parameter) -> Strength:
-    """The strength that a parameter is in a setting."""
+    """Return the strength that a parameter of a setting is."""
     return Strength(setting.effect, parameter.name, setting.place)

@@ -1,4 +1,4 @@
-"""What a touch tells of each of its frames: covariates, and the phase in which a frame lies."""
+"""Covariates of each frame of a touch (depth, speed, time and others), and the phase in which the frame lies."""
 
 from __future__ import annotations
 
@@ -16,51 +16,66 @@ from tactiledata.effects.touch.response import ContactResponse
 from tactiledata.gel.elasticity.material import GelMaterial
 
 STILL = 0.1
-"""Of a trajectory's median step: a tip that moves less dwells."""
+"""Share of a trajectory's median step up to which the tip counts as dwelling."""
 VARIES = 1e-6
-"""Of its size, by which a covariate must vary to be one."""
+"""Range of a covariate over its largest absolute value up to which it counts as constant and is left out."""
 
 
-def contacts(cases: TouchSet, material: GelMaterial, offsets: Array) -> list[ContactResponse]:
-    """What the plain simulation says of each contact, every trajectory deeper by its offset (t,), m."""
-    base = with_effects(cases.base(material), [])
-    found = []
-    for case, offset in zip(cases.touches, offsets, strict=True):
-        moved = base.with_effects([EffectSetting("mount_offset", {"deeper": float(offset)})])
-        found.append(moved.play(replace(case.touch, material=material)).contact)
-    return found
-
-
-def case_covariates(cases: TouchSet, answers: Sequence[ContactResponse]) -> dict[str, Covariate]:
-    """Covariates (N,) that all touches tell and that vary; where a value is unknown, that of the frame before.
+def contacts(touch_set: TouchSet, material: GelMaterial, offsets: Array) -> list[ContactResponse]:
+    """Return the contact of each trajectory in the plain simulation.
 
     Parameters
     ----------
-    answers : one for each trajectory
-        Of the simulation: depth, contact radius and normal force are its own, as noise must not choose the frames.
+    touch_set : TouchSet
+        Trajectories, and the simulation without effects.
+    material : GelMaterial
+        Material of the gel.
+    offsets : (t,) m
+        By how much each trajectory is deeper than recorded.
     """
-    told = [
+    base = with_effects(touch_set.base(material), [])
+    responses = []
+    for case, offset in zip(touch_set.touches, offsets, strict=True):
+        moved = base.with_effects([EffectSetting("mount_offset", {"deeper": float(offset)})])
+        responses.append(moved.play(replace(case.touch, material=material)).contact)
+    return responses
+
+
+def case_covariates(touch_set: TouchSet, answers: Sequence[ContactResponse]) -> dict[str, Covariate]:
+    """Return covariates (N,), by name, that every trajectory has and that vary.
+
+    An unknown value is replaced by that of the frame before.
+
+    Parameters
+    ----------
+    touch_set : TouchSet
+        The t trajectories.
+    answers : sequence of t ContactResponse
+        Contacts in the simulation. Depth, contact radius and normal force are taken from them and not from the
+        measurement, as noise must not choose the frames.
+    """
+    by_trajectory = [
         {**_of_motion(case), **_of_contact(case, answer), **_of_rig(case), "index": _constant(case, float(number))}
-        for number, (case, answer) in enumerate(zip(cases.touches, answers, strict=True))
+        for number, (case, answer) in enumerate(zip(touch_set.touches, answers, strict=True))
     ]
-    slowest = _slowest(cases)
-    found = {}
-    for name, (_, unit) in told[0].items():
-        if all(name in one for one in told):
-            values = np.concatenate([_filled(one[name][0]) for one in told])
+    slowest = _slowest(touch_set)
+    covariates = {}
+    for name, (_, unit) in by_trajectory[0].items():
+        if all(name in columns for columns in by_trajectory):
+            values = np.concatenate([_filled(columns[name][0]) for columns in by_trajectory])
             if name == "lateral speed":
-                # rest counts as the slowest motion: what goes with a rate goes with its logarithm
+                # rest counts as the slowest motion: rate effects follow the logarithm of a speed
                 values = np.maximum(values, slowest)
             if np.ptp(values) > VARIES * np.abs(values).max():
-                found[name] = Covariate(values, unit)
-    return found
+                covariates[name] = Covariate(values, unit)
+    return covariates
 
 
 def phases(case: TouchCase) -> Names:
-    """The phase (n,) of each frame, from free-air flags and the recorded path.
+    """Return the phase (n,) of each frame, from free-air flags and the recorded path.
 
-    "free air", "approach" (nothing is flagged, the tip is above the gel), "press", "dwell", "shear", "reverse" (against
-    the first direction of shear) and "leave".
+    The phases are "free air" (flagged), "approach" (not flagged, going down above the gel), "press", "dwell", "shear",
+    "reverse" (shear against its first direction) and "leave".
     """
     tips = _filled(case.touch.tips)
     steps = np.diff(tips, axis=0, prepend=tips[:1])
@@ -70,6 +85,7 @@ def phases(case: TouchCase) -> Names:
     still = STILL * float(np.median(moving)) if len(moving) else 0.0
     dwells, shears = size <= still, along > np.abs(up)
     first = steps[np.flatnonzero(shears & ~dwells & ~case.free_air)[:1], :2].sum(axis=0)
+    # later lines overrule earlier ones
     named = np.where(up < 0, "press", "leave").astype("<U8")
     named[shears] = np.where(steps[shears][:, :2] @ first < 0, "reverse", "shear")
     named[dwells] = "dwell"
@@ -78,15 +94,16 @@ def phases(case: TouchCase) -> Names:
     return named
 
 
-def _slowest(cases: TouchSet) -> float:
-    """The slowest shear, mm/s, but for a few frames."""
-    shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in cases.touches]
+def _slowest(touch_set: TouchSet) -> float:
+    """Speed in mm/s below which 5 % of the moving frames of shear lie; 0 where nothing shears."""
+    shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in touch_set.touches]
     speeds = 1e3 * np.concatenate(shears)
     speeds = speeds[speeds > 0]
     return float(np.quantile(speeds, 0.05)) if len(speeds) else 0.0
 
 
 def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
+    """Covariates of time and path: name -> values (n,) and unit."""
     touch = case.touch
     in_contact = np.where(case.free_air, 0.0, 1.0)
     return {
@@ -101,6 +118,7 @@ def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
 
 
 def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Array, str]]:
+    """Covariates of the simulated contact: name -> values (n,) and unit."""
     force, steps, depth = _filled(answer.wrench[:, 2]), case.touch.time_steps, np.maximum(answer.depth, 0.0)
     rate = np.divide(np.diff(force, prepend=force[:1]), steps, out=np.zeros_like(force), where=steps > 0)
     return {
@@ -113,7 +131,7 @@ def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Arr
 
 
 def _share_of_largest(depth: Array, earlier: Array | None) -> Array:
-    """Depth (n,) over the largest that the gel has felt there so far, 1 before anything has touched."""
+    """Depth (n,) over the largest depth that the gel has felt at this place so far; 1 before the first contact."""
     depth = _filled(depth)
     largest = np.maximum.accumulate(depth)
     if earlier is not None:
@@ -122,33 +140,35 @@ def _share_of_largest(depth: Array, earlier: Array | None) -> Array:
 
 
 def _of_rig(case: TouchCase) -> dict[str, tuple[Array, str]]:
-    touch, told = case.touch, {}
+    """Covariates of sensor, arm and earlier touches, as far as they are known: name -> values (n,) and unit."""
+    touch, columns = case.touch, {}
     if touch.powered is not None:
-        told["time since power-on"] = (touch.powered / 60.0, "min")
+        columns["time since power-on"] = (touch.powered / 60.0, "min")
     if touch.gravity is not None:
         size = np.linalg.norm(touch.gravity, axis=1)
         tilt = np.arccos(np.clip(-touch.gravity[:, 2] / np.maximum(size, 1e-300), -1.0, 1.0))
-        told["tilt"] = (np.degrees(tilt), "deg")
-        # a sensor that was zeroed reads the turn of a weight, not the weight
+        columns["tilt"] = (np.degrees(tilt), "deg")
+        # a sensor that was set to zero reads how gravity has turned since, not the whole weight
         zeroed = case.free_air if touch.tare is None else touch.tare
         turned = touch.gravity - touch.gravity[zeroed if zeroed.any() else slice(1)].mean(axis=0)
         for axis, column in zip("xyz", turned.T, strict=True):
-            told[f"gravity along {axis} since the zero"] = (column, "m/s^2")
+            columns[f"gravity along {axis} since the zero"] = (column, "m/s^2")
     if touch.joints is not None:
-        told["last joint"] = (np.degrees(touch.joints[:, -1]), "deg")
+        columns["last joint"] = (np.degrees(touch.joints[:, -1]), "deg")
     if touch.earlier_depth is not None:
-        told["earlier depth"] = (1e3 * touch.earlier_depth, "mm")
+        columns["earlier depth"] = (1e3 * touch.earlier_depth, "mm")
     if touch.earlier_contacts is not None:
-        told["earlier contacts"] = (touch.earlier_contacts, "1")
-    return told
+        columns["earlier contacts"] = (touch.earlier_contacts, "1")
+    return columns
 
 
 def _constant(case: TouchCase, value: float) -> tuple[Array, str]:
+    """One value for all frames (n,), without a unit."""
     return np.full(len(case.touch), value), "1"
 
 
 def _filled(values: Array) -> Array:
-    """Values (n, …) with those that are not finite taken from the frame before, or the first that is known."""
+    """Values (n, ...) with rows not finite replaced by the last known row, or the first known one at the beginning."""
     known = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
     if known.all() or not known.any():
         return np.nan_to_num(values)

@@ -1,4 +1,4 @@
-"""A touch as the gel answered it on a grid of plays, and what it answers in between."""
+"""Interpolation of the gel's response to one touch between the plays of a grid over nu, mu, offset and shift."""
 
 from __future__ import annotations
 
@@ -19,32 +19,34 @@ from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.shear_stiffness import shear_stiffness
 
 Bend = tuple[Array, Array, Array]
-"""What depends on the offset z as a parabola: level, slope and curvature."""
+"""Level, slope and curvature of a parabola over the offset z: level + z (slope + z curvature)."""
 
 RECENT = 16
-"""Answers that are kept."""
+"""Largest number of interpolated results that a cache keeps."""
 
 
 @dataclass(frozen=True)
 class TouchPlays:
-    """Plays of one touch of n frames: columns are the wrench over Young's modulus (6) and the contact's area, m^2.
+    """Plays of one touch of n frames at the nodes of a plan.
+
+    The 7 columns of a play are the wrench (6) over Young's modulus, in m^2 and m^3, and the area of the contact in m^2.
 
     Parameters
     ----------
     plan : ResponsePlan
-        Which pairs of nu and mu, and by how much deeper and less deep.
+        Nodes of nu and mu, and the offset that was played to either side.
     level : (n_nu, n_mu, n, 7)
-        Without offset.
+        Columns at every pair of nu and mu, without offset.
     by_ratio : (n_nu, 2, n, 7)
-        Slope and curvature over the offset, at the middle mu.
+        Slope (per m) and curvature (per m^2) over the offset at each nu and the middle mu.
     by_friction : (n_mu, 2, n, 7)
-        The same at the middle nu.
-    by_shift : (2, n, 7) 1/m
-        Slopes over the whole path's shift along x and y, at the middle pair.
+        Slope and curvature over the offset at the middle nu and each mu.
+    by_shift : (2, n, 7)
+        Slopes (per m) over a shift of the whole path along x and along y, at the middle pair.
     height : (n,) m
-        Of the undeformed surface below the tip.
-    variants : GelVariant -> (n, 6)
-        Difference of the wrench over Young's modulus at the middle pair.
+        Height of the undeformed surface below the tip.
+    variants : dict, GelVariant -> (n, 6)
+        Change of the wrench over Young's modulus by each variant, at the middle pair.
     """
 
     plan: ResponsePlan
@@ -57,11 +59,11 @@ class TouchPlays:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """Frames (n,) that every play has solved, or found nothing that touches."""
+        """Whether every play has solved a frame (n,), or found no contact in it."""
         return np.asarray(np.isfinite(self.level).all(axis=(0, 1, 3)))
 
     def part(self, rows: NDArray[np.bool_]) -> TouchPlays:
-        """Those of some of the frames (n,)."""
+        """Return the plays of the chosen frames (n,)."""
         return TouchPlays(
             self.plan,
             self.level[:, :, rows],
@@ -73,9 +75,21 @@ class TouchPlays:
         )
 
     def at(self, ratio: float, friction: float, offset: Array, shift: Array) -> Array:
-        """Columns (n, 7) at one nu and mu, and at an offset and a shift of each frame; not to be written to."""
+        """Return columns (n, 7) at one nu and mu, and at an offset and a shift of each frame; they must not be changed.
+
+        Parameters
+        ----------
+        ratio : float
+            Poisson's ratio nu.
+        friction : float
+            Friction coefficient mu.
+        offset : (n,) m
+            How much deeper than recorded.
+        shift : (n, 2) m
+            Along x and y of the gel frame.
+        """
         pair = float(ratio), float(friction)
-        key = pair, *(np.ascontiguousarray(one).tobytes() for one in (offset, shift))
+        key = pair, *(np.ascontiguousarray(moved).tobytes() for moved in (offset, shift))
         if key not in self._recent:
             if len(self._recent) >= RECENT:
                 del self._recent[next(iter(self._recent))]
@@ -83,33 +97,52 @@ class TouchPlays:
         return self._recent[key]
 
     def over_friction(self, ratio: float, offset: Array, shift: Array) -> CubicsOverFriction:
-        """Columns (n, 7) as functions of the friction, at one nu, and at an offset and a shift of each frame."""
+        """Return columns (n, 7) as functions of the friction coefficient.
+
+        Parameters
+        ----------
+        ratio : float
+            Poisson's ratio nu.
+        offset : (n,) m
+            How much deeper than recorded.
+        shift : (n, 2) m
+            Along x and y of the gel frame.
+        """
         over = _bent(self._of_ratio(float(ratio)), offset[:, None])
         over[3] += self._shifted(shift)
         return CubicsOverFriction(np.asarray(self.plan.frictions), over)
 
     def _shifted(self, shift: Array) -> Array:
-        """What a shift (n, 2) changes of the columns (n, 7)."""
+        """Change (n, 7) of the columns by a shift (n, 2) in metres."""
         return shift[:, :1] * self.by_shift[0] + shift[:, 1:] * self.by_shift[1]
 
     def _of_one_ratio(self, ratio: float) -> Bend:
-        """Cubics over the friction at one nu: coefficients (4, n_mu - 1, n, 7) of the level and of its two bends."""
+        """Coefficients (4, n_mu - 1, n, 7) of cubics over the friction at one nu: of level, slope and curvature."""
         weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
         level = np.tensordot(self._cubics[..., :-2, :], weights, axes=([3], [0]))
         bends = [self._cubics[..., place, :].copy() for place in (-2, -1)]
+        # slope and curvature are taken as a sum of a part of nu and a part of mu
         more = np.tensordot(weights, self.by_ratio, axes=1) - self.by_friction[self.plan.middle[1]]
         for bend, at_ratio in zip(bends, more, strict=True):
             bend[3] += at_ratio
         return level, bends[0], bends[1]
 
     def _of_one_pair(self, ratio: float, friction: float) -> Bend:
-        """Level and its two bends (n, 7) at one nu and mu."""
+        """Level, slope and curvature (n, 7) over the offset at one nu and mu."""
         nodes, frictions = np.asarray(self.plan.frictions), np.full(len(self.height), friction)
-        level, slope, curvature = (CubicsOverFriction(nodes, one).at(frictions) for one in self._of_ratio(ratio))
+        level, slope, curvature = (CubicsOverFriction(nodes, part).at(frictions) for part in self._of_ratio(ratio))
         return level, slope, curvature
 
     def sliders(self, path: Array, thickness: float) -> Sliders:
-        """What pulls along a path (n, 2), m, as the gel does at the middle pair; found once."""
+        """Return springs with sliders that pull along the recorded path as the gel does at the middle pair; cached.
+
+        Parameters
+        ----------
+        path : (n, 2) m
+            Recorded path of the tip along the gel.
+        thickness : float
+            Thickness of the gel in metres.
+        """
         if not self._sliders:
             ratio, friction = self.plan.ratios[self.plan.middle[0]], self.plan.frictions[self.plan.middle[1]]
             columns = self.level[self.plan.middle]
@@ -122,31 +155,34 @@ class TouchPlays:
 
     @cached_property
     def _sliders(self) -> list[Sliders]:
+        """Cache of `sliders`: empty, or the one result."""
         return []
 
     @cached_property
     def _recent(self) -> dict[tuple[object, ...], Array]:
-        """Answers already given: effects of the sensor ask for the same one again and again."""
+        """Cache of `at`: effects of the sensor ask for the same columns again and again."""
         return {}
 
     @cached_property
     def _of_ratio(self) -> Callable[[float], Bend]:
+        """`_of_one_ratio` with a cache."""
         return lru_cache(RECENT)(self._of_one_ratio)
 
     @cached_property
     def _of_pair(self) -> Callable[[float, float], Bend]:
+        """`_of_one_pair` with a cache."""
         return lru_cache(RECENT)(self._of_one_pair)
 
     @cached_property
     def _cubics(self) -> Array:
-        """Coefficients (4, n_mu - 1, n, n_nu + 2, 7) over the friction: of the level at each nu, of the two bends."""
+        """Coefficients (4, n_mu - 1, n, n_nu + 2, 7) of cubics over mu: level at each nu, then slope and curvature."""
         values = np.concatenate([self.level.transpose(1, 2, 0, 3), self.by_friction.transpose(0, 2, 1, 3)], axis=2)
         coefficients: Array = PchipInterpolator(self.plan.frictions, values).c
         return coefficients
 
 
 def _bent(bend: Bend, z: Array) -> Array:
-    """Of a level and its slope and curvature over z."""
+    """Value at offsets z of a parabola with a level, a slope and a curvature."""
     level, slope, curvature = bend
     bent: Array = level + z * (slope + z * curvature)
     return bent

@@ -1,4 +1,7 @@
-"""Plays of touches with gels and indenters that differ from the nominal ones, kept on disk like all others."""
+"""Plays of measured touches by the gel engine: over nu, mu, offset, shift along the gel, and variants of the gel.
+
+Every play is kept on disk and not made again.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,21 @@ from tactiledata.indenters.scaled import scaled
 
 @dataclass(frozen=True)
 class VariantBatch:
-    """Touches to be played with one variant, at one nu and one mu."""
+    """Touches that are played with one variant of gel or indenter, at one nu and one mu.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Nominal mesh of the gel.
+    fidelity : "finite-strain" or "linear"
+        Mechanics of the gel engine.
+    ratio, friction : float
+        Poisson's ratio nu and friction coefficient mu.
+    variant : GelVariant
+        How gel or indenter differ from the nominal ones.
+    touches : tuple of GelTouch
+        With the nominal indenters.
+    """
 
     mesh: PadMesh
     fidelity: Fidelity
@@ -43,17 +60,17 @@ class VariantBatch:
 
 
 def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
-    """What must have been played before an effect can be asked for wrenches; nothing for most."""
+    """Return the variants that must have been played before an effect can be simulated; most effects need none."""
     return tuple(effect.variant({name: place}) for name, places in effect.designs.items() for place in places)
 
 
 def variants_of(names: Iterable[str]) -> tuple[GelVariant, ...]:
-    """Of all effects of these names, each once."""
+    """Return the variants that the effects of these names need, each once."""
     return tuple(dict.fromkeys(variant for name in names for variant in design_variants(EFFECTS[name]())))
 
 
 def play_variant(batch: VariantBatch) -> list[Play]:
-    """The plays of a batch, in its order."""
+    """Return the play of each touch of a batch, from disk where it was made before."""
     return played_or_kept(
         _touches(batch),
         variant_paths(batch),
@@ -63,17 +80,17 @@ def play_variant(batch: VariantBatch) -> list[Play]:
 
 
 def variant_paths(batch: VariantBatch) -> list[Path]:
-    """Return the files in which the plays of a batch are kept, in its order."""
+    """Return the file in which the play of each touch of a batch is kept."""
     variant = batch.variant
     digest = warped(batch.mesh, variant).digest
     law = (variant.c20, variant.c30, variant.skin, variant.spots)
-    # what is of the pad's and the indenter's shape is told by their digests
+    # shapes of pad and indenter are part of their digests; the law of the material is not
     mechanics = batch.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{batch.fidelity} {law!r}"
     return [play_path(touch, digest, mechanics, batch.ratio, batch.friction) for touch in _touches(batch)]
 
 
 def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
-    """The touches of a batch with the indenters of its variant."""
+    """Touches of a batch with the indenters scaled as its variant says."""
     scale = batch.variant.indenter_scale
     if scale == 1.0:
         return batch.touches
@@ -81,10 +98,14 @@ def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
 
 
 SHIFT = 5e-5
-"""m: paths are played this much to either side along x and y."""
+"""Distance in metres by which whole paths are moved to either side along x and along y."""
 KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
+"""Statuses of frames whose wrench is known."""
 MOST_LOST = 0.1
-"""Share of the frames that a variant may fail to solve; one that fails in more is given up, not the frames."""
+"""Largest share of the frames that a variant may fail to solve.
+
+If it fails in more, the variant is left out; otherwise, the frames are.
+"""
 
 
 def play_touches(
@@ -93,20 +114,32 @@ def play_touches(
     touches: Sequence[MeasuredTouch],
     bounds: Bounds,
     workers: int = 1,
-    tell: Progress = no_progress,
+    progress: Progress = no_progress,
     variants: Sequence[GelVariant] = (),
 ) -> list[TouchPlays]:
-    """The plays of each touch; frames that one of them could not solve are NaN in all.
+    """Return the plays of each touch; frames that one of its plays could not solve are not numbers in all of them.
 
-    Those without shift and variant are the calibration's own, and are read from disk where it was run.
+    Plays without shift and variant are those of the calibration, and are read from disk where it was run before.
 
     Parameters
     ----------
-    tell : callable
-        Hears how many plays of touches are finished, how many there are, and what was played last.
+    mesh : PadMesh
+        Nominal mesh of the gel.
+    fidelity : "finite-strain" or "linear"
+        Mechanics of the gel engine.
+    touches : sequence of MeasuredTouch
+        The trajectories.
+    bounds : Bounds
+        Bounds of nu and mu, between which the nodes of the grid lie.
+    workers : int
+        Number of processes that play.
+    progress : Progress
+        Called with how many plays of touches are finished, how many there are, and what was played last.
     variants : sequence of GelVariant
-        Those that fail in more than ``MOST_LOST`` of the frames are not among what is returned.
+        Variants that are played at the middle nu and mu. A variant that fails in more than ``MOST_LOST`` of the frames
+        is left out.
     """
+    # batches: paths moved along the gel, then variants
     plan = ResponsePlan.of(bounds)
     nu_middle, mu_middle = plan.middle
     pair = plan.ratios[nu_middle], plan.frictions[mu_middle]
@@ -116,24 +149,26 @@ def play_touches(
     plain = tuple(touch.touch for touch in touches)
     batches = [VariantBatch(mesh, fidelity, *pair, GelVariant(), group) for group in moved]
     batches += [VariantBatch(mesh, fidelity, *pair, variant, plain) for variant in variants]
-    wanted = list(plan.nodes())
-    of_nodes, of_batches = len(wanted) * len(touches), len(batches) * len(touches)
+    plan_nodes = list(plan.nodes())
+    of_nodes, of_batches = len(plan_nodes) * len(touches), len(batches) * len(touches)
 
     def nodes_played(done: int, _: int, what: str = "") -> None:
-        tell(done, of_nodes + of_batches, what)
+        progress(done, of_nodes + of_batches, what)
 
     def batches_played(done: int, _: int, what: str = "") -> None:
-        tell(of_nodes + done, of_nodes + of_batches, what)
+        progress(of_nodes + done, of_nodes + of_batches, what)
 
-    nodes = play_nodes(mesh, fidelity, touches, wanted, workers, nodes_played)
+    # plays, each kept on disk as soon as it is finished
+    nodes = play_nodes(mesh, fidelity, touches, plan_nodes, workers, nodes_played)
     others: list[list[Play]] = []
     paths = [path for batch in batches for path in variant_paths(batch)]
-    with PlayProgress(paths, batches_played) as progress:
+    with PlayProgress(paths, batches_played) as play_progress:
         for outcome in LocalScheduler(workers).outcomes(play_variant, batches):
             if outcome.error is not None:
                 raise outcome.error
             others.append(outcome.result or [])
-            progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
+            play_progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
+    # the plays of each touch side by side
     shifted, varied = others[: len(moved)], dict(zip(variants, others[len(moved) :], strict=True))
     kept = solvable(varied, nodes[Node(*pair, 0.0)])
     join = partial(_touch_plays, plan, mesh)
@@ -149,17 +184,27 @@ def play_touches(
 
 
 def _words(done: int, moved: int) -> str:
+    """What was played last, in words: the first ``moved`` batches are moved paths, the others variants."""
     return "moved along the gel" if done <= moved else "gels and indenters that differ"
 
 
 def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
+    """A touch whose whole path is moved by metres along an axis of the gel frame: 0 is x, 1 is y."""
     poses = touch.poses.copy()
     poses[:, axis, 3] += by
     return GelTouch(touch.indenter, poses)
 
 
 def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> dict[GelVariant, list[Play]]:
-    """Those of the variants that solve nearly all frames that the nominal gel solves."""
+    """Return the variants that solve nearly all frames which the nominal gel solves; see ``MOST_LOST``.
+
+    Parameters
+    ----------
+    varied : dict, GelVariant -> list of Play
+        Plays of each variant, one for each touch.
+    plain : sequence of Play
+        Plays of the nominal gel at the same nu and mu, in the same order.
+    """
     solved = np.concatenate([np.isin(play.status, KNOWN) for play in plain])
     kept = {}
     for variant, plays in varied.items():
@@ -177,7 +222,23 @@ def _touch_plays(
     varied: Mapping[GelVariant, Play],
     touch: MeasuredTouch,
 ) -> TouchPlays:
-    """``shifted``: along -x, x, -y and y."""
+    """Plays of one touch, as levels and finite differences.
+
+    Parameters
+    ----------
+    plan : ResponsePlan
+        Nodes of the grid.
+    mesh : PadMesh
+        Nominal mesh, for the height of its surface.
+    plays : dict, Node -> Play
+        Plays of the nominal gel on the recorded path.
+    shifted : sequence of 4 Play
+        With the path moved along -x, x, -y and y.
+    varied : dict, GelVariant -> Play
+        Plays of the variants.
+    touch : MeasuredTouch
+        The trajectory, n frames.
+    """
     unknown = np.zeros(len(touch.seconds), dtype=bool)
     for play in (*plays.values(), *shifted, *varied.values()):
         unknown |= ~np.isin(play.status, KNOWN)
@@ -188,6 +249,7 @@ def _touch_plays(
         return rows
 
     def bend(ratio: float, friction: float) -> list[Array]:
+        # slope and curvature of the parabola through three offsets
         less, none, more = (columns(plays[Node(ratio, friction, z)]) for z in (-plan.offset, 0.0, plan.offset))
         return [(more - less) / (2 * plan.offset), (more + less - 2 * none) / (2 * plan.offset**2)]
 

@@ -1,4 +1,7 @@
-"""What stands in the columns of a play, read out frame by frame: compiled, as a diagnosis asks a million times."""
+"""Inner loops over the frames of a play, compiled because a diagnosis calls them about a million times.
+
+Columns of a play are the wrench (6) over Young's modulus, in m^2 and m^3, and the area of the contact in m^2.
+"""
 
 from __future__ import annotations
 
@@ -8,26 +11,28 @@ from numba import njit
 from tactiledata.arrays import Array
 
 AREA = 6
-"""Column of the contact's area; the wrench stands before it."""
+"""Index of the column with the contact's area, after the six of the wrench."""
 LEAST_FORCE = 1e-9
-"""m^2, over Young's modulus: less is no contact."""
+"""Normal force over Young's modulus, in m^2, up to which there is no contact."""
 
 
 @njit(cache=True)
 def pressed(columns: Array, depth: Array, tips: Array, shift: Array) -> tuple[Array, Array, Array, Array]:
-    """Wrench (n, 6), centre (n, 2), m, area (n,), m^2, and normal force (n,) of a contact; 0 where there is none.
+    """Return wrench (n, 6), centre (n, 2), area (n,) and normal force (n,) of a contact; 0 where there is none.
 
-    Without contact the centre is below the tip. Forces are over Young's modulus.
+    Forces are over Young's modulus, in m^2, torques in m^3, centres in metres, areas in m^2; all in the gel frame.
+    Without contact the centre is that of the shifted tip.
 
     Parameters
     ----------
     columns : (n, 7)
+        Columns of a play, interpolated.
     depth : (n,) m
-        Of the tip below the undeformed surface.
+        Depth of the tip below the undeformed surface.
     tips : (n, 3) m
-        As recorded.
+        Positions of the tip as recorded.
     shift : (n, 2) m
-        Of the whole path, along the gel.
+        Shift along x and y of the gel.
     """
     count = len(depth)
     wrench, centre = np.zeros((count, 6)), np.empty((count, 2))
@@ -40,7 +45,7 @@ def pressed(columns: Array, depth: Array, tips: Array, shift: Array) -> tuple[Ar
             continue
         for column in range(6):
             wrench[frame, column] = columns[frame, column]
-        # of the pressure on the surface: M = r x F with r at the height of the tip
+        # centre of pressure from M = r x F, r at the height of the tip
         centre[frame, 0] = (height * columns[frame, 0] - columns[frame, 4]) / normal
         centre[frame, 1] = (columns[frame, 3] + height * columns[frame, 1]) / normal
         area[frame] = max(columns[frame, AREA], 0.0)
@@ -50,32 +55,49 @@ def pressed(columns: Array, depth: Array, tips: Array, shift: Array) -> tuple[Ar
 
 @njit(cache=True)
 def wrench_at_height(shear: Array, centre: Array, heights: Array) -> Array:
-    """Wrenches (n, 6) of forces (n, 2) along the gel at points (n, 2), m, and heights (n,), m; 0 where unknown."""
+    """Return wrenches (n, 6), about the gel's origin, of tangential forces; components that are unknown are 0.
+
+    Parameters
+    ----------
+    shear : (n, 2)
+        Force along x and y, in any unit.
+    centre : (n, 2) m
+        Point of attack.
+    heights : (n,) m
+        Height of that point.
+    """
     wrench = np.zeros((len(shear), 6))
     for frame in range(len(shear)):
         fx, fy = shear[frame, 0], shear[frame, 1]
         x, y, z = centre[frame, 0], centre[frame, 1], heights[frame]
-        told = (fx, fy, 0.0, -z * fy, z * fx, x * fy - y * fx)
+        row = (fx, fy, 0.0, -z * fy, z * fx, x * fy - y * fx)
         for column in range(6):
-            if not np.isnan(told[column]):
-                wrench[frame, column] = told[column]
+            if not np.isnan(row[column]):
+                wrench[frame, column] = row[column]
     return wrench
 
 
 @njit(cache=True)
 def cubics_at(nodes: Array, coefficients: Array, places: Array) -> Array:
-    """Piecewise cubics (4, m - 1, n, c) between nodes (m,), each frame at its own place (n,); see `CubicsOverFriction`.
+    """Return values (n, c) of piecewise cubics, each frame at an argument of its own; see `CubicsOverFriction`.
 
-    The coefficient of the third power comes first.
+    Parameters
+    ----------
+    nodes : (m,)
+        Ends of the pieces, ascending. Arguments beyond them are moved to the nearest end.
+    coefficients : (4, m - 1, n, c)
+        Of each piece, frame and column, highest power first, over the distance from the lower node.
+    places : (n,)
+        Argument of each frame.
     """
     count, width = coefficients.shape[2], coefficients.shape[3]
     columns = np.empty((count, width))
     for frame in range(count):
-        wanted = min(max(places[frame], nodes[0]), nodes[-1])
+        argument = min(max(places[frame], nodes[0]), nodes[-1])
         below = 0
-        while below < len(nodes) - 2 and wanted >= nodes[below + 1]:
+        while below < len(nodes) - 2 and argument >= nodes[below + 1]:
             below += 1
-        x = wanted - nodes[below]
+        x = argument - nodes[below]
         for column in range(width):
             third, second = coefficients[0, below, frame, column], coefficients[1, below, frame, column]
             first, none = coefficients[2, below, frame, column], coefficients[3, below, frame, column]

@@ -1,4 +1,4 @@
-"""What the gel answers to an indenter that is elsewhere, or slides otherwise, than recorded: between its plays."""
+"""The gel's response to an indenter that is elsewhere, or slides otherwise, than recorded: interpolated plays."""
 
 from __future__ import annotations
 
@@ -19,23 +19,26 @@ from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 
 SLIDES = 0.95
-"""Share of the sliding force from which the whole contact is taken to slide."""
+"""Share of the friction limit from which the whole contact counts as sliding."""
 
 
 @dataclass(frozen=True)
 class PlayedResponse:
-    """`BaseResponse` of a touch from its plays.
+    """`BaseResponse` of one touch from its plays, at one material.
 
-    Between plays the wrench is interpolated; the offset of a frame acts as if the whole path had had it. Where friction
-    differs from frame to frame, a frame answers as if the whole path had had its own, but shear that sticks remembers
-    the pull at which the contact slid last. A shift that differs from frame to frame lets springs and sliders that pull
-    as this touch does slide further or less far.
+    Between plays the wrench is interpolated. The offset of a frame acts as if the whole path had had it. Where friction
+    differs from frame to frame, a frame responds as if the whole path had had its friction, except that shear that
+    sticks starts from the pull at which the contact slid last (`remembered_shear`). The effect of a shift that differs
+    from frame to frame is that of springs with sliders, fitted to this touch, along the shifted path (`shear_change`).
 
     Parameters
     ----------
     touch : Touch
+        Poses and geometry, n frames.
     plays : TouchPlays
+        Plays of this touch.
     material : GelMaterial
+        E in pascals, nu and mu.
     """
 
     touch: Touch
@@ -43,7 +46,18 @@ class PlayedResponse:
     material: GelMaterial
 
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
-        """As `BaseResponse.respond`."""
+        """Return the contact with an indenter that is elsewhere, or slides otherwise, than recorded.
+
+        Parameters
+        ----------
+        offset : (n,) m
+            How much deeper than recorded.
+        shift : (n, 2) m
+            Along x and y of the gel frame.
+        friction : (n,)
+            Factor on the friction coefficient of the material at each frame.
+        """
+        # interpolated plays
         frictions = self.material.friction * friction
         differs = (frictions != frictions[:1]).any()
         ratio = self.material.poisson_ratio
@@ -54,6 +68,7 @@ class PlayedResponse:
         unit, centre, area, load = pressed(columns, depth, tips, shift)
         touching, limit = load > 0, frictions * load
         spring = shear_stiffness(area, ratio, self.touch.geometry.thickness)
+        # shear that depends on friction and path before the frame
         if over:
             reach = spring * self.touch.lateral_steps
             unit = unit + self._force_at(remembered_shear(frictions, over, columns, touching, reach), centre)
@@ -63,29 +78,43 @@ class PlayedResponse:
         return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
 
     def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
-        """Change (n, 6) of the wrench by a shift that differs from frame to frame."""
+        """Change (n, 6) of the wrench over Young's modulus by a shift that differs from frame to frame.
+
+        Parameters
+        ----------
+        unit : (n, 6)
+            Wrench over Young's modulus, without that change.
+        shift : (n, 2) m
+            Along x and y of the gel frame.
+        spring : (n,) m
+            Tangential stiffness of the contact over Young's modulus.
+        limit : (n,) m^2
+            Friction limit over Young's modulus.
+        centre : (n, 2) m
+            Centre of pressure.
+        """
         path = self.touch.tips[:, :2]
         if not (shift != shift[:1]).any():
             return np.zeros_like(unit)
         change = shear_change(path, shift, spring, limit, self.plays.sliders(path, self.touch.geometry.thickness))
         shear, before = unit[:, :2] + change, np.hypot(unit[:, 0], unit[:, 1])
         size = np.hypot(shear[:, 0], shear[:, 1])
-        # what slides already may be a little over the limit, by the interpolation
+        # a contact that slides already may exceed the limit a little, by the interpolation
         most = np.maximum(limit, before)
         shear *= np.divide(most, size, out=np.ones_like(size), where=size > most)[:, None]
         return self._force_at(shear - unit[:, :2], centre)
 
     def _force_at(self, shear: Array, centre: Array) -> Array:
-        """Wrenches (n, 6) of forces (n, 2) along the gel, at the height of the tip."""
+        """Wrenches (n, 6) of tangential forces (n, 2) at points (n, 2) in metres, at the height of the tip."""
         return wrench_at_height(shear, centre, self.touch.tips[:, 2])
 
     def difference(self, variant: GelVariant) -> Array:
-        """As `BaseResponse.difference`.
+        """Return the wrench (n, 6), in N and N m, with a variant of the gel, less that with the nominal gel.
 
         Raises
         ------
         UsageError
-            A variant that was not played.
+            The variant was not played.
         """
         if variant == GelVariant():
             return np.zeros((len(self.touch), 6))
@@ -96,20 +125,24 @@ class PlayedResponse:
 
 @dataclass(frozen=True)
 class PlayedFamily:
-    """The gel at any material, for touches that were played.
+    """The base simulation at any material (`BaseFamily`), for touches that were played.
 
     Parameters
     ----------
     touches : sequence of Touch
+        Touches that were played.
     plays : sequence of TouchPlays
-        In the same order.
+        Their plays, in the same order.
     """
 
     touches: Sequence[Touch]
     plays: Sequence[TouchPlays]
 
     def __call__(self, material: GelMaterial) -> Callable[[Touch], BaseResponse]:
-        """What answers for the touches, told apart by their poses."""
+        """Return the function that simulates one of the touches at a material; touches are recognised by their poses.
+
+        That function raises `UsageError` for a touch that was not played.
+        """
 
         def answer(touch: Touch) -> BaseResponse:
             plays = self._by_pose.get(_key(touch))
@@ -121,8 +154,10 @@ class PlayedFamily:
 
     @cached_property
     def _by_pose(self) -> dict[tuple[str, bytes], TouchPlays]:
+        """Plays by indenter and poses."""
         return {_key(touch): plays for touch, plays in zip(self.touches, self.plays, strict=True)}
 
 
 def _key(touch: Touch) -> tuple[str, bytes]:
+    """Indenter and poses of a touch, as a key of a dictionary."""
     return touch.indenter_name, np.ascontiguousarray(touch.poses).tobytes()

@@ -1,4 +1,4 @@
-"""The touches of a store, played by the gel at all that effects may ask, as cases for a diagnosis."""
+"""The trajectories of a store that a diagnosis can use, with covariates and all plays of the gel that effects need."""
 
 from __future__ import annotations
 
@@ -29,27 +29,31 @@ from tactiledata.sensors.base import GelGeometry
 from tactiledata.store.read.reader import Store
 
 FREE_AIR = 1e-4
-"""m: a tip higher than this above the gel touches nothing, whatever its offset."""
+"""Height in metres above the gel beyond which a tip touches nothing, whatever the contact offset."""
 
 
 @dataclass(frozen=True)
 class StoreTouches:
-    """What a store gives to a diagnosis.
+    """Everything that a diagnosis takes from a store.
 
     Parameters
     ----------
     touch_set : TouchSet
+        Usable trajectories, and the simulation that plays them.
     start : GelMaterial
-        Where fits begin.
+        Material from which fits start.
     effects : tuple of str
-        Candidates that this gel can be asked for.
+        Effects that the gel can simulate in these trajectories.
     not_played : dict, effect -> reason
+        Effects that it cannot simulate.
     left_out : dict, reason -> number of trajectories
+        Trajectories that are not used.
     frames_lost : int
-        Of trajectories that take part: without pose or wrench, or not solved.
+        Frames that drop out of the measured trajectories: without pose or wrench, or not solved.
     geometry : GelGeometry
+        Geometry of the gel.
     uids : tuple of str
-        Of the trajectories that take part, in order.
+        Unique identifiers of the used trajectories, in order.
     """
 
     touch_set: TouchSet
@@ -62,14 +66,24 @@ class StoreTouches:
     uids: tuple[str, ...]
 
 
-def store_touches(store: Store, options: CalibrationOptions, tell: Progress = no_progress) -> StoreTouches:
-    """The trajectories of a store that options ask for.
+def store_touches(store: Store, options: CalibrationOptions, progress: Progress = no_progress) -> StoreTouches:
+    """Return the chosen trajectories of a store, played by the gel.
+
+    Parameters
+    ----------
+    store : Store
+        Recordings.
+    options : CalibrationOptions
+        Which trajectories are drawn, and how the gel plays them.
+    progress : Progress
+        Called with how many plays of touches are finished, how many there are, and what was played last.
 
     Raises
     ------
     TactileDataError
-        Too few can be used; the message counts the reasons.
+        Too few trajectories can be used; the message counts the reasons.
     """
+    # measured trajectories
     measured = read_measured(store, options)
     if measured.mesh is None or len(measured.touches) < FEWEST_CASES:
         raise too_few(len(measured.touches), measured.left_out)
@@ -77,9 +91,13 @@ def store_touches(store: Store, options: CalibrationOptions, tell: Progress = no
     planned = {touch.uid: touch for touch in plan.touches}
     geometry = plan.pads[planned[measured.touches[0].uid].pad].geometry
     box = find_bounds(options.bounds)
-    wanted = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
-    plays = play_touches(measured.mesh, options.fidelity, measured.touches, box, options.workers, tell, variants=wanted)
+    # plays; variants of the gel exist at finite strain only
+    variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
+    plays = play_touches(
+        measured.mesh, options.fidelity, measured.touches, box, options.workers, progress, variants=variants
+    )
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
+    # trajectories with covariates; those without usable frames are left out
     make = _CaseMaker(measured, StoreFacts(store, plan.touches), StoreMotion(store), start, geometry)
     left_out = Counter(measured.left_out)
     cases, kept, uids = [], [], []
@@ -93,17 +111,19 @@ def store_touches(store: Store, options: CalibrationOptions, tell: Progress = no
         uids.append(touch.uid)
     if len(cases) < FEWEST_CASES:
         raise too_few(len(cases), dict(left_out))
+    # the simulation
     not_played = _not_played(kept[0], options)
     effects = tuple(name for name in EFFECTS if name not in not_played)
     family = PlayedFamily([case.touch for case in cases], kept)
     lost = sum(len(touch.seconds) for touch in measured.touches) - sum(len(case.touch) for case in cases)
-    # an effect may move E far: held at a durometer's bound, errors of the simulation would take up what is missing
-    asked = TouchSet(cases, family, box.with_free_modulus)
-    return StoreTouches(asked, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
+    # an effect may move E far: if E were held at a durometer's bound, errors of the simulation would absorb what is
+    # missing
+    touch_set = TouchSet(cases, family, box.with_free_modulus)
+    return StoreTouches(touch_set, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
-    """Nothing can be diagnosed, and why."""
+    """Return the error of a store with too few usable trajectories: their number, and why the others are left out."""
     reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items()))
     return TactileDataError(
         f"{count} trajectories can be diagnosed{f' ({reasons})' if reasons else ''}",
@@ -115,11 +135,11 @@ def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
 
 
 def _not_played(plays: TouchPlays, options: CalibrationOptions) -> dict[str, str]:
-    """Effects that need plays which are not there."""
+    """Effects that need variants which were not played, with the reason."""
     why = (
-        "the gel could not be solved with it in more than a tenth of the frames"
+        "the gel solver failed with this effect in more than 10 % of the frames"
         if options.fidelity == "finite-strain"
-        else "the gel plays it at --fidelity finite-strain only"
+        else "the gel plays this effect at --fidelity finite-strain only"
     )
     return {
         name: why
@@ -130,6 +150,22 @@ def _not_played(plays: TouchPlays, options: CalibrationOptions) -> dict[str, str
 
 @dataclass(frozen=True)
 class _CaseMaker:
+    """Builds trajectories with their covariates.
+
+    Parameters
+    ----------
+    measured : Measured
+        Measured trajectories and their noise.
+    facts : StoreFacts
+        Mounts, gravity, joints, power-on times and earlier contacts.
+    motion : StoreMotion
+        What is known of the tip's motion between frames.
+    material : GelMaterial
+        Placeholder: fits replace it.
+    geometry : GelGeometry
+        Geometry of the gel.
+    """
+
     measured: Measured
     facts: StoreFacts
     motion: StoreMotion
@@ -137,11 +173,23 @@ class _CaseMaker:
     geometry: GelGeometry
 
     def case(self, touch: MeasuredTouch, planned: PlannedTouch, plays: TouchPlays) -> tuple[TouchCase, TouchPlays]:
-        """A trajectory's frames whose pose is known and that all plays have solved, and their plays."""
+        """Return a trajectory and its plays, both of the frames with pose and wrench that all plays have solved.
+
+        Parameters
+        ----------
+        touch : MeasuredTouch
+            Measured poses and wrenches.
+        planned : PlannedTouch
+            Where the trajectory stands in the store.
+        plays : TouchPlays
+            Plays of all of its frames.
+        """
+        # frames that are known, later than the frame before
         rows = np.arange(*planned.frames)[kept_rows(planned.frames[1] - planned.frames[0])]
         known = plays.known & np.isfinite(touch.wrench).all(axis=1)
         known[1:] &= np.diff(touch.seconds) > 0
         part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
+        # covariates
         height = part.height - poses[:, 2, 3]
         earlier = self.facts.earlier(planned, poses[:, :2, 3], rows) if len(rows) else (None, None)
         at = Touch(
@@ -165,4 +213,5 @@ class _CaseMaker:
 
     @property
     def noise(self) -> WrenchNoise:
+        """Noise of a wrench at one frame."""
         return self.measured.noise

@@ -1,4 +1,4 @@
-"""What is diagnosed: trajectories with the wrench that was measured, and the simulation that may lack something."""
+"""What is diagnosed: trajectories with their measured wrenches, and the simulation that may lack something."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tactiledata.arrays import Array, Indices
+from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.effects.simulate.balance import Balance
 from tactiledata.effects.simulate.setting import EffectSetting
@@ -23,76 +22,91 @@ from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
 
 FEWEST_FRAMES = 3
+"""Fewest frames with wrench and pose that a trajectory needs."""
 FEWEST_CASES = 8
-"""Trajectories: with fewer neither folds nor signs of trajectories say anything."""
+"""Fewest trajectories of a diagnosis: with fewer, neither folds nor sign flips of trajectories mean anything."""
 
 
 class BaseFamily(Protocol):
-    """The simulation without effects, at any material: what implements it decides how a gel is played."""
+    """The simulation without effects, at any material; its implementation decides how a gel is played."""
 
     def __call__(self, material: GelMaterial) -> Callable[[Touch], BaseResponse]:
-        """What answers for touches."""
+        """Return the function that simulates a touch on a gel of this material."""
         ...
 
 
 @dataclass(frozen=True)
 class TouchCase:
-    """One trajectory of n frames.
+    """One trajectory of n frames with its measured wrenches.
 
     Parameters
     ----------
     touch : Touch
-        Its material is replaced by the one that is tried.
+        Poses and covariates. Its material is replaced by the one that a fit tries.
     measured : (n, 6) N, N m
-        Wrench on the indenter, gel frame, about the gel's origin; NaN where unknown.
+        Wrench on the indenter, gel frame, about the gel's origin; not a number where unknown.
     noise : WrenchNoise
-        Of one frame.
+        Noise of a wrench at one frame.
     free_air : (n,) bool
-        Frames in which nothing touches.
+        Frames in which nothing touches the gel.
     free_samples : float
-        Readings from which the zero was taken.
+        Number of readings in free air from which the zero of the force sensor was taken.
     name : str
+        As in sentences for people.
 
     Raises
     ------
     UsageError
-        Arrays that do not fit the touch.
+        Wrenches or flags have another number of frames than the touch.
     """
 
     touch: Touch
     measured: Array
     noise: WrenchNoise
-    free_air: NDArray[np.bool_]
+    free_air: Mask
     free_samples: float = 100.0
     name: str = ""
 
     def __post_init__(self) -> None:
-        for what, found, wanted in (
+        for what, shape, expected in (
             ("measured wrenches", self.measured.shape, (len(self.touch), 6)),
             ("free-air flags", self.free_air.shape, (len(self.touch),)),
         ):
-            if found != wanted:
-                raise UsageError(f"{what} of shape {found} for trajectory {self.name!r}", f"{wanted}", "Align them.")
+            if shape != expected:
+                raise UsageError(f"{what} of shape {shape} for trajectory {self.name!r}", f"{expected}", "Align them.")
 
 
 class PlayedContact(NamedTuple):
-    """What was asked of the gel in a trajectory, from which balance on, the answer and the balance found."""
+    """Cached gel solution of one trajectory: request, starting balance, resulting state, resulting balance.
 
-    asked: tuple[GelMaterial, list[EffectSetting]]
-    begun: Balance | None
+    Parameters
+    ----------
+    request : (GelMaterial, list of EffectSetting)
+        Material, and the effects that act in contact.
+    start_balance : Balance, optional
+        Balance of springs and gel from which the solution was searched; ``None`` for a search from the beginning.
+    state : TouchState
+        The trajectory after its effects in contact.
+    balance : Balance, optional
+        The balance that was found; ``None`` where nothing bends under forces.
+    """
+
+    request: tuple[GelMaterial, list[EffectSetting]]
+    start_balance: Balance | None
     state: TouchState
     balance: Balance | None
 
 
 @dataclass(frozen=True)
 class Played:
-    """Trajectories as they were played.
+    """Simulated trajectories, with the gel solutions from which similar ones are found faster.
 
     Parameters
     ----------
-    wrench : (N, 6)
-        What the sensor would read.
+    wrench : (N, 6) N, N m
+        What the sensor would read in all frames, one trajectory after the other.
     contacts : dict, number of a trajectory -> PlayedContact
+        Gel solution of each trajectory.
     """
 
     wrench: Array
@@ -101,14 +115,16 @@ class Played:
 
 @dataclass(frozen=True)
 class TouchSet:
-    """Trajectories and the simulation that is to play them, all frames one after the other: N rows of t trajectories.
+    """Trajectories, and the simulation that plays them: all N frames of t trajectories, one after the other.
 
     Parameters
     ----------
     touches : sequence of TouchCase
+        The t trajectories.
     base : BaseFamily
+        The simulation without effects.
     box : Bounds
-        Of the materials that the base answers for.
+        Bounds of E, nu and mu within which the base can simulate.
     """
 
     touches: Sequence[TouchCase]
@@ -117,21 +133,21 @@ class TouchSet:
 
     @property
     def counts(self) -> Indices:
-        """Frames (t,) of each trajectory."""
+        """Number of frames (t,) of each trajectory."""
         return np.array([len(case.touch) for case in self.touches])
 
     @property
     def indenters(self) -> tuple[str, ...]:
-        """Name of each trajectory's indenter; its shape where it has no name."""
+        """Name of each trajectory's indenter; a description of its shape where it has no name."""
         return tuple(case.touch.indenter_name or repr(case.touch.indenter) for case in self.touches)
 
-    def need_cases(self) -> None:
-        """Nothing, where there are trajectories enough.
+    def need_touches(self) -> None:
+        """Refuse a set of fewer than ``FEWEST_CASES`` trajectories, or one with too few frames in a trajectory.
 
         Raises
         ------
         TactileDataError
-            There are too few, or one has too few frames with wrench and pose.
+            The set has too few trajectories, or one of them has too few frames with a wrench.
         """
         if len(self.touches) < FEWEST_CASES:
             raise TactileDataError(
@@ -156,16 +172,40 @@ class TouchSet:
         offsets: Array | None = None,
         near: Played | None = None,
     ) -> Array:
-        """What the sensor would read (N, 6), each trajectory deeper by an offset (t,), m, of its own.
+        """Return what the sensor would read (N, 6), in N and N m, gel frame, about the gel's origin.
 
-        What bends under forces is looked for ``near`` what was played before, where that is given.
+        Parameters
+        ----------
+        material : GelMaterial
+            Material of the gel.
+        settings : sequence of EffectSetting
+            Effects on top of the base simulation.
+        offsets : (t,) m, optional
+            By how much each trajectory is deeper than recorded; 0 where ``None``.
+        near : Played, optional
+            Similar simulated trajectories: the balance of gel and springs is searched from theirs.
+
+        Raises
+        ------
+        UsageError
+            Gel and springs find no balance, or an effect needs a covariate that a touch does not have.
         """
         simulator = with_effects(self.base(material), settings)
         numbers = range(len(self.touches))
         return np.concatenate([self._read(number, simulator, material, offsets, near) for number in numbers])
 
     def played(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Played:
-        """The same, to play others near it."""
+        """Return what the sensor would read, with the gel solutions from which others can start; see `play`.
+
+        Parameters
+        ----------
+        material : GelMaterial
+            Material of the gel.
+        settings : sequence of EffectSetting
+            Effects on top of the base simulation.
+        offsets : (t,) m, optional
+            By how much each trajectory is deeper than recorded.
+        """
         wrench = self.play(material, settings, offsets)
         return Played(wrench, dict(self._contacts))
 
@@ -177,39 +217,58 @@ class TouchSet:
         settings: Sequence[EffectSetting],
         offsets: Array | None = None,
     ) -> Array:
-        """The same where one setting differs from what was played ``before``: only what it acts on is played."""
+        """Return what the sensor would read (N, 6) after one setting has changed; other trajectories are not replayed.
+
+        Parameters
+        ----------
+        changed : EffectSetting
+            The setting that has changed: only trajectories on which it acts are simulated.
+        before : Played
+            The trajectories before the change.
+        material : GelMaterial
+            Material of the gel.
+        settings : sequence of EffectSetting
+            All effects, the changed one among them.
+        offsets : (t,) m, optional
+            By how much each trajectory is deeper than recorded.
+        """
         simulator = with_effects(self.base(material), settings)
         ends = np.cumsum(self.counts)
-        read = before.wrench.copy()
+        wrench = before.wrench.copy()
         for number, case in enumerate(self.touches):
             if changed.acts_on(case.touch):
                 rows = slice(ends[number] - len(case.touch), ends[number])
-                read[rows] = self._read(number, simulator, material, offsets, before)
-        return read
+                wrench[rows] = self._read(number, simulator, material, offsets, before)
+        return wrench
 
     def _read(
         self, number: int, simulator: Simulator, material: GelMaterial, offsets: Array | None, near: Played | None
     ) -> Array:
+        """What the sensor would read (n, 6) in one trajectory; gel solutions for the same request are used again."""
         if offsets is not None and offsets[number] != 0.0:
             simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
-        asked = material, in_contact(simulator.active(self.touches[number].touch))
+        request = material, in_contact(simulator.active(self.touches[number].touch))
+        # the same request as the near one: its solution serves, and only time and sensor act anew
         there = near.contacts[number] if near is not None else None
-        if there is not None and there.asked == asked:
+        if there is not None and there.request == request:
             return simulator.read(there.state).wrench
-        begun = there.balance if there is not None else None
+        # the same request and start as the last one: the cached solution serves
+        start_balance = there.balance if there is not None else None
         last = self._contacts.get(number)
-        if last is None or last.asked != asked or last.begun is not begun:
-            last = PlayedContact(asked, begun, *simulator.contact_near(self._touch(number, material), begun))
+        if last is None or last.request != request or last.start_balance is not start_balance:
+            last = PlayedContact(
+                request, start_balance, *simulator.contact_near(self._touch(number, material), start_balance)
+            )
             self._contacts[number] = last
         return simulator.read(last.state).wrench
 
     def _touch(self, number: int, material: GelMaterial) -> Touch:
-        """A trajectory on a gel; as before, with what it has worked out, where the gel is that of the answer before."""
-        if number in self._contacts and self._contacts[number].asked[0] == material:
+        """One trajectory on a gel; the last object, with its cached properties, where the gel is that of the last."""
+        if number in self._contacts and self._contacts[number].request[0] == material:
             return self._contacts[number].state.touch
         return replace(self.touches[number].touch, material=material)
 
     @cached_property
     def _contacts(self) -> dict[int, PlayedContact]:
-        """Of each trajectory the last answer of the gel: effects of time and sensor ask for the same one again."""
+        """Last gel solution of each trajectory: effects of time and sensor ask for the same one again."""
         return {}

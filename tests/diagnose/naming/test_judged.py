@@ -51,7 +51,7 @@ def test_an_effect_of_one_place_is_agreed_on_by_a_few_touches():
     """Three touches of 25 that gain much each are enough; two that gain as much are not."""
     few, two = judged(spread(40.0, 30.0, 30.0)), judged(spread(60.0, 40.0))
     assert few.gain == two.gain == 100.0
-    assert few.gain < DEFAULT_THRESHOLDS.standard_errors * few.gain_error
+    assert few.gain < DEFAULT_THRESHOLDS.gain_sigmas * few.gain_error
     assert few.gain_without_best_two == 30.0
     assert few.objections(DEFAULT_THRESHOLDS) == ()
     assert len(two.objections(DEFAULT_THRESHOLDS)) == 2
@@ -61,7 +61,9 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
     """With structure left, what takes off a third of the excess is not what is there; without, it is named."""
     third = judged([20.0] * 25, signature=9.0, share=0.33)
     much, none = (
-        RemainingStructure(DEFAULT_THRESHOLDS.dispersion + 0.2, DEFAULT_THRESHOLDS.dispersion + 0.1),
+        RemainingStructure(
+            DEFAULT_THRESHOLDS.structure_dispersion + 0.2, DEFAULT_THRESHOLDS.structure_dispersion + 0.1
+        ),
         RemainingStructure(1.0, 0.9),
     )
     asked = [third], [], {"lag": third.gains}, None
@@ -69,7 +71,7 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
     assert decide(*asked, none, DEFAULT_THRESHOLDS).verdict == "named"
     most = dataclasses.replace(third, excess_share=0.8)
     assert decide([most], [], {"lag": most.gains}, None, much, DEFAULT_THRESHOLDS).verdict == "named"
-    few = RemainingStructure(DEFAULT_THRESHOLDS.dispersion + 0.1, DEFAULT_THRESHOLDS.noise + 0.01)
+    few = RemainingStructure(DEFAULT_THRESHOLDS.structure_dispersion + 0.1, DEFAULT_THRESHOLDS.noise_dispersion + 0.01)
     # two touches that hang on a scrap are no reason to keep what the others agree on
     assert decide(*asked, few, DEFAULT_THRESHOLDS).verdict == "named"
 
@@ -82,7 +84,7 @@ def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
     change = np.ones((2, 6)) if change is None else change
     model = SimpleNamespace(coordinates=(None,) * numbers)
     names = name if isinstance(name, tuple) else (name,)
-    fit = SimpleNamespace(names=names, effect_change=change, of_effects=change[:, :, None], model=model)
+    fit = SimpleNamespace(names=names, effect_change=change, effect_fields=change[:, :, None], model=model)
     gains, falls, occam = UNIT * np.asarray(gains, dtype=float), UNIT * np.asarray(falls, dtype=float), UNIT * occam
     return ScoredCandidate(fit, gains, 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls)
 
@@ -99,7 +101,7 @@ def test_what_all_touches_bring_is_claimed_though_gains_scatter():
     scattered = np.tile([4.0, -3.5], 30)
     borne, hung = (believed("lag", scattered, falls) for falls in (np.full(60, 0.6), spread(15.0, 15.0, count=60)))
     assert 0.5 * DEFAULT_THRESHOLDS.claim_gain <= borne.gain < DEFAULT_THRESHOLDS.claim_gain
-    assert borne.gain < DEFAULT_THRESHOLDS.standard_errors * borne.gain_error
+    assert borne.gain < DEFAULT_THRESHOLDS.gain_sigmas * borne.gain_error
     assert borne.objections(DEFAULT_THRESHOLDS) == ()
     assert len(hung.objections(DEFAULT_THRESHOLDS)) == 3
     against = believed("lag", scattered - 1.0, np.full(60, 0.6))
@@ -154,7 +156,7 @@ def test_structure_that_two_touches_bring_takes_no_name_away():
     noise, names = np.full(25, 60.0), [f"t{number}" for number in range(25)]
     odd = RemainingStructure.of(np.where(np.arange(25) == 7, 10.0, 1.0) * noise, noise, names)
     wide = RemainingStructure.of(2.0 * noise, noise, names)
-    assert odd.dispersion > DEFAULT_THRESHOLDS.dispersion
+    assert odd.dispersion > DEFAULT_THRESHOLDS.structure_dispersion
     assert odd.worst_two[0] == "t7"
     assert (odd.without_worst_two, wide.without_worst_two) == (1.0, 2.0)
     third = judged([20.0] * 25, signature=9.0, share=0.33)
@@ -176,7 +178,7 @@ def test_another_may_stand_for_one_of_two_that_are_named():
         pair = judged([20.0 + each] * 25)
         change, model = np.ones((1, 6)), SimpleNamespace(coordinates=range(1 + numbers))
         fit = SimpleNamespace(
-            names=("lag", name), effect_change=change, metric=metric, of_effects=change[:, :, None], model=model
+            names=("lag", name), effect_change=change, metric=metric, effect_fields=change[:, :, None], model=model
         )
         return dataclasses.replace(pair, fit=fit)
 
@@ -231,7 +233,7 @@ def test_what_is_not_beaten_is_listed_beside_the_best():
     def one(name, gains, column):
         change = np.zeros((2, 6))
         change[:, column] = 1.0
-        fit = SimpleNamespace(names=(name,), effect_change=change, of_effects=change[:, :, None], model=model)
+        fit = SimpleNamespace(names=(name,), effect_change=change, effect_fields=change[:, :, None], model=model)
         return ScoredCandidate(
             fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), evidence_per_trajectory=gains
         )

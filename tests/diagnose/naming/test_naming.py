@@ -67,8 +67,8 @@ def test_one_odd_touch_takes_no_name_away():
     listed = [*cases.touches[:6], dataclasses.replace(cases.touches[6], measured=lost), *cases.touches[7:]]
     found = answer(TouchSet(listed, base), ("relaxation", "lag"), pairs=False)
     best, left = found.naming.decision.best, found.naming.decision.left
-    assert best.excess_share < DEFAULT_THRESHOLDS.explains
-    assert left.dispersion > DEFAULT_THRESHOLDS.dispersion
+    assert best.excess_share < DEFAULT_THRESHOLDS.main_cause_share
+    assert left.dispersion > DEFAULT_THRESHOLDS.structure_dispersion
     assert found.names == ("relaxation",)
     assert any("nearly all in D-6" in sentence for sentence in found.sentences)
 
