@@ -14,14 +14,14 @@ from tactiledata.arrays import RealArray, Times
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact.by_layer import touch_layer
-from tactiledata.rig.contact.contact import CONTACT_RATE, Contact, Played, TouchSetup, missed_at
-from tactiledata.rig.contact.footprint import GelGrid, footprint
-from tactiledata.rig.hidden.base import TouchFacts, Visit
+from tactiledata.rig.contact.contact import CONTACT_RATE, PlayTouch, RigContact, TouchSetup, deviation_at
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
+from tactiledata.rig.hidden.base import EarlierTouch, TouchFacts
 from tactiledata.rig.hidden.contact import analytic, touch_hidden
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion import motion
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.scenario.scenario import Gel, Scenario
 from tactiledata.transforms import Transform
 
@@ -43,24 +43,24 @@ class PlayedTrajectory:
 
     Parameters
     ----------
-    touch : Touch
+    touch : TouchPlan
     start_ns : int
         Of the host clock.
     lowest : metres
         Height of the turned indenter's first-touching point over its tip; at most 0.
     offset : (3,), metres
         What the arm and the mount really add to the path: x, y, depth. Known to the rig only.
-    contact : Contact
+    contact : RigContact
         What the gel does.
     mount : int
         How often indenters have been mounted in this log before.
     """
 
-    touch: Touch
+    touch: TouchPlan
     start_ns: int
     lowest: float
     offset: RealArray
-    contact: Contact
+    contact: RigContact
     mount: int
 
     @property
@@ -76,7 +76,7 @@ class PlayedTrajectory:
     def true_positions(self, host_ns: Times) -> RealArray:
         """Where the indenter really is over the gel (n, 3): x, y of the tip, depth, metres."""
         seconds = (host_ns - self.start_ns) * 1e-9
-        return self.path.at(seconds) + self.offset + missed_at(self.contact.missed, seconds)
+        return self.path.at(seconds) + self.offset + deviation_at(self.contact.deviation, seconds)
 
     def wrench(self, host_ns: Times) -> RealArray:
         """Contact wrench (n, 6) on the indenter, gel frame: N, N m."""
@@ -137,7 +137,7 @@ class PlayedLog:
         return out
 
 
-Solve = Callable[[Gel, TouchSetup, motion.Path | None, RealArray | None], Contact]
+SolveContact = Callable[[Gel, TouchSetup, motion.Path | None, RealArray | None], RigContact]
 """A touch of a gel, played along a path that may be planned already, and missed by (n, 3) m."""
 
 
@@ -151,7 +151,7 @@ class RigSetup:
         What answers for the contact in place of what the scenario asks for.
     """
 
-    def __init__(self, scenario: Scenario, solve: Solve | None = None) -> None:
+    def __init__(self, scenario: Scenario, solve: SolveContact | None = None) -> None:
         self.scenario = scenario
         self._own_solve = solve
         self.indenters: dict[str, Indenter] = {
@@ -161,9 +161,9 @@ class RigSetup:
         self._layers: dict[Gel, Layer] = {}
         self.mounted = {name: _mounted(index, entry) for index, (name, entry) in enumerate(scenario.indenters.items())}
 
-    def perform(
+    def play(
         self,
-        touches: Sequence[Touch],
+        touches: Sequence[TouchPlan],
         log_index: int,
         start_ns: int,
         played: Callable[[], None] = lambda: None,
@@ -175,7 +175,7 @@ class RigSetup:
         poses: list[tuple[RealArray, Transform]] = []
         cursor = start_ns + int(0.25e9)
         mount, remount = 0, np.zeros(3)
-        visits: dict[str, list[Visit]] = {}
+        earlier_touches: dict[str, list[EarlierTouch]] = {}
         for index, touch in enumerate(touches):
             if index == 0 or touches[index - 1].indenter != touch.indenter:
                 mount += 1
@@ -187,7 +187,7 @@ class RigSetup:
                 mount,
                 log_index,
                 self.mounted[touch.indenter],
-                visits.setdefault(touch.sensor, []),
+                earlier_touches.setdefault(touch.sensor, []),
             )
             play = self._play(facts, cursor, remount)
             plays.append(play)
@@ -205,34 +205,32 @@ class RigSetup:
         rng = np.random.default_rng([scenario.seed, OFFSETS, _number(touch.name)])
         offset = remount + rng.normal(0.0, scenario.imperfections.pose_repeatability, 3)
         rotation = motion.gel_from_indenter_rotation(touch)
-        indenter_footprint = footprint(indenter, rotation, touch.position, GelGrid.of(gel))
+        footprint = make_footprint(indenter, rotation, touch.position, GelGrid.of(gel))
         images = scenario.images
         plan = partial(
             motion.plan, touch, frames_per_step=images.frames_per_step, free_air_frames=images.free_air_frames
         )
-        setup = TouchSetup(
-            touch, indenter, rotation, indenter_footprint, offset, gel.thickness, scenario.material, plan
-        )
+        setup = TouchSetup(touch, indenter, rotation, footprint, offset, gel.thickness, scenario.material, plan)
         solve = self._solve(gel)
         if any(effect.ACTS in TOUCHED for effect in scenario.hidden):
-            setup, hidden, visit = touch_hidden(setup, facts, scenario.hidden, solve)
-            facts.visits.append(visit)
-            return PlayedTrajectory(touch, start_ns, indenter_footprint.lowest, setup.offset, hidden, facts.mount)
-        return PlayedTrajectory(
-            touch, start_ns, indenter_footprint.lowest, offset, solve(setup, None, None), facts.mount
-        )
+            setup, hidden, earlier = touch_hidden(setup, facts, scenario.hidden, solve)
+            facts.earlier_touches.append(earlier)
+            return PlayedTrajectory(touch, start_ns, footprint.lowest, setup.offset, hidden, facts.mount)
+        return PlayedTrajectory(touch, start_ns, footprint.lowest, offset, solve(setup, None, None), facts.mount)
 
-    def _solve(self, gel: Gel) -> Played:
+    def _solve(self, gel: Gel) -> PlayTouch:
         if self._own_solve is not None:
             return partial(self._own_solve, gel)
         return analytic if self.scenario.contact == "analytic" else partial(self._on_layer, gel)
 
-    def _on_layer(self, gel: Gel, setup: TouchSetup, path: motion.Path | None, missed: RealArray | None) -> Contact:
+    def _on_layer(
+        self, gel: Gel, setup: TouchSetup, path: motion.Path | None, deviation: RealArray | None
+    ) -> RigContact:
         real = replace(gel, thickness=setup.thickness)
         if real not in self._layers:
             grid = LayerGrid.of(gel.outline, self.scenario.contact_pitch)
             self._layers[real] = Layer(grid, setup.thickness, self.scenario.material)
-        return touch_layer(setup, self._layers[real], path, missed)
+        return touch_layer(setup, self._layers[real], path, deviation)
 
 
 def _number(name: str) -> int:

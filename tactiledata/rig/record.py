@@ -18,7 +18,7 @@ from tactiledata.rig.logs.sampling import sample
 from tactiledata.rig.logs.truth import write_truth
 from tactiledata.rig.logs.write_folder import write_folder
 from tactiledata.rig.logs.write_mcap import write_mcap
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.generate import touches
 from tactiledata.rig.scenario.scenario import Scenario
@@ -91,19 +91,19 @@ def _record_in_processes(
     scenario: Scenario, out: Path, form: Form, counts: _Counts, workers: int, written: list[Path]
 ) -> None:
     with multiprocessing.get_context("spawn").Manager() as manager, worker_pool(workers) as pool:
-        news = manager.Queue()
-        tell = partial(_pass_on, news)
+        counts_queue = manager.Queue()
+        tell = partial(_pass_on, counts_queue)
         waiting = [pool.submit(_record_log, scenario, out, form, tell, index) for index in range(len(counts.whole))]
         while not all(future.done() for future in waiting):
             with suppress(Empty):
-                counts.told(*news.get(timeout=0.2))
-        while not news.empty():
-            counts.told(*news.get())
+                counts.told(*counts_queue.get(timeout=0.2))
+        while not counts_queue.empty():
+            counts.told(*counts_queue.get())
         written.extend(future.result() for future in waiting)
 
 
-def _pass_on(news: Queue[tuple[int, int]], index: int, done: int) -> None:
-    news.put((index, done))
+def _pass_on(counts_queue: Queue[tuple[int, int]], index: int, done: int) -> None:
+    counts_queue.put((index, done))
 
 
 def _record_log(
@@ -119,7 +119,7 @@ def _record_log(
     name, group = log_groups(scenario)[index]
     meter = _Meter(partial(tell, index), len(group))
     start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-    tape = sample(rig_setup, name, index, rig_setup.perform(group, index, start_ns, meter.played))
+    tape = sample(rig_setup, name, index, rig_setup.play(group, index, start_ns, meter.played))
     meter.pictures = sum(not shot.dropped for shot in tape.shots)
     path = out / (f"{name}.mcap" if form == "mcap" else name)
     (write_mcap if form == "mcap" else write_folder)(tape, path, meter.add)
@@ -161,7 +161,7 @@ class _Meter:
         self.tell((self.trajectories + drawn) // 2)
 
 
-def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
+def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[TouchPlan]]]:
     """Name and touches of each log, as ``recordings`` groups them.
 
     Touches keep the scenario's order within an indenter, and indenters are mounted one after the other.
@@ -172,7 +172,7 @@ def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
         Two logs, or two trajectories of a log, would have one name.
     """
     setup = scenario.recordings
-    keys: dict[tuple[str, ...], list[Touch]] = {}
+    keys: dict[tuple[str, ...], list[TouchPlan]] = {}
     for touch in touches(scenario):
         key = {
             "sensor": (touch.sensor,),
@@ -182,7 +182,7 @@ def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
         }[setup.group]
         keys.setdefault(key, []).append(touch)
     order = {name: place for place, name in enumerate(scenario.indenters)}
-    groups: list[tuple[str, Sequence[Touch]]] = []
+    groups: list[tuple[str, Sequence[TouchPlan]]] = []
     for key, members in keys.items():
         _distinct([touch.name for touch in members], "trajectories of one log")
         members = sorted(members, key=lambda touch: order[touch.indenter])

@@ -26,7 +26,7 @@ from tactiledata.rig.bank.solution import Solution, keep_solution, key_of, load_
 from tactiledata.rig.contact.by_layer import touch_layer
 from tactiledata.rig.contact.closed_form import contact_law
 from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times
-from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
@@ -46,10 +46,10 @@ BEYOND = 0.5
 
 @dataclass(frozen=True)
 class BankedContact:
-    """See `Contact`; it has no surface."""
+    """See `RigContact`; it has no surface."""
 
     path: Path
-    missed: RealArray | None
+    deviation: RealArray | None
     wrench: RealArray
     slipping: NDArray[np.bool_]
     unsettled: int
@@ -85,7 +85,7 @@ class ContactBank:
     _layers: dict[tuple[Gel, Material], Layer] = field(default_factory=dict)
 
     def contact(
-        self, gel: Gel, setup: TouchSetup, path: Path | None = None, missed: RealArray | None = None
+        self, gel: Gel, setup: TouchSetup, path: Path | None = None, deviation: RealArray | None = None
     ) -> BankedContact:
         """The contact of a touch, as `tactiledata.rig.play.RigSetup` asks for it.
 
@@ -96,7 +96,7 @@ class ContactBank:
         """
         path = path or setup.plan(lambda _: DEEPEST * setup.thickness)
         times = contact_times(path)
-        deeper = np.full(len(times), float(setup.offset[2])) + (0.0 if missed is None else missed[:, 2])
+        deeper = np.full(len(times), float(setup.offset[2])) + (0.0 if deviation is None else deviation[:, 2])
         # a dome is as thick as it is at the touch, in every recording
         near = setup.thickness if setup.cap.curvature else gel.thickness
         stated = replace(setup, thickness=near, indenter=self.indenters[setup.touch.indenter])
@@ -118,10 +118,10 @@ class ContactBank:
                 "Press less deep: a path of the bank does not depend on forces.",
             )
         springs = OwnSprings()
-        if missed is not None and missed[:, :2].any():
+        if deviation is not None and deviation[:, :2].any():
             springs = self._own_springs(gel, stated, path, float(deeper.mean()))
-        wrench = _placed(setup, path, missed, wrench, springs)
-        return BankedContact(path, missed, wrench, nearest.slipping, nearest.unsettled)
+        wrench = _placed(setup, path, deviation, wrench, springs)
+        return BankedContact(path, deviation, wrench, nearest.slipping, nearest.unsettled)
 
     def _at(self, gel: Gel, setup: TouchSetup, path: Path, deeper: RealArray) -> tuple[RealArray, Solution]:
         """Wrench (n, 6) over the modulus at offsets (n,), and the solution nearest to their mean."""
@@ -141,7 +141,7 @@ class ContactBank:
         if key not in self._springs:
             wrench = MODULUS * self._solution(gel, setup, path, offset).wrench
             positions = path.at(contact_times(path)) + np.array([0.0, 0.0, offset])
-            law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, material)
+            law = contact_law(setup.indenter, setup.footprint, setup.thickness, material)
             stiffness = law.columns_at(positions[:, 2])[1]
             self._springs[key] = own_springs(positions, wrench[:, 2], stiffness, material.friction, -wrench[:, :2])
         return self._springs[key]
@@ -163,10 +163,8 @@ class ContactBank:
         if (real, material) not in self._layers:
             grid = LayerGrid.of(gel.outline, self.pitch)
             self._layers[real, material] = Layer(grid, setup.thickness, material)
-        indenter_footprint = footprint(setup.indenter, setup.rotation, setup.touch.position, GelGrid.of(gel))
-        there = replace(
-            setup, material=material, indenter_footprint=indenter_footprint, offset=np.array([0.0, 0.0, offset])
-        )
+        footprint = make_footprint(setup.indenter, setup.rotation, setup.touch.position, GelGrid.of(gel))
+        there = replace(setup, material=material, footprint=footprint, offset=np.array([0.0, 0.0, offset]))
         found = touch_layer(there, self._layers[real, material], path)
         return Solution(found.wrench / MODULUS, found.slipping, found.unsettled)
 
@@ -213,20 +211,20 @@ def _cubic_weights(values: RealArray, nodes: Sequence[float]) -> RealArray:
 
 
 def _placed(
-    setup: TouchSetup, path: Path, missed: RealArray | None, wrench: RealArray, springs: OwnSprings
+    setup: TouchSetup, path: Path, deviation: RealArray | None, wrench: RealArray, springs: OwnSprings
 ) -> RealArray:
     """The wrench where the indenter really is along the gel."""
     beside = np.zeros((len(wrench), 3))
     beside[:, :2] = setup.offset[:2]
     out = wrench.copy()
-    if missed is not None and missed[:, :2].any():
+    if deviation is not None and deviation[:, :2].any():
         positions = path.at(contact_times(path))
-        law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
-        stiffness, centre = law.columns_at(positions[:, 2] + setup.offset[2] + missed[:, 2])[1:]
+        law = contact_law(setup.indenter, setup.footprint, setup.thickness, setup.material)
+        stiffness, centre = law.columns_at(positions[:, 2] + setup.offset[2] + deviation[:, 2])[1:]
         friction = setup.material.friction
         normal = wrench[:, 2] * beyond_coulomb(wrench[:, :2], friction * wrench[:, 2])
         changed, plain = (
-            springs.pull(positions[:, :2] + move, normal, stiffness, friction) for move in (missed[:, :2], 0.0)
+            springs.pull(positions[:, :2] + move, normal, stiffness, friction) for move in (deviation[:, :2], 0.0)
         )
         pull = changed - plain - wrench[:, :2]
         size, limit = np.linalg.norm(pull, axis=1), friction * normal
@@ -236,6 +234,6 @@ def _placed(
         centre[:, :2] += positions[:, :2]
         out[:, :3] += gained
         out[:, 3:] += np.cross(centre, gained)
-        beside[:, :2] += missed[:, :2]
+        beside[:, :2] += deviation[:, :2]
     out[:, 3:] += np.cross(beside, out[:, :3])
     return out

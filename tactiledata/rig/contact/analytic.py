@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.closed_form import ContactHistory, contact_law, press_along
-from tactiledata.rig.contact.contact import CONTACT_RATE, DEEPEST, Contact, TouchSetup, contact_times, missed_at
+from tactiledata.rig.contact.contact import CONTACT_RATE, DEEPEST, RigContact, TouchSetup, contact_times, deviation_at
 from tactiledata.rig.contact.inclined import touch_inclined
 from tactiledata.rig.contact.membrane import surface
 from tactiledata.rig.motion.motion import Path
@@ -17,21 +17,21 @@ from tactiledata.rig.motion.motion import Path
 
 @dataclass(frozen=True)
 class AnalyticContact:
-    """See `Contact`."""
+    """See `RigContact`."""
 
     setup: TouchSetup
     path: Path
     history: ContactHistory
-    missed: RealArray | None = None
+    deviation: RealArray | None = None
 
     @property
     def wrench(self) -> RealArray:
-        """See `Contact.wrench`."""
+        """See `RigContact.wrench`."""
         return self.history.wrench
 
     @property
     def slipping(self) -> NDArray[np.bool_]:
-        """See `Contact.slipping`."""
+        """See `RigContact.slipping`."""
         return self.history.slipping
 
     @property
@@ -40,17 +40,17 @@ class AnalyticContact:
         return 0
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
-        """See `Contact.surface`."""
-        indenter_footprint = self.setup.indenter_footprint
+        """See `RigContact.surface`."""
+        footprint = self.setup.footprint
         moment = np.array([seconds])
-        x, y, depth = self.path.at(moment)[0] + self.setup.offset + missed_at(self.missed, moment)[0]
+        x, y, depth = self.path.at(moment)[0] + self.setup.offset + deviation_at(self.deviation, moment)[0]
         ticks = np.arange(len(self.history.drag))
         drag = [float(np.interp(seconds * CONTACT_RATE, ticks, column)) for column in self.history.drag.T]
-        moved = (float(x - indenter_footprint.position[0]), float(y - indenter_footprint.position[1]))
-        return surface(indenter_footprint, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
+        moved = (float(x - footprint.position[0]), float(y - footprint.position[1]))
+        return surface(footprint, moved, float(depth), (drag[0], drag[1]), self.setup.thickness)
 
 
-def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: RealArray | None = None) -> Contact:
+def touch_analytic(setup: TouchSetup, path: Path | None = None, deviation: RealArray | None = None) -> RigContact:
     """A touch, played.
 
     Parameters
@@ -58,15 +58,15 @@ def touch_analytic(setup: TouchSetup, path: Path | None = None, missed: RealArra
     setup : TouchSetup
     path : Path, optional
         Planned already.
-    missed : (n, 3), m, optional
-        See `Contact.missed`.
+    deviation : (n, 3), m, optional
+        See `RigContact.missed`.
     """
     if setup.cap.curvature:
-        return touch_inclined(setup, path, missed, touch_analytic)
-    law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
+        return touch_inclined(setup, path, deviation, touch_analytic)
+    law = contact_law(setup.indenter, setup.footprint, setup.thickness, setup.material)
     share = setup.normal_limit / setup.touch.force_limit
     path = path or setup.plan(lambda force: min(law.depth_at(force * share), DEEPEST * setup.thickness))
     positions = path.at(contact_times(path)) + setup.offset
-    if missed is not None:
-        positions = positions + missed
-    return AnalyticContact(setup, path, press_along(law, positions), missed)
+    if deviation is not None:
+        positions = positions + deviation
+    return AnalyticContact(setup, path, press_along(law, positions), deviation)

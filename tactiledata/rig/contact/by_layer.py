@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from tactiledata.arrays import RealArray
-from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times, missed_at
+from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times, deviation_at
 from tactiledata.rig.contact.layer_picture import drawn_surface
 from tactiledata.rig.layer.grid import LayerGrid
-from tactiledata.rig.layer.press import led_on
+from tactiledata.rig.layer.press import extrapolated
 from tactiledata.rig.layer.solver import Layer, PressState
 from tactiledata.rig.motion.motion import Path
 
@@ -23,7 +23,7 @@ STEP, STEP_OUT = 1e-4, 2e-4
 
 @dataclass(frozen=True)
 class LayerContact:
-    """See `Contact`.
+    """See `RigContact`.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class LayerContact:
     surfaces : (k, 3, rows, columns), m, float32
         Displacements of the surface there.
     unsettled : int
-        See `Contact.unsettled`.
+        See `RigContact.unsettled`.
     """
 
     setup: TouchSetup
@@ -43,24 +43,24 @@ class LayerContact:
     marks: RealArray
     surfaces: NDArray[np.float32]
     unsettled: int
-    missed: RealArray | None = None
+    deviation: RealArray | None = None
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
-        """See `Contact.surface`."""
+        """See `RigContact.surface`."""
         setup, moment = self.setup, np.array([seconds])
-        x, y, depth = self.path.at(moment)[0] + setup.offset + missed_at(self.missed, moment)[0]
+        x, y, depth = self.path.at(moment)[0] + setup.offset + deviation_at(self.deviation, moment)[0]
         place = float(np.interp(self.path.travelled(moment)[0], self.marks, np.arange(len(self.marks))))
         index = min(int(place), len(self.marks) - 2)
         first, second = self.surfaces[index], self.surfaces[index + 1]
         displacement = first + np.float32(place - index) * (second - first)
-        moved = (float(x - setup.indenter_footprint.position[0]), float(y - setup.indenter_footprint.position[1]))
-        fine = setup.indenter_footprint.grid
+        moved = (float(x - setup.footprint.position[0]), float(y - setup.footprint.position[1]))
+        fine = setup.footprint.grid
         fall = setup.cap.fall_from(setup.touch.position, *np.meshgrid(fine.x, fine.y)).astype(np.float32)
-        return drawn_surface(displacement, self.grid, setup.indenter_footprint, moved, float(depth), fall)
+        return drawn_surface(displacement, self.grid, setup.footprint, moved, float(depth), fall)
 
 
 def touch_layer(
-    setup: TouchSetup, layer: Layer, path: Path | None = None, missed: RealArray | None = None
+    setup: TouchSetup, layer: Layer, path: Path | None = None, deviation: RealArray | None = None
 ) -> LayerContact:
     """A touch, played on a pad.
 
@@ -70,19 +70,19 @@ def touch_layer(
     layer : Layer
     path : Path, optional
         Planned already.
-    missed : (n, 3), m, optional
-        See `Contact.missed`; between the solver's steps it is taken to follow the path.
+    deviation : (n, 3), m, optional
+        See `RigContact.missed`; between the solver's steps it is taken to follow the path.
     """
     place = setup.touch.position
     if setup.cap.curvature:
         layer = layer.lowered(lambda x, y: setup.cap.fall_from(place, x, y))
-    walk = _Walk(setup, layer)
-    path = path or setup.plan(lambda _: _deepest(setup, walk))
+    path_solve = _PathSolve(setup, layer)
+    path = path or setup.plan(lambda _: _deepest(setup, path_solve))
     marks, positions = solver_steps(path, setup.offset)
     at = path.travelled(contact_times(path))
-    if missed is not None:
-        positions = positions + np.stack([np.interp(marks, at, column) for column in missed.T], axis=1)
-    states = walk.along(positions)
+    if deviation is not None:
+        positions = positions + np.stack([np.interp(marks, at, column) for column in deviation.T], axis=1)
+    states = path_solve.along(positions)
     wrenches = np.array([state.wrench for state in states])
     # solved as if the surface were at z = 0 there
     wrenches[:, 3:] -= np.cross([0.0, 0.0, float(setup.cap.fall(*place))], wrenches[:, :3])
@@ -96,7 +96,7 @@ def touch_layer(
         marks,
         np.array([state.u[:, -1] for state in states], dtype=np.float32),
         sum(not state.is_settled for state in states),
-        missed,
+        deviation,
     )
 
 
@@ -128,7 +128,7 @@ def solver_steps(path: Path, offset: RealArray) -> tuple[RealArray, RealArray]:
     return np.array(marks), np.array(stops)
 
 
-class _Walk:
+class _PathSolve:
     """The solver led along positions; what was walked before is remembered as far as the ways are the same."""
 
     def __init__(self, setup: TouchSetup, layer: Layer) -> None:
@@ -149,7 +149,7 @@ class _Walk:
             state = self._layer.at_rest(indenter, pose)
         else:
             before = self._trail[index - 1][1]
-            guess = led_on(self._trail[index - 2][1], before, pose) if index > 1 else None
+            guess = extrapolated(self._trail[index - 2][1], before, pose) if index > 1 else None
             state = self._layer.step(indenter, before, pose, guess)
         self._trail.append((positions[index], state))
         return state
@@ -157,11 +157,11 @@ class _Walk:
     def _pose(self, position: RealArray) -> RealArray:
         pose = np.eye(4)
         pose[:3, :3] = self._setup.rotation
-        pose[:3, 3] = position[0], position[1], -position[2] - self._setup.indenter_footprint.lowest
+        pose[:3, 3] = position[0], position[1], -position[2] - self._setup.footprint.lowest
         return pose
 
 
-def _deepest(setup: TouchSetup, walk: _Walk) -> float:
+def _deepest(setup: TouchSetup, path_solve: _PathSolve) -> float:
     """Commanded depth (m) at which the first press reaches the limit of force; the deepest allowed if it does not."""
     allowed = DEEPEST * setup.thickness
     _, positions = solver_steps(setup.plan(lambda _: allowed), setup.offset)
@@ -169,7 +169,7 @@ def _deepest(setup: TouchSetup, walk: _Walk) -> float:
     for index, position in enumerate(positions):
         if not np.array_equal(position[:2], positions[0][:2]) or position[2] < depth:
             break
-        last, force = force, float(walk.at(positions, index).wrench[2])
+        last, force = force, float(path_solve.at(positions, index).wrench[2])
         if force > setup.normal_limit:
             share = (setup.normal_limit - last) / (force - last)
             return depth + share * (float(position[2]) - depth) - float(setup.offset[2])

@@ -113,12 +113,12 @@ class ContactLaw:
         return np.interp(inside, self.depth, self.force), np.interp(inside, self.depth, self.stiffness), centre
 
 
-def contact_law(indenter: Indenter, indenter_footprint: Footprint, thickness: float, material: Material) -> ContactLaw:
+def contact_law(indenter: Indenter, footprint: Footprint, thickness: float, material: Material) -> ContactLaw:
     """The law of one contact, tabulated."""
     depth = np.linspace(0.0, CEILING, TABLE)
-    volume, square, first_moments = _foundation(indenter_footprint, depth)
+    volume, square, first_moments = _foundation(footprint, depth)
     # volume over depth is the area of a flat punch, and pi R d for a ball, whose Hertzian radius is sqrt(R d)
-    area = np.append(_face_area(indenter_footprint), volume[1:] / depth[1:])
+    area = np.append(_face_area(footprint), volume[1:] / depth[1:])
     radius = np.sqrt(area / np.pi)
     if indenter.shape == "sphere":
         force = sphere_force(depth, indenter.sizes["radius"], thickness, material)
@@ -135,24 +135,24 @@ def contact_law(indenter: Indenter, indenter_footprint: Footprint, thickness: fl
     return ContactLaw(depth, force, shear_stiffness(radius, thickness, material), centre, material.friction, radius)
 
 
-def _face_area(indenter_footprint: Footprint) -> float:
+def _face_area(footprint: Footprint) -> float:
     """Area, m², that touches at depth zero: that of a flat face, nothing for a point."""
-    grid = indenter_footprint.grid
-    face = grid.on_pad & (indenter_footprint.heights < 1e-9)
+    grid = footprint.grid
+    face = grid.on_pad & (footprint.heights < 1e-9)
     return float(np.count_nonzero(face) * (grid.x[1] - grid.x[0]) * (grid.y[1] - grid.y[0]))
 
 
-def _foundation(indenter_footprint: Footprint, depth: RealArray) -> tuple[RealArray, RealArray, list[RealArray]]:
+def _foundation(footprint: Footprint, depth: RealArray) -> tuple[RealArray, RealArray, list[RealArray]]:
     """Sums over the pad of s = max(d - height, 0): of s, of s², and of s x and s y about the tip, each (k,).
 
     Sorted heights and running sums give every depth at once.
     """
-    grid = indenter_footprint.grid
-    near = grid.on_pad & (indenter_footprint.heights < depth[-1])
-    heights = indenter_footprint.heights[near]
+    grid = footprint.grid
+    near = grid.on_pad & (footprint.heights < depth[-1])
+    heights = footprint.heights[near]
     order = np.argsort(heights, kind="stable")
     heights = heights[order]
-    x, y = np.meshgrid(grid.x - indenter_footprint.position[0], grid.y - indenter_footprint.position[1])
+    x, y = np.meshgrid(grid.x - footprint.position[0], grid.y - footprint.position[1])
     cell = float(grid.x[1] - grid.x[0]) * float(grid.y[1] - grid.y[0])
     count = np.searchsorted(heights, depth, side="left")
 

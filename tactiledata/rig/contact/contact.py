@@ -14,7 +14,7 @@ from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact.footprint import Footprint
 from tactiledata.rig.contact.gel_cap import Cap
 from tactiledata.rig.motion.motion import Path
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.scenario.scenario import Material
 
 CONTACT_RATE = 500.0
@@ -29,11 +29,11 @@ class TouchSetup:
 
     Parameters
     ----------
-    touch : Touch
+    touch : TouchPlan
     indenter : Indenter
     rotation : (3, 3)
         gel_from_indenter.
-    indenter_footprint : Footprint
+    footprint : Footprint
     offset : (3,), metres
         What the arm and the mount really add to the path: x, y, depth.
     thickness : metres, of the gel
@@ -44,10 +44,10 @@ class TouchSetup:
         The outer surface; ``thickness`` and ``offset`` are of the gel as high as it is at the touch's position.
     """
 
-    touch: Touch
+    touch: TouchPlan
     indenter: Indenter
     rotation: RealArray
-    indenter_footprint: Footprint
+    footprint: Footprint
     offset: RealArray
     thickness: float
     material: Material
@@ -61,7 +61,7 @@ class TouchSetup:
         return self.touch.force_limit / (float(np.hypot(1.0, self.material.friction)) if shears else 1.0)
 
 
-class Contact(Protocol):
+class RigContact(Protocol):
     """What the gel does over one touch."""
 
     @property
@@ -69,7 +69,7 @@ class Contact(Protocol):
         """As commanded."""
 
     @property
-    def missed(self) -> RealArray | None:
+    def deviation(self) -> RealArray | None:
         """What the arm really adds to the path besides the offset, (n, 3) m at ``CONTACT_RATE``: x, y, depth."""
 
     @property
@@ -88,16 +88,16 @@ class Contact(Protocol):
         """Height (n_y, n_x), m, of the gel's outer surface on the footprint's grid; zero where it is at rest."""
 
 
-Played = Callable[[TouchSetup, Path | None, RealArray | None], Contact]
+PlayTouch = Callable[[TouchSetup, Path | None, RealArray | None], RigContact]
 """A touch, played along a path that may be planned already, and missed by (n, 3) m."""
 
 
-def missed_at(missed: RealArray | None, seconds: RealArray) -> RealArray:
+def deviation_at(deviation: RealArray | None, seconds: RealArray) -> RealArray:
     """What the arm adds (n, 3), m, at seconds (n,), from its history at ``CONTACT_RATE``; zero without one."""
-    if missed is None:
+    if deviation is None:
         return np.zeros((len(seconds), 3))
-    ticks = np.arange(len(missed)) / CONTACT_RATE
-    return np.stack([np.interp(seconds, ticks, column) for column in missed.T], axis=1)
+    ticks = np.arange(len(deviation)) / CONTACT_RATE
+    return np.stack([np.interp(seconds, ticks, column) for column in deviation.T], axis=1)
 
 
 def contact_times(path: Path) -> RealArray:

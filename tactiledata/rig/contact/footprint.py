@@ -69,7 +69,7 @@ class Footprint:
     lowest: float
 
 
-def footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, float], grid: GelGrid) -> Footprint:
+def make_footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, float], grid: GelGrid) -> Footprint:
     """The footprint of an indenter with ``rotation`` (3, 3), gel_from_indenter, its tip over ``position``."""
     x, y = np.meshgrid(grid.x - position[0], grid.y - position[1])
     heights: RealArray
@@ -85,12 +85,12 @@ def footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, fl
     return Footprint(grid, np.clip(heights - lowest, 0.0, CEILING), position, lowest)
 
 
-def moved_heights(indenter_footprint: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
+def moved_heights(footprint: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
     """Heights (n_y, n_x), m, with the indenter moved by ``offset`` (2,), m, over the gel."""
     return shifted(
-        indenter_footprint.heights.astype(np.float32),
+        footprint.heights.astype(np.float32),
         offset,
-        float(indenter_footprint.grid.x[1] - indenter_footprint.grid.x[0]),
+        float(footprint.grid.x[1] - footprint.grid.x[0]),
     )
 
 

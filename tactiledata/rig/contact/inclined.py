@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import RealArray
-from tactiledata.rig.contact.contact import Contact, Played, TouchSetup
-from tactiledata.rig.contact.footprint import CEILING, footprint
+from tactiledata.rig.contact.contact import PlayTouch, RigContact, TouchSetup
+from tactiledata.rig.contact.footprint import CEILING, make_footprint
 from tactiledata.rig.contact.gel_cap import Cap
 from tactiledata.rig.motion.motion import Path
 
@@ -22,32 +22,34 @@ DEEPENING = np.array([1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class InclinedContact:
-    """See `Contact`; ``inner`` is told in the tangent plane's frame, the rest in the gel's.
+    """See `RigContact`; ``inner`` is told in the tangent plane's frame, the rest in the gel's.
 
     Its surface is seen along the plane's normal, from which the dome is taken away.
     """
 
-    inner: Contact
+    inner: RigContact
     path: Path
-    missed: RealArray | None
+    deviation: RealArray | None
     wrench: RealArray
 
     @property
     def slipping(self) -> NDArray[np.bool_]:
-        """See `Contact.slipping`."""
+        """See `RigContact.slipping`."""
         return self.inner.slipping
 
     @property
     def unsettled(self) -> int:
-        """See `Contact.unsettled`."""
+        """See `RigContact.unsettled`."""
         return self.inner.unsettled
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
-        """See `Contact.surface`."""
+        """See `RigContact.surface`."""
         return self.inner.surface(seconds)
 
 
-def touch_inclined(setup: TouchSetup, path: Path | None, missed: RealArray | None, play: Played) -> InclinedContact:
+def touch_inclined(
+    setup: TouchSetup, path: Path | None, deviation: RealArray | None, play: PlayTouch
+) -> InclinedContact:
     """A touch of a domed gel.
 
     Pressed straight down, the indenter slides along the surface, and what presses on it is not vertical. The plane is
@@ -59,8 +61,8 @@ def touch_inclined(setup: TouchSetup, path: Path | None, missed: RealArray | Non
     gel_from_plane = _turn(setup.cap.downhill(setup.touch.position))
     moves = DEEPENING[:, None] * gel_from_plane.T * DEEPENING
     flat, led = _in_plane(setup, level, path, gel_from_plane, moves)
-    found = play(flat, led, None if missed is None else missed @ moves.T)
-    return InclinedContact(found, path, missed, _in_gel(found.wrench, setup, gel_from_plane))
+    found = play(flat, led, None if deviation is None else deviation @ moves.T)
+    return InclinedContact(found, path, deviation, _in_gel(found.wrench, setup, gel_from_plane))
 
 
 def _turn(downhill: RealArray) -> RealArray:
@@ -79,26 +81,20 @@ def _in_plane(
     Moves (3, 3) turn x, y, depth over the gel into those over the plane.
     """
     rotation = gel_from_plane.T @ setup.rotation
-    grid = setup.indenter_footprint.grid
-    indenter_footprint = footprint(setup.indenter, rotation, setup.touch.position, grid)
+    grid = setup.footprint.grid
+    footprint = make_footprint(setup.indenter, rotation, setup.touch.position, grid)
     beside = (grid.x - setup.touch.position[0])[None, :], (grid.y - setup.touch.position[1])[:, None]
-    indenter_footprint = replace(
-        indenter_footprint, heights=np.minimum(indenter_footprint.heights + setup.cap.fall(*beside), CEILING)
-    )
+    footprint = replace(footprint, heights=np.minimum(footprint.heights + setup.cap.fall(*beside), CEILING))
     place = np.array([*setup.touch.position, 0.0])
     # depths are of the lowest point, which is another part of the body over the plane
-    lowest = moves @ np.array([0.0, 0.0, setup.indenter_footprint.lowest]) - np.array(
-        [0.0, 0.0, indenter_footprint.lowest]
-    )
+    lowest = moves @ np.array([0.0, 0.0, setup.footprint.lowest]) - np.array([0.0, 0.0, footprint.lowest])
     positions = (path.positions - place) @ moves.T + lowest
     positions[:, 2] -= setup.cap.fall(positions[:, 0], positions[:, 1])
     body: Any = setup.indenter
     if body.shape == "sphere":
         # its closed form asks for the radius: curvatures add (Hertz)
         body = replace(body, radius=1 / (1 / body.radius + setup.cap.curvature))
-    flat = replace(
-        level, indenter=body, rotation=rotation, indenter_footprint=indenter_footprint, offset=moves @ setup.offset
-    )
+    flat = replace(level, indenter=body, rotation=rotation, footprint=footprint, offset=moves @ setup.offset)
     return flat, replace(path, positions=positions + place)
 
 

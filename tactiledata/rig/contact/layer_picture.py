@@ -25,7 +25,7 @@ ROUNDS = 3
 def drawn_surface(
     displacement: Map,
     grid: LayerGrid,
-    indenter_footprint: Footprint,
+    footprint: Footprint,
     moved: tuple[float, float],
     depth: float,
     fall: Map,
@@ -41,7 +41,7 @@ def drawn_surface(
     depth : metres
         Of the indenter's lowest point below the undeformed surface, which lies lower by ``fall`` (n_y, n_x), m.
     """
-    fine = indenter_footprint.grid
+    fine = footprint.grid
     if not displacement.any():
         return np.zeros((len(fine.y), len(fine.x)), np.float32)
     column, row = (
@@ -60,7 +60,7 @@ def drawn_surface(
     if depth <= fall.min():
         return -bed
     # on the coarse surface a touching face is only nearly touched: small gaps are closed, and none is pierced
-    sink = np.float32(depth) - moved_heights(indenter_footprint, moved) - fall
+    sink = np.float32(depth) - moved_heights(footprint, moved) - fall
     gap = np.maximum(bed - sink, 0.0)
     told = np.clip(gap / np.float32(CLOSED * grid.pitch), 0.0, 1.0)
     return -(sink + gap * told * told * (3.0 - 2.0 * told))

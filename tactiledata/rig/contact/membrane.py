@@ -29,13 +29,13 @@ CREASE = 1.2e-5
 
 
 def surface(
-    indenter_footprint: Footprint, offset: tuple[float, float], depth: float, drag: tuple[float, float], h: float
+    footprint: Footprint, offset: tuple[float, float], depth: float, drag: tuple[float, float], h: float
 ) -> Map:
     """Height (n_y, n_x), metres, gel z, of the deformed surface; zero where the gel is at rest.
 
     Parameters
     ----------
-    indenter_footprint : Footprint
+    footprint : Footprint
     offset : (2,), metres
         How far the indenter has moved over the gel since the footprint was taken.
     depth : metres
@@ -45,12 +45,12 @@ def surface(
     h : metres
         The gel's thickness.
     """
-    grid = indenter_footprint.grid
+    grid = footprint.grid
     shape = (len(grid.y), len(grid.x))
     if depth <= 0:
         return np.zeros(shape, np.float32)
     pitch = float(grid.x[1] - grid.x[0])
-    sink = np.float32(depth) - moved_heights(indenter_footprint, offset)
+    sink = np.float32(depth) - moved_heights(footprint, offset)
     small = (shape[1] // COARSE, shape[0] // COARSE)
     pressed = cv2.resize(np.maximum(sink, 0.0), small, interpolation=cv2.INTER_AREA)
     bells = [cv2.GaussianBlur(pressed, (0, 0), reach / (pitch * COARSE)) for reach in REACH]

@@ -10,14 +10,14 @@ import numpy as np
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.closed_form import punch_stiffness
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch
 
 FINE = 6001
 """States of the border that are told apart: every half micrometre of depth."""
 
 
 @dataclass(frozen=True)
-class PinnedEdge(HiddenEffect):
+class HiddenPinnedEdge(HiddenEffect):
     """A contact whose border would be in balance at depth d(a) is held at depth d < d(a): like a punch of radius a
     pulled back, F = F(a) - S(a) [d(a) - d], releasing G = [d(a) - d]² S'(a) / (4 pi a) per area of border.
 
@@ -47,31 +47,33 @@ class PinnedEdge(HiddenEffect):
     LEFT_AFTER_SHEAR: ClassVar[float] = 0.15
     SHEARED: ClassVar[float] = 5e-5
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        depth = np.linspace(0.0, felt.law.depth[-1], FINE)
-        radius = np.maximum(np.interp(depth, felt.law.depth, felt.law.radius), 1e-6)
-        thickness, material = felt.setup.thickness, felt.setup.material
+        depth = np.linspace(0.0, real_touch.law.depth[-1], FINE)
+        radius = np.maximum(np.interp(depth, real_touch.law.depth, real_touch.law.radius), 1e-6)
+        thickness, material = real_touch.setup.thickness, real_touch.setup.material
         stiffness = punch_stiffness(radius, thickness, material)
         slope = (
             punch_stiffness(radius * 1.001, thickness, material) - punch_stiffness(radius * 0.999, thickness, material)
         ) / (0.002 * radius)
         release = slope / (4 * np.pi * radius)
-        border = _border(felt.positions[:, 2], depth, release, self._energies(felt))
+        border = _border(real_touch.positions[:, 2], depth, release, self._energies(real_touch))
         held = border >= 0
         out = force.copy()
         at = border[held]
-        sunk = felt.positions[held, 2]
+        sunk = real_touch.positions[held, 2]
         # only what adhesion adds: the force itself may be the layer solver's
-        plain = np.interp(np.maximum(sunk, 0.0), felt.law.depth, felt.law.force)
-        sticky = np.interp(depth[at], felt.law.depth, felt.law.force) - stiffness[at] * (depth[at] - sunk)
+        plain = np.interp(np.maximum(sunk, 0.0), real_touch.law.depth, real_touch.law.force)
+        sticky = np.interp(depth[at], real_touch.law.depth, real_touch.law.force) - stiffness[at] * (depth[at] - sunk)
         out[held] += sticky - plain
         return out
 
-    def _energies(self, felt: Felt) -> RealArray:
+    def _energies(self, real_touch: RealTouch) -> RealArray:
         """Advancing and receding energy at each moment (n, 2)."""
-        sideways = np.linalg.norm(np.diff(felt.positions[:, :2], axis=0, prepend=felt.positions[:1, :2]), axis=1)
-        sheared = np.cumsum(np.where(felt.positions[:, 2] > 0, sideways, 0.0)) > self.SHEARED
+        sideways = np.linalg.norm(
+            np.diff(real_touch.positions[:, :2], axis=0, prepend=real_touch.positions[:1, :2]), axis=1
+        )
+        sheared = np.cumsum(np.where(real_touch.positions[:, 2] > 0, sideways, 0.0)) > self.SHEARED
         factor = np.where(sheared, self.LEFT_AFTER_SHEAR, 1.0)
         return factor[:, None] * np.array([self.advancing, self.receding])
 

@@ -12,7 +12,7 @@ from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.contact.closed_form import ContactLaw
 from tactiledata.rig.contact.contact import CONTACT_RATE, TouchSetup
 from tactiledata.rig.motion.motion import Path
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.transforms import Transform
 
@@ -26,7 +26,7 @@ HIDDEN = 11
 
 
 @dataclass(frozen=True)
-class Visit:
+class EarlierTouch:
     """An earlier touch of the same gel.
 
     Parameters
@@ -49,7 +49,7 @@ class TouchFacts:
 
     Parameters
     ----------
-    touch : Touch
+    touch : TouchPlan
     scenario : Scenario
     seconds : float
         From the log's start to the touch's.
@@ -58,17 +58,17 @@ class TouchFacts:
     log_index : int
     mounted : Transform
         base_from_indenter, as the log states it.
-    visits : list of Visit
+    earlier_touches : list of EarlierTouch
         Earlier touches of this gel in this log; it grows as they are played.
     """
 
-    touch: Touch
+    touch: TouchPlan
     scenario: Scenario
     seconds: float
     mount: int
     log_index: int
     mounted: Transform
-    visits: list[Visit]
+    earlier_touches: list[EarlierTouch]
 
     @property
     def seconds_on(self) -> float:
@@ -77,7 +77,7 @@ class TouchFacts:
 
 
 @dataclass(frozen=True)
-class Felt:
+class RealTouch:
     """A touch as the gel feels it before an effect, at ``CONTACT_RATE``.
 
     Parameters
@@ -156,15 +156,15 @@ class HiddenEffect:
         """Move (3, 3), m/N, of the indenter over the gel by the force on it: gel frame."""
         return None
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """Normal force (n,), N, from that without the effect."""
         return force
 
-    def tangential_stiffness(self, stiffness: RealArray, felt: Felt) -> RealArray:
+    def tangential_stiffness(self, stiffness: RealArray, real_touch: RealTouch) -> RealArray:
         """Stiffness (n,), N/m, from that without the effect."""
         return stiffness
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
         """What multiplies the limit of friction."""
         return None
 
@@ -172,7 +172,7 @@ class HiddenEffect:
         """Spread of the limits of parts of the contact, relative: 0 for one slider."""
         return 0.0
 
-    def memory(self, felt: Felt) -> RealArray | None:
+    def memory(self, real_touch: RealTouch) -> RealArray | None:
         """Share (n,) of a tangential pull that the gel still holds after so many samples, 1 at once."""
         return None
 
@@ -188,7 +188,7 @@ class HiddenEffect:
         """What a slow sensor shows of evenly sampled loads (n, 6); None where it is not slow."""
         return None
 
-    def told(self, reading: RealArray) -> RealArray:
+    def reported(self, reading: RealArray) -> RealArray:
         """The numbers (n, 6) that leave the sensor."""
         return reading
 

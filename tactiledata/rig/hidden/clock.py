@@ -13,7 +13,7 @@ from tactiledata.rig.hidden.base import HiddenEffect, Parameters, Times
 
 
 @dataclass(frozen=True)
-class ClockSkew(HiddenEffect):
+class HiddenClockSkew(HiddenEffect):
     """The force sensor's clock runs fast, and every so often a sample is lost from its counter, so that it falls back.
 
     stamp = true stamp + skew t - jump floor(t / every), t since the log's start; stamps never fall.

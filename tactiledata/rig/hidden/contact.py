@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.analytic import touch_analytic
 from tactiledata.rig.contact.closed_form import contact_law, stick_slip
-from tactiledata.rig.contact.contact import CONTACT_RATE, Contact, Played, TouchSetup, contact_times
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, TouchFacts, Visit
+from tactiledata.rig.contact.contact import CONTACT_RATE, PlayTouch, RigContact, TouchSetup, contact_times
+from tactiledata.rig.hidden.base import EarlierTouch, HiddenEffect, RealTouch, TouchFacts
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden.history import elastic_work
 from tactiledata.rig.hidden.slider import areas_of, slide
@@ -25,7 +25,7 @@ ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 3
 
 @dataclass(frozen=True)
 class HiddenContact:
-    """See `Contact`; ``inner`` is the contact without what became of its forces.
+    """See `RigContact`; ``inner`` is the contact without what became of its forces.
 
     Parameters
     ----------
@@ -33,57 +33,57 @@ class HiddenContact:
         Greatest difference between what the arm yields and what its forces ask for.
     """
 
-    inner: Contact
+    inner: RigContact
     wrench: RealArray
     slipping: NDArray[np.bool_]
     unbalanced: float
 
     @property
     def path(self) -> Path:
-        """See `Contact.path`."""
+        """See `RigContact.path`."""
         return self.inner.path
 
     @property
-    def missed(self) -> RealArray | None:
-        """See `Contact.missed`."""
-        return self.inner.missed
+    def deviation(self) -> RealArray | None:
+        """See `RigContact.missed`."""
+        return self.inner.deviation
 
     @property
     def unsettled(self) -> int:
-        """See `Contact.unsettled`."""
+        """See `RigContact.unsettled`."""
         return self.inner.unsettled
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
-        """See `Contact.surface`."""
+        """See `RigContact.surface`."""
         return self.inner.surface(seconds)
 
 
 def touch_hidden(
-    setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], play: Played
-) -> tuple[TouchSetup, HiddenContact, Visit]:
+    setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], play: PlayTouch
+) -> tuple[TouchSetup, HiddenContact, EarlierTouch]:
     """The touch as it really is, what the gel does, and what is left of it for later touches."""
     for effect in effects:
         setup = effect.prepared(setup, facts)
     plain = play(setup, None, None)
-    touch = _Touch(setup, facts, effects, plain.path)
+    touch = _EffectsOnTouch(setup, facts, effects, plain.path)
     found = touch.yielding(plain, play)
-    felt = touch.felt(found.inner)
-    visit = Visit(facts.touch.position, facts.seconds, float(elastic_work(felt).max()))
-    return setup, found, visit
+    real_touch = touch.real_touch(found.inner)
+    earlier = EarlierTouch(facts.touch.position, facts.seconds, float(elastic_work(real_touch).max()))
+    return setup, found, earlier
 
 
-class _Touch:
+class _EffectsOnTouch:
     def __init__(self, setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], path: Path) -> None:
         self._setup, self._facts, self._effects, self._path = setup, facts, effects, path
-        self._law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
+        self._law = contact_law(setup.indenter, setup.footprint, setup.thickness, setup.material)
 
-    def felt(self, contact: Contact) -> Felt:
+    def real_touch(self, contact: RigContact) -> RealTouch:
         positions = self._path.at(contact_times(self._path)) + self._setup.offset
-        if contact.missed is not None:
-            positions = positions + contact.missed
-        return Felt(self._facts, self._setup, self._law, self._path, positions)
+        if contact.deviation is not None:
+            positions = positions + contact.deviation
+        return RealTouch(self._facts, self._setup, self._law, self._path, positions)
 
-    def yielding(self, plain: Contact, play: Played) -> HiddenContact:
+    def yielding(self, plain: RigContact, play: PlayTouch) -> HiddenContact:
         """The contact where forces and what yields to them agree."""
         args = (self._path, self._setup, self._facts)
         shifts = [shift for effect in self._effects if (shift := effect.shift(*args)) is not None]
@@ -103,48 +103,48 @@ class _Touch:
 
     def _damped(self, missing: RealArray, give: RealArray, found: HiddenContact) -> RealArray:
         """Newton's step (n, 3) with the stiffness of the closed forms."""
-        felt = self.felt(found.inner)
-        normal = np.interp(felt.depth, self._law.depth, np.gradient(self._law.force, self._law.depth))
-        sideways = np.interp(felt.depth, self._law.depth, self._law.stiffness) * ~found.slipping
-        touching = felt.positions[:, 2] > 0
+        real_touch = self.real_touch(found.inner)
+        normal = np.interp(real_touch.depth, self._law.depth, np.gradient(self._law.force, self._law.depth))
+        sideways = np.interp(real_touch.depth, self._law.depth, self._law.stiffness) * ~found.slipping
+        touching = real_touch.positions[:, 2] > 0
         stiffness = np.stack([sideways, sideways, normal], axis=1) * touching[:, None]
         return missing / (1 + stiffness * np.diag(give))
 
-    def _changed(self, contact: Contact) -> HiddenContact:
+    def _changed(self, contact: RigContact) -> HiddenContact:
         """The contact's forces, changed by every effect in turn."""
-        felt = self.felt(contact)
+        real_touch = self.real_touch(contact)
         before, pull_before = contact.wrench[:, 2], -contact.wrench[:, :2]
         normal = before
-        plain: RealArray = np.interp(felt.depth, self._law.depth, self._law.stiffness)
+        plain: RealArray = np.interp(real_touch.depth, self._law.depth, self._law.stiffness)
         stiff = plain
         for effect in self._effects:
-            force = effect.normal(normal, felt)
+            force = effect.normal(normal, real_touch)
             if effect.STIFFENS:
                 stiff = stiff * np.divide(force, normal, out=np.ones_like(force), where=normal > 0)
             normal = force
-            stiff = effect.tangential_stiffness(stiff, felt)
-        pull, slipping = self._pull(felt, pull_before, contact.slipping, (before, plain), (normal, stiff))
+            stiff = effect.tangential_stiffness(stiff, real_touch)
+        pull, slipping = self._pull(real_touch, pull_before, contact.slipping, (before, plain), (normal, stiff))
         if normal is before and pull is pull_before:
             return HiddenContact(contact, contact.wrench, contact.slipping, 0.0)
-        return HiddenContact(contact, self._wrench(felt, contact.wrench, normal, pull), slipping, 0.0)
+        return HiddenContact(contact, self._wrench(real_touch, contact.wrench, normal, pull), slipping, 0.0)
 
     def _pull(
         self,
-        felt: Felt,
+        real_touch: RealTouch,
         pull: RealArray,
         slipping: NDArray[np.bool_],
         before: tuple[RealArray, RealArray],
         after: tuple[RealArray, RealArray],
     ) -> tuple[RealArray, NDArray[np.bool_]]:
         """Pull (n, 2) and slipping (n,): the contact's own, plus what sliders on springs say that effects change."""
-        factors = [factor for effect in self._effects if (factor := effect.friction(felt)) is not None]
+        factors = [factor for effect in self._effects if (factor := effect.friction(real_touch)) is not None]
         spread = max((effect.spread() for effect in self._effects), default=0.0)
-        memories = [memory for effect in self._effects if (memory := effect.memory(felt)) is not None]
+        memories = [memory for effect in self._effects if (memory := effect.memory(real_touch)) is not None]
         same = all(new is old for new, old in zip(after, before, strict=True))
         if same and not factors and not spread and not memories:
             return pull, slipping
         coefficient = self._setup.material.friction
-        path, areas = felt.positions[:, :2], areas_of(felt.radius)
+        path, areas = real_touch.positions[:, :2], areas_of(real_touch.radius)
         plain = stick_slip(path, before[0], before[1], coefficient)[0]
         memory = np.prod(memories, axis=0) if memories else None
         changed, limit, slipping = slide(path, *after, areas, coefficient, CONTACT_RATE, factors, spread, memory)
@@ -155,13 +155,13 @@ class _Touch:
         out[over] *= (limit[over] / size[over])[:, None]
         return out, slipping
 
-    def _wrench(self, felt: Felt, wrench: RealArray, normal: RealArray, pull: RealArray) -> RealArray:
+    def _wrench(self, real_touch: RealTouch, wrench: RealArray, normal: RealArray, pull: RealArray) -> RealArray:
         """Forces changed; torques so that each change acts at the centre of pressure of the closed forms."""
         share = np.divide(normal, wrench[:, 2], out=np.zeros_like(normal), where=wrench[:, 2] > 0)[:, None]
         scaled = wrench * share
         force = np.concatenate([-pull, normal[:, None]], axis=1)
-        point = self._law.columns_at(felt.positions[:, 2])[2]
-        point[:, :2] += felt.positions[:, :2]
+        point = self._law.columns_at(real_touch.positions[:, 2])[2]
+        point[:, :2] += real_touch.positions[:, :2]
         return np.concatenate([force, scaled[:, 3:] + np.cross(point, force - scaled[:, :3])], axis=1)
 
 
@@ -170,11 +170,11 @@ def _as_miss(move: RealArray) -> RealArray:
     return move * np.array([1.0, 1.0, -1.0])
 
 
-def _analytic(setup: TouchSetup, path: Path | None, missed: RealArray | None) -> Contact:
-    return touch_analytic(setup, path, missed)
+def _analytic(setup: TouchSetup, path: Path | None, deviation: RealArray | None) -> RigContact:
+    return touch_analytic(setup, path, deviation)
 
 
-analytic: Played = _analytic
+analytic: PlayTouch = _analytic
 
 
 def hidden_entries(effects: Sequence[HiddenEffect]) -> list[dict[str, Any]]:

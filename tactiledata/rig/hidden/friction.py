@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from math import asinh, cos, exp, log, log1p, tanh
 from typing import ClassVar
 
-from tactiledata.rig.hidden.base import Felt, FrictionFactor, HiddenEffect, Parameters, Slide
+from tactiledata.rig.hidden.base import FrictionFactor, HiddenEffect, Parameters, RealTouch, Slide
 
 AGEING_ONSET = 0.03
 """s of rest from which on it counts."""
 
 
 @dataclass(frozen=True)
-class RateFriction(HiddenEffect):
+class HiddenRateFriction(HiddenEffect):
     """Rate-and-state friction, its rate part regularised at rest:
     limit = N A asinh[v / (2 v0) exp(mu / A)], A = per_decade mu / ln 10, mu Coulomb's at the speed v0.
 
@@ -38,7 +38,7 @@ class RateFriction(HiddenEffect):
     per_decade: float = 0.0
     speed: float = 1e-3
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
         """See `HiddenEffect.friction`."""
         if self.per_decade == 0:
             return None
@@ -48,7 +48,7 @@ class RateFriction(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class AgeingFriction(HiddenEffect):
+class HiddenAgeingFriction(HiddenEffect):
     """A contact that rests grows stronger: limit (1 + b ln(1 + age / 0.03 s)); it forgets its age in 30 µm of sliding.
 
     Rate-and-state friction's state part in the ageing law, d age / dt = 1 - v age / 30 µm.
@@ -72,13 +72,13 @@ class AgeingFriction(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"growth": (0.0, 0.5)}
     growth: float = 0.0
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
         """See `HiddenEffect.friction`."""
         return lambda slide: 1 + self.growth * log1p(slide.age / AGEING_ONSET)
 
 
 @dataclass(frozen=True)
-class ShearStrength(HiddenEffect):
+class HiddenShearStrength(HiddenEffect):
     """The interface carries no more than a shear strength: limit = A tau tanh[mu N / (A tau)].
 
     Parameters
@@ -98,9 +98,9 @@ class ShearStrength(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"softness": (0.0, 1e-4)}
     softness: float = 0.0
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
         """See `HiddenEffect.friction`."""
-        coefficient = felt.setup.material.friction
+        coefficient = real_touch.setup.material.friction
 
         def factor(slide: Slide) -> float:
             load = coefficient * slide.pressure * self.softness
@@ -110,7 +110,7 @@ class ShearStrength(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class ManySliders(HiddenEffect):
+class HiddenManySliders(HiddenEffect):
     """Iwan's model: the contact is twelve sliders side by side whose limits lie evenly within ``1 -/+ width`` of their
     mean, so that it gives way part by part.
 
@@ -136,7 +136,7 @@ class ManySliders(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class Anisotropy(HiddenEffect):
+class HiddenAnisotropy(HiddenEffect):
     """Friction depends on the direction over the gel: limit [1 + share cos 2 (direction - angle)].
 
     Parameters
@@ -158,6 +158,6 @@ class Anisotropy(HiddenEffect):
     share: float = 0.0
     angle: float = 0.0
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
         """See `HiddenEffect.friction`."""
         return lambda slide: 1 + self.share * cos(2 * (slide.direction - self.angle))

@@ -10,13 +10,13 @@ import numpy as np
 
 from tactiledata.indenters import make_indenter
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.contact.gel_cap import Cap
 from tactiledata.rig.hidden.base import HiddenEffect, Parameters, TouchFacts, touch_random
 
 
 @dataclass(frozen=True)
-class Thickness(HiddenEffect):
+class HiddenThickness(HiddenEffect):
     """The gel is ``(1 + error)`` times as thick as stated, and either contact is solved on that gel.
 
     Parameters
@@ -42,7 +42,7 @@ class Thickness(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class Dome(HiddenEffect):
+class HiddenDome(HiddenEffect):
     """The outer surface is a cap of a ball over a flat base: away from the middle by r the gel is lower, and thinner,
     by R - sqrt(R² - r²), and inclined. The gel is as thin everywhere as it is at the place of the touch.
 
@@ -75,7 +75,7 @@ class Dome(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class IndenterMount(HiddenEffect):
+class HiddenIndenterMount(HiddenEffect):
     """Each indenter stands elsewhere than the log says and has another radius, the same in every log.
 
     The offsets have the stated sizes; signs and the direction in the plane are drawn per indenter.
@@ -119,5 +119,5 @@ class IndenterMount(HiddenEffect):
         real = {**entry, "radius": setup.indenter.sizes["radius"] * (1 + signs[1] * self.radius)}
         indenter = make_indenter(real, facts.scenario.folder, f"indenters.{facts.touch.indenter}")
         grid = GelGrid.of(facts.scenario.sensors[facts.touch.sensor].gel)
-        indenter_footprint = footprint(indenter, setup.rotation, facts.touch.position, grid)
-        return replace(setup, indenter=indenter, indenter_footprint=indenter_footprint)
+        footprint = make_footprint(indenter, setup.rotation, facts.touch.position, grid)
+        return replace(setup, indenter=indenter, footprint=footprint)

@@ -10,7 +10,7 @@ import numpy as np
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch, TouchFacts
 
 SPOT = 1.5e-3
 """m: standard deviation of the bell by which an earlier touch counts at another place."""
@@ -22,11 +22,13 @@ EXPANSION = 3e-4
 """1/K, of silicone."""
 
 
-def elastic_work(felt: Felt) -> RealArray:
+def elastic_work(real_touch: RealTouch) -> RealArray:
     """Work (n,), J, that the gel holds at each depth on its first loading."""
-    table = felt.law.depth
-    work = np.concatenate([[0.0], np.cumsum((felt.law.force[1:] + felt.law.force[:-1]) / 2 * np.diff(table))])
-    return np.interp(felt.depth, table, work)
+    table = real_touch.law.depth
+    work = np.concatenate(
+        [[0.0], np.cumsum((real_touch.law.force[1:] + real_touch.law.force[:-1]) / 2 * np.diff(table))]
+    )
+    return np.interp(real_touch.depth, table, work)
 
 
 def _nearness(position: tuple[float, float], other: tuple[float, float]) -> float:
@@ -35,7 +37,7 @@ def _nearness(position: tuple[float, float], other: tuple[float, float]) -> floa
 
 
 @dataclass(frozen=True)
-class WorkSoftening(HiddenEffect):
+class HiddenWorkSoftening(HiddenEffect):
     """Below the greatest work W_m that this place has ever held the gel is softer, at any speed:
     F = F0 [1 - s x / (x + 0.3)], x = 1 - W / W_m. Earlier touches count by nearness and heal slowly.
 
@@ -57,15 +59,15 @@ class WorkSoftening(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     loss: float = 0.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        work, facts = elastic_work(felt), felt.facts
+        work, facts = elastic_work(real_touch), real_touch.facts
         before = max(
             (
-                visit.work
-                * _nearness(visit.position, facts.touch.position)
-                * np.exp(-(facts.seconds - visit.seconds) / RECOVERY)
-                for visit in facts.visits
+                earlier.work
+                * _nearness(earlier.position, facts.touch.position)
+                * np.exp(-(facts.seconds - earlier.seconds) / RECOVERY)
+                for earlier in facts.earlier_touches
             ),
             default=0.0,
         )
@@ -75,7 +77,7 @@ class WorkSoftening(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class Wear(HiddenEffect):
+class HiddenWear(HiddenEffect):
     """A worn place is softer: F = F0 [1 - loss n / (n + 10)], n the earlier touches of this log, by nearness.
 
     Parameters
@@ -96,9 +98,11 @@ class Wear(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     loss: float = 0.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        count = sum(_nearness(visit.position, felt.facts.touch.position) for visit in felt.facts.visits)
+        count = sum(
+            _nearness(earlier.position, real_touch.facts.touch.position) for earlier in real_touch.facts.earlier_touches
+        )
         return force * (1 - self.loss * count / (count + 10))
 
 
@@ -109,7 +113,7 @@ def warmth(seconds_on: float, rise: float) -> float:
 
 
 @dataclass(frozen=True)
-class WarmUp(HiddenEffect):
+class HiddenWarmUp(HiddenEffect):
     """The sensor warms up after power-on, with two time constants (4 and 25 min): the gel softens and grows.
 
     F = F0 (1 - softening T), and its surface comes nearer by 3e-4 /K h T.
@@ -139,6 +143,6 @@ class WarmUp(HiddenEffect):
         growth = EXPANSION * setup.thickness * warmth(facts.seconds_on, self.rise)
         return replace(setup, offset=setup.offset + np.array([0.0, 0.0, growth]))
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        return force * (1 - self.softening * warmth(felt.facts.seconds_on, self.rise))
+        return force * (1 - self.softening * warmth(real_touch.facts.seconds_on, self.rise))

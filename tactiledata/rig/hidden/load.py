@@ -33,7 +33,7 @@ SHAKE_RATE = 500.0
 
 
 @dataclass(frozen=True)
-class ToolWeight(HiddenEffect):
+class HiddenToolWeight(HiddenEffect):
     """The tool is heavier than the log says, and its centre of gravity lies further along its axis.
 
     Parameters
@@ -67,7 +67,7 @@ class ToolWeight(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class CableDrag(HiddenEffect):
+class HiddenCableDrag(HiddenEffect):
     """A cable pulls at the tool: smoothly with the angles of the last two joints, and with Bouc-Wen's friction of the
     last one.
 
@@ -117,7 +117,7 @@ def bouc_wen(way: RealArray) -> RealArray:
 
 
 @dataclass(frozen=True)
-class Inertia(HiddenEffect):
+class HiddenInertia(HiddenEffect):
     """The tool's mass resists accelerations, which the arm's own vibration follows and overshoots.
 
     F = -mass R^T y, y'' + 2 zeta w y' + w² y = w² a, a the acceleration of the commanded tool centre.

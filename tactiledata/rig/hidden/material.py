@@ -9,14 +9,14 @@ from typing import ClassVar
 import numpy as np
 
 from tactiledata.arrays import RealArray
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch
 
 STEEPEST = 0.6
 """Strain beyond which stiffening grows no more."""
 
 
 @dataclass(frozen=True)
-class OgdenShear(HiddenEffect):
+class HiddenOgdenShear(HiddenEffect):
     """Ogden's material of one term in pure shear against the neo-Hookean one, which it is at exponent 2:
     F = F0 [sinh(a e) / (a e)] / [sinh(2 e) / (2 e)].
 
@@ -40,10 +40,12 @@ class OgdenShear(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     exponent: float = 2.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        local = 0.2 * np.divide(felt.depth, felt.radius, out=np.zeros_like(felt.depth), where=felt.radius > 0)
-        strain = -np.log1p(-np.minimum(local + felt.depth / (3 * felt.setup.thickness), STEEPEST))
+        local = 0.2 * np.divide(
+            real_touch.depth, real_touch.radius, out=np.zeros_like(real_touch.depth), where=real_touch.radius > 0
+        )
+        strain = -np.log1p(-np.minimum(local + real_touch.depth / (3 * real_touch.setup.thickness), STEEPEST))
         return force * _shear_factor(self.exponent * strain) / _shear_factor(2.0 * strain)
 
 
@@ -52,7 +54,7 @@ def _shear_factor(argument: RealArray) -> RealArray:
 
 
 @dataclass(frozen=True)
-class Skin(HiddenEffect):
+class HiddenSkin(HiddenEffect):
     """A paint of thickness t, ``ratio`` times as stiff as the gel: F = F0 [1 + (ratio - 1) I(t / a)].
 
     I(x) = (2 / pi) atan x + {(1 - 2 nu) x ln[(1 + x²) / x²] - x / (1 + x²)} / [2 pi (1 - nu)], first order in the
@@ -77,19 +79,19 @@ class Skin(HiddenEffect):
     thickness: float = 0.0
     ratio: float = 6.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
         if self.thickness == 0:
             return force
-        nu = felt.setup.material.poisson_ratio
-        x = self.thickness / np.maximum(felt.radius, self.thickness)
+        nu = real_touch.setup.material.poisson_ratio
+        x = self.thickness / np.maximum(real_touch.radius, self.thickness)
         share = (1 - 2 * nu) * x * np.log((1 + x**2) / x**2) - x / (1 + x**2)
         weight = 2 / np.pi * np.arctan(x) + share / (2 * np.pi * (1 - nu))
         return force * (1 + (self.ratio - 1) * weight)
 
 
 @dataclass(frozen=True)
-class PadEdge(HiddenEffect):
+class HiddenPadEdge(HiddenEffect):
     """The free border lies nearer than the log says: F = F0 [1 - 0.5 exp(-s / a)], s the distance to it.
 
     Parameters
@@ -110,17 +112,17 @@ class PadEdge(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     inset: float = 0.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
         if self.inset == 0:
             return force
-        half = np.asarray(felt.setup.indenter_footprint.grid.outline) / 2 - self.inset
-        away = np.maximum((half - np.abs(felt.positions[:, :2])).min(axis=1), 0.0)
-        return force * (1 - 0.5 * np.exp(-away / np.maximum(felt.radius, 1e-6)))
+        half = np.asarray(real_touch.setup.footprint.grid.outline) / 2 - self.inset
+        away = np.maximum((half - np.abs(real_touch.positions[:, :2])).min(axis=1), 0.0)
+        return force * (1 - 0.5 * np.exp(-away / np.maximum(real_touch.radius, 1e-6)))
 
 
 @dataclass(frozen=True)
-class Delamination(HiddenEffect):
+class HiddenDelamination(HiddenEffect):
     """The backing has come off in a round region: tangential stiffness falls by ``share``, normal stiffness by a
     quarter of that, within a border that is smooth as 1 / (1 + (r / radius)⁶).
 
@@ -150,14 +152,14 @@ class Delamination(HiddenEffect):
     y: float = 0.002
     radius: float = 0.0025
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        return force * (1 - self.share / 4 * self._inside(felt))
+        return force * (1 - self.share / 4 * self._inside(real_touch))
 
-    def tangential_stiffness(self, stiffness: RealArray, felt: Felt) -> RealArray:
+    def tangential_stiffness(self, stiffness: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.tangential_stiffness`."""
-        return stiffness * (1 - self.share * self._inside(felt))
+        return stiffness * (1 - self.share * self._inside(real_touch))
 
-    def _inside(self, felt: Felt) -> RealArray:
-        away = np.hypot(felt.positions[:, 0] - self.x, felt.positions[:, 1] - self.y)
+    def _inside(self, real_touch: RealTouch) -> RealArray:
+        away = np.hypot(real_touch.positions[:, 0] - self.x, real_touch.positions[:, 1] - self.y)
         return 1 / (1 + (away / self.radius) ** 6)

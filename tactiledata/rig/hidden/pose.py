@@ -21,7 +21,7 @@ PARTS_OF_STIFFNESS = (1.0, 1.0, 1.0, 0.4, 0.4, 0.4)
 def sensor_poses(positions: RealArray, setup: TouchSetup, facts: TouchFacts) -> RealArray:
     """base_from_gel (n, 4, 4) of positions (n, 3) over the gel."""
     tcp_from_gel = facts.scenario.robot.tcp_from_gel
-    tcp = motion.base_from_tcp(positions, setup.rotation, setup.indenter_footprint.lowest, facts.mounted, tcp_from_gel)
+    tcp = motion.base_from_tcp(positions, setup.rotation, setup.footprint.lowest, facts.mounted, tcp_from_gel)
     return tcp @ tcp_from_gel.matrix
 
 
@@ -38,7 +38,7 @@ def _moves_over_gel(poses: RealArray, joints: RealArray) -> RealArray:
 
 
 @dataclass(frozen=True)
-class JointCompliance(HiddenEffect):
+class HiddenJointCompliance(HiddenEffect):
     """Joints yield behind their encoders: C = J K⁻¹ Jᵀ with the arm's Jacobian J at the gel, so it changes with pose.
 
     Parameters
@@ -67,7 +67,7 @@ class JointCompliance(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class StemBending(HiddenEffect):
+class HiddenStemBending(HiddenEffect):
     """The indenter's stem is a beam clamped at its foot: it gives L³ / (3 E I), I = pi d⁴ / 64, across its axis.
 
     Parameters
@@ -105,7 +105,7 @@ class StemBending(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class JointBacklash(HiddenEffect):
+class HiddenJointBacklash(HiddenEffect):
     """Each joint follows its encoder with play: it stays until the encoder has moved half the play away from it.
 
     Parameters

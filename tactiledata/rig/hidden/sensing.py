@@ -49,20 +49,21 @@ def sensed_loads(scenario: Scenario, played_log: PlayedLog, index: int, loads: L
 
 def _sensed(scenario: Scenario, index: int, values: RealArray, seconds: RealArray) -> RealArray:
     for effect in scenario.hidden:
-        own = int.from_bytes(type(effect).__name__.encode(), "big")
-        seed = [scenario.seed, HIDDEN, own, *([index] if effect.PER_LOG else [])]
+        # the class name without its prefix: its bytes seed the draws, and recordings stay the same bit for bit
+        stream = int.from_bytes(type(effect).__name__.removeprefix("Hidden").encode(), "big")
+        seed = [scenario.seed, HIDDEN, stream, *([index] if effect.PER_LOG else [])]
         values = effect.sensed(values, seconds, np.random.default_rng(seed))
     return values
 
 
-def told_readings(effects: Sequence[HiddenEffect], reading: RealArray) -> RealArray:
+def reported_readings(effects: Sequence[HiddenEffect], reading: RealArray) -> RealArray:
     """The numbers (n, 6) that leave the sensor."""
     for effect in effects:
-        reading = effect.told(reading)
+        reading = effect.reported(reading)
     return reading
 
 
-def told_stamps(effects: Sequence[HiddenEffect], stream: str, stamps: Times, seconds: RealArray) -> Times:
+def reported_stamps(effects: Sequence[HiddenEffect], stream: str, stamps: Times, seconds: RealArray) -> Times:
     """Stamps (n,), ns, of a stream; seconds (n,) since the log's start."""
     for effect in effects:
         stamps = effect.stamped(stream, stamps, seconds)

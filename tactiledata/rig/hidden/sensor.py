@@ -21,7 +21,7 @@ FULL_SCALE = 15.0
 
 
 @dataclass(frozen=True)
-class WanderingZero(HiddenEffect):
+class HiddenWanderingZero(HiddenEffect):
     """The zero creeps to its end and wanders: b(t) = size (1 - exp(-t / T)) n + a random walk, each axis its own.
 
     n is a direction drawn per log; torques drift 0.02 m times as far.
@@ -67,7 +67,7 @@ class WanderingZero(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class CrossTalk(HiddenEffect):
+class HiddenCrossTalk(HiddenEffect):
     """The calibration is off: w' = (1 + C) w + Q w |F| / 15 N, all 36 numbers of C, and of Q, drawn per scenario.
 
     Parameters
@@ -111,7 +111,7 @@ class CrossTalk(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class FrameRotation(HiddenEffect):
+class HiddenFrameRotation(HiddenEffect):
     """The sensor's frame is turned against the stated one: forces and torques by one rotation exp(yaw z + tilt x').
 
     Parameters
@@ -140,7 +140,7 @@ class FrameRotation(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class SlowSensor(HiddenEffect):
+class HiddenSlowSensor(HiddenEffect):
     """The sensor is late: a pure delay, then a low pass of second order (zeta 0.8). In all late by
     ``delay + 1.6 / (2 pi / period)``.
 
@@ -173,7 +173,7 @@ class SlowSensor(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class DeadBand(HiddenEffect):
+class HiddenDeadBand(HiddenEffect):
     """Small forces are not told: each axis that is below the band reads 0, and the rest comes in coarse quanta.
 
     Parameters
@@ -194,8 +194,8 @@ class DeadBand(HiddenEffect):
     band: float = 0.0
     quantum: float = 0.0
 
-    def told(self, reading: RealArray) -> RealArray:
-        """See `HiddenEffect.told`."""
+    def reported(self, reading: RealArray) -> RealArray:
+        """See `HiddenEffect.reported`."""
         scale = np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
         out = reading
         if self.quantum > 0:
@@ -204,7 +204,7 @@ class DeadBand(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class Saturation(HiddenEffect):
+class HiddenSaturation(HiddenEffect):
     """The sensor's range ends softly: each force f reads f / [1 + (|f| / limit)⁸]^(1/8); torques stay.
 
     Parameters
@@ -224,8 +224,8 @@ class Saturation(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"bound": (0.0, 1.0)}
     bound: float = 0.0
 
-    def told(self, reading: RealArray) -> RealArray:
-        """See `HiddenEffect.told`."""
+    def reported(self, reading: RealArray) -> RealArray:
+        """See `HiddenEffect.reported`."""
         out = reading.copy()
         out[:, :3] /= (1 + (np.abs(reading[:, :3]) * self.bound) ** 8) ** (1 / 8)
         return out

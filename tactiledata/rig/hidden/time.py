@@ -11,7 +11,7 @@ from scipy.signal import fftconvolve
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import CONTACT_RATE
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch
 from tactiledata.rig.hidden.history import warmth
 
 Kernel = Callable[[RealArray], RealArray]
@@ -28,7 +28,7 @@ def relaxed(force: RealArray, kernel: Kernel) -> RealArray:
 
 
 @dataclass(frozen=True)
-class Springpot(HiddenEffect):
+class HiddenSpringpot(HiddenEffect):
     """A fractional element: every change of force decays as (1 + t / onset)^-alpha, over all decades alike.
 
     A surface that has left the indenter does not pull it back: the force stays at or above 0.
@@ -51,24 +51,24 @@ class Springpot(HiddenEffect):
     alpha: float = 0.0
     onset: float = 0.02
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        return _pressing(relaxed(force, self._kernel(felt)), force)
+        return _pressing(relaxed(force, self._kernel(real_touch)), force)
 
-    def memory(self, felt: Felt) -> RealArray:
+    def memory(self, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.memory`."""
-        return self._kernel(felt)(np.arange(len(felt.positions)) / CONTACT_RATE)
+        return self._kernel(real_touch)(np.arange(len(real_touch.positions)) / CONTACT_RATE)
 
-    def _kernel(self, felt: Felt) -> Kernel:
-        exponent = self._exponent(felt)
+    def _kernel(self, real_touch: RealTouch) -> Kernel:
+        exponent = self._exponent(real_touch)
         return lambda seconds: (1 + seconds / self.onset) ** -exponent
 
-    def _exponent(self, felt: Felt) -> float:
+    def _exponent(self, real_touch: RealTouch) -> float:
         return self.alpha
 
 
 @dataclass(frozen=True)
-class WarmSpringpot(Springpot):
+class HiddenWarmSpringpot(HiddenSpringpot):
     """The same, faster when warm: alpha (1 + per_kelvin T), T the sensor's warmth after power-on (12 K in the end).
 
     Parameters
@@ -78,15 +78,15 @@ class WarmSpringpot(Springpot):
 
     NUMBER: ClassVar[str] = "outside"
     SOURCE: ClassVar[str] = "springpot with a linear temperature coefficient, assumed"
-    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {**Springpot.RANGES, "per_kelvin": (-0.05, 1.0)}
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {**HiddenSpringpot.RANGES, "per_kelvin": (-0.05, 1.0)}
     per_kelvin: float = 0.1
 
-    def _exponent(self, felt: Felt) -> float:
-        return self.alpha * (1 + self.per_kelvin * warmth(felt.facts.seconds_on, 12.0))
+    def _exponent(self, real_touch: RealTouch) -> float:
+        return self.alpha * (1 + self.per_kelvin * warmth(real_touch.facts.seconds_on, 12.0))
 
 
 @dataclass(frozen=True)
-class Drainage(HiddenEffect):
+class HiddenDrainage(HiddenEffect):
     """Fluid drains from under the contact: a share p of each change of force decays with x = D t / a², a the contact's
     greatest radius in the touch, as 0.491 exp(-0.908 sqrt x) + 0.509 exp(-1.679 x). Larger contacts drain slower.
 
@@ -110,9 +110,9 @@ class Drainage(HiddenEffect):
     share: float = 0.0
     diffusivity: float = 2e-6
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
         """See `HiddenEffect.normal`."""
-        widest = float(felt.radius.max())
+        widest = float(real_touch.radius.max())
         if widest == 0:
             return force
 

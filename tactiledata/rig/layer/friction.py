@@ -11,14 +11,14 @@ from tactiledata.arrays import RealArray
 
 
 @dataclass(frozen=True)
-class Grip:
+class FrictionState:
     """The law at one step.
 
     Parameters
     ----------
     stiffness : Pa/m
         Of the springs, normal and tangential: far above the gel's own, so that neither penetration nor creep counts.
-    weighing : Pa/m
+    gel_stiffness : Pa/m
         The gel's own: weighs distances against tractions where touch and slip are decided.
     friction : Coulomb's coefficient
     held : (n, 3), Pa
@@ -30,7 +30,7 @@ class Grip:
     """
 
     stiffness: float
-    weighing: float
+    gel_stiffness: float
     friction: float
     held: RealArray
     anchor: RealArray
@@ -89,34 +89,36 @@ class Tractions:
         return bool((self.touching == other.touching).all() and (self.slipping == other.slipping).all())
 
 
-def linearised(grip: Grip, points: RealArray, gap: RealArray, normal: RealArray, now: RealArray) -> Tractions:
+def linearised(
+    friction_state: FrictionState, points: RealArray, gap: RealArray, normal: RealArray, now: RealArray
+) -> Tractions:
     """The law about points (n, 3) with gaps (n,), normals (n, 3) out of the indenter and present tractions (n, 3).
 
     Touch and slip are decided by distance and traction together, as in the primal-dual active set method: a point
     touches if it presses more than it is apart, and slips if stick would need more than the cone holds.
     """
     pressure = np.einsum("ij,ij->i", now, normal)
-    touching = pressure - grip.weighing * gap > 0
-    move = points - grip.anchor
+    touching = pressure - friction_state.gel_stiffness * gap > 0
+    move = points - friction_state.anchor
     move -= np.einsum("ij,ij->i", move, normal)[:, None] * normal
-    held = grip.held - np.einsum("ij,ij->i", grip.held, normal)[:, None] * normal
-    trial = now - pressure[:, None] * normal - grip.weighing * move
+    held = friction_state.held - np.einsum("ij,ij->i", friction_state.held, normal)[:, None] * normal
+    trial = now - pressure[:, None] * normal - friction_state.gel_stiffness * move
     size = np.linalg.norm(trial, axis=1)
-    cone = np.where(grip.fresh, 0.0, grip.friction * np.maximum(pressure, 0.0))
+    cone = np.where(friction_state.fresh, 0.0, friction_state.friction * np.maximum(pressure, 0.0))
     slipping = touching & (size > cone)
     sticking = touching & ~slipping
     direction = np.where((size > 0)[:, None], trial / np.maximum(size, 1e-30)[:, None], 0.0)
-    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - grip.weighing / grip.stiffness)
+    share = np.minimum(cone / np.maximum(size, 1e-30), 1.0 - friction_state.gel_stiffness / friction_state.stiffness)
     # in slip the traction turns with the move across it
-    turning = np.where(slipping, grip.weighing * share / (1.0 - share), 0.0)
+    turning = np.where(slipping, friction_state.gel_stiffness * share / (1.0 - share), 0.0)
     move_across = move - np.einsum("ij,ij->i", move, direction)[:, None] * direction
-    push = np.where(touching, -grip.stiffness * gap, 0.0)
-    dragging = slipping & ~grip.fresh & (push > 0)
-    pull = np.where(dragging, grip.friction * push, 0.0)
+    push = np.where(touching, -friction_state.stiffness * gap, 0.0)
+    dragging = slipping & ~friction_state.fresh & (push > 0)
+    pull = np.where(dragging, friction_state.friction * push, 0.0)
     values = push[:, None] * normal
-    values += np.where(sticking[:, None], held - grip.stiffness * move, 0.0)
+    values += np.where(sticking[:, None], held - friction_state.stiffness * move, 0.0)
     values += np.where(slipping[:, None], pull[:, None] * direction - turning[:, None] * move_across, 0.0)
-    along = np.where(sticking, grip.stiffness, 0.0)
-    springs = np.stack([np.where(touching, grip.stiffness, 0.0), along, along + turning])
-    dragged = np.where(dragging, grip.friction * grip.stiffness, 0.0)
+    along = np.where(sticking, friction_state.stiffness, 0.0)
+    springs = np.stack([np.where(touching, friction_state.stiffness, 0.0), along, along + turning])
+    dragged = np.where(dragging, friction_state.friction * friction_state.stiffness, 0.0)
     return Tractions(values, Springs(normal, direction, springs, dragged), touching, slipping)

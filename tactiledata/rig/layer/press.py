@@ -79,7 +79,7 @@ def solve_press(
     states, guess = [], None
     for index, pose in enumerate(poses):
         after = layer.step(indenter, state, pose, guess)
-        guess = led_on(state, after, poses[index + 1]) if index + 1 < len(poses) else None
+        guess = extrapolated(state, after, poses[index + 1]) if index + 1 < len(poses) else None
         state = after
         states.append(after)
     return Press(
@@ -90,7 +90,7 @@ def solve_press(
     )
 
 
-def led_on(before: PressState, now: PressState, pose: RealArray) -> RealArray | None:
+def extrapolated(before: PressState, now: PressState, pose: RealArray) -> RealArray | None:
     """Displacements to begin the next step with, where it goes on as the last one went; None where it turns."""
     last, ahead = now.pose[:3, 3] - before.pose[:3, 3], pose[:3, 3] - now.pose[:3, 3]
     lengths = float(np.linalg.norm(last)), float(np.linalg.norm(ahead))

@@ -20,13 +20,13 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.arrays import RealArray
 from tactiledata.indenters.base import Indenter
-from tactiledata.rig.layer.friction import Grip
+from tactiledata.rig.layer.friction import FrictionState
 from tactiledata.rig.layer.gap import TouchPoints, gaps, gaps_and_normals
 from tactiledata.rig.layer.grid import Column, LayerGrid
 from tactiledata.rig.layer.kernel import LayerKernel
 from tactiledata.rig.layer.mixing import Mixing
 from tactiledata.rig.layer.strain import LayerStrain
-from tactiledata.rig.layer.touch import Surface, Touching
+from tactiledata.rig.layer.touch import Surface, SurfaceContact
 from tactiledata.rig.scenario.scenario import Material
 
 Fall = Callable[[RealArray, RealArray], RealArray]
@@ -120,7 +120,7 @@ class Layer:
         self._points = TouchPoints.of(grid)
         self._heights = np.zeros(grid.shape)
         self._levels = len(column.slope[0])
-        self._weighing = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
+        self._gel_stiffness = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
 
     def lowered(self, fall: Fall) -> Layer:
         """The same layer under a surface that lies lower by metres (n,), of places x, y (n,), m.
@@ -174,14 +174,16 @@ class Layer:
     def _settled(self, indenter: Indenter, before: PressState, pose: RealArray, u: RealArray) -> PressState:
         near = np.flatnonzero((gaps(indenter, pose, self._points_at(u)) < REACH) | before.traction.any(axis=1))
         surface = Surface(self._points.chosen(near), self._kernel.displace_surface, self.grid.shape)
-        grip = self._grip(before, pose, near)
+        friction_state = self._grip(before, pose, near)
         mixing = Mixing()
         values = before.traction[near]
         force, total = surface.on_grid(values), np.full(3, np.inf)
         for _ in range(ROUNDS):
             load = -self._strain.forces(u)
             relaxed = u[:, -1] + self._kernel.displace(load)[:, -1]
-            found = surface.settle(relaxed, values, force, grip, lambda at: gaps_and_normals(indenter, pose, at))
+            found = surface.settle(
+                relaxed, values, force, friction_state, lambda at: gaps_and_normals(indenter, pose, at)
+            )
             values, force = found.tractions, found.force
             load[:, -1] += force
             error = self._kernel.displace(load)
@@ -199,15 +201,17 @@ class Layer:
     def _points_at(self, u: RealArray) -> RealArray:
         return self._points.places + self._points.share @ u[:, -1].reshape(3, -1).T
 
-    def _grip(self, before: PressState, pose: RealArray, near: NDArray[np.intp]) -> Grip:
+    def _grip(self, before: PressState, pose: RealArray, near: NDArray[np.intp]) -> FrictionState:
         turn = pose[:3, :3] @ before.pose[:3, :3].T
         carried = (before.points[near] - before.pose[:3, 3]) @ turn.T + pose[:3, 3]
         held = before.traction[near] @ turn.T
         fresh = before.gap[near] > TOUCHED
-        return Grip(SPRINGS * self._weighing, self._weighing, self.material.friction, held, carried, fresh)
+        return FrictionState(
+            SPRINGS * self._gel_stiffness, self._gel_stiffness, self.material.friction, held, carried, fresh
+        )
 
     def _state(
-        self, u: RealArray, found: Touching, near: NDArray[np.intp], pose: RealArray, is_settled: bool
+        self, u: RealArray, found: SurfaceContact, near: NDArray[np.intp], pose: RealArray, is_settled: bool
     ) -> PressState:
         points = self._points_at(u)
         points[near] = found.points

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import RealArray
-from tactiledata.rig.layer.friction import Grip, Tractions, linearised
+from tactiledata.rig.layer.friction import FrictionState, Tractions, linearised
 from tactiledata.rig.layer.gap import TouchPoints
 
 Yield = Callable[[RealArray], RealArray]
@@ -24,7 +24,7 @@ TOLERANCE = 3e-2
 
 
 @dataclass(frozen=True)
-class Touching:
+class SurfaceContact:
     """Contact found.
 
     Parameters
@@ -62,7 +62,9 @@ class Surface:
         """Displacements (n, 3) of the points from those of the grid (3, rows, columns)."""
         return self.points.share @ displacement.reshape(3, -1).T
 
-    def settle(self, offset: RealArray, values: RealArray, force: RealArray, grip: Grip, body: Body) -> Touching:
+    def settle(
+        self, offset: RealArray, values: RealArray, force: RealArray, friction_state: FrictionState, body: Body
+    ) -> SurfaceContact:
         """Contact where the surface, left alone, would be displaced by ``offset`` (3, rows, columns).
 
         Newton's steps from tractions ``values`` (n, 3) that are handed to the grid as ``force`` (3, rows, columns).
@@ -71,7 +73,7 @@ class Surface:
         points = self.points.places + self.at_points(offset + self._yields(force))
         for left in range(ROUNDS, -1, -1):
             gap, normal = body(points)
-            state = linearised(grip, points, gap, normal, values)
+            state = linearised(friction_state, points, gap, normal, values)
             if left == 0 or (before is not None and state.is_like(before) and _is_near(values, state.values)):
                 break
             before = state
@@ -80,7 +82,7 @@ class Surface:
             # the grid's forces are not those of the springs: these multiply what the iteration leaves open
             values, force, points = state.values - state.springs @ step, force + more, points + step
         slipping = bool(state.touching.any() and (state.slipping | ~state.touching).all())
-        return Touching(values, force, gap, points, slipping)
+        return SurfaceContact(values, force, gap, points, slipping)
 
     def _correction(self, state: Tractions, missing: RealArray) -> tuple[RealArray, RealArray]:
         """Forces, and the moves they make, both (3, rows, columns), that bring law and surface together.
@@ -102,8 +104,8 @@ class Surface:
             move = self._yields(image)
             left = np.sqrt(max(np.sum(image * move), 0.0))
             shares[step + 1, step] = left
-            weights, missed = _least(shares[: step + 2, : step + 1], size)
-            if missed <= TOLERANCE * size or left == 0.0:
+            weights, deviation = _least(shares[: step + 2, : step + 1], size)
+            if deviation <= TOLERANCE * size or left == 0.0:
                 break
             forces.append(image / left)
             moves.append(move / left)

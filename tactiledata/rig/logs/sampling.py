@@ -13,7 +13,7 @@ from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
 from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.rig.contact.footprint import GelGrid
-from tactiledata.rig.hidden.sensing import hidden_loads, sensed_loads, told_readings, told_stamps
+from tactiledata.rig.hidden.sensing import hidden_loads, reported_readings, reported_stamps, sensed_loads
 from tactiledata.rig.logs import imperfections
 from tactiledata.rig.logs.describe import describe, trajectory_rows
 from tactiledata.rig.logs.reflectance import HEIGHT, WIDTH, Camera, Optics
@@ -128,12 +128,12 @@ def wrench_samples(
         reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
     scale = np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])
     reading += imperfections.coloured_noise(len(host), scale, streams.wrench, setup, rng)
-    reading = told_readings(scenario.hidden, imperfections.quantised(reading, setup))
+    reading = reported_readings(scenario.hidden, imperfections.quantised(reading, setup))
     reading = imperfections.held(reading, seconds, streams.wrench_effective)
     if scenario.recordings.sign == "reaction":
         reading = -reading
     reading[imperfections.chosen(len(host), setup.nan_wrench, rng)] = np.nan
-    stamps = told_stamps(scenario.hidden, "wrench", imperfections.stream_stamps(host, clock), seconds)
+    stamps = reported_stamps(scenario.hidden, "wrench", imperfections.stream_stamps(host, clock), seconds)
     return Samples(host, stamps, reading)
 
 

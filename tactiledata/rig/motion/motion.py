@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from tactiledata.arrays import RealArray
-from tactiledata.rig.motion.touch import Step, Touch
+from tactiledata.rig.motion.touch import Step, TouchPlan
 from tactiledata.transforms import Transform
 
 CLEARANCE = 2e-3
@@ -125,12 +125,14 @@ class _Recorder:
         self.phases.append((since, self.times[-1], name))
 
 
-def plan(touch: Touch, deepest: Callable[[float], float], frames_per_step: int = 1, free_air_frames: int = 1) -> Path:
+def plan(
+    touch: TouchPlan, deepest: Callable[[float], float], frames_per_step: int = 1, free_air_frames: int = 1
+) -> Path:
     """The path of one touch.
 
     Parameters
     ----------
-    touch : Touch
+    touch : TouchPlan
     deepest : callable
         Depth (m) at which the normal force reaches a limit (N): presses stop there.
     frames_per_step, free_air_frames : int
@@ -220,7 +222,7 @@ def _retreat(recorder: _Recorder, speed: float, clearance: float = CLEARANCE) ->
     recorder.move(np.array([here[0], here[1], -clearance]), APPROACH_SPEED)
 
 
-def gel_from_indenter_rotation(touch: Touch) -> RealArray:
+def gel_from_indenter_rotation(touch: TouchPlan) -> RealArray:
     """Rotation (3, 3) of the indenter against the gel: yaw about gel z, then tilt about gel x and y."""
     tilt = Rotation.from_rotvec([touch.tilt[0], touch.tilt[1], 0.0])
     return (tilt * Rotation.from_euler("z", touch.yaw)).as_matrix()

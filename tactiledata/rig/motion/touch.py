@@ -29,7 +29,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Touch:
+class TouchPlan:
     """One trajectory: which indenter touches which sensor where, at which angle, and the steps.
 
     ``position``: m, gel frame, of the indenter's tip at first touch; ``tilt`` about gel x and y and ``yaw`` about gel

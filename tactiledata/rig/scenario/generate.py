@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactiledata.rig.motion.touch import Generate, Step, Touch
+from tactiledata.rig.motion.touch import Generate, Step, TouchPlan
 from tactiledata.rig.scenario.scenario import Scenario
 
 STREAM = 1
 """Number of this part's random stream beside the seed: each part draws from its own, so that none disturbs another."""
 
 
-def touches(scenario: Scenario) -> tuple[Touch, ...]:
+def touches(scenario: Scenario) -> tuple[TouchPlan, ...]:
     """All touches of a scenario: the explicit ones, then the generated ones in order of their names.
 
     Touch *k* is drawn from (seed, k) alone: a larger ``count`` leaves the first ones as they were.
@@ -24,7 +24,7 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
     sensors = plan.sensors or tuple(scenario.sensors)
     indenters = plan.indenters or tuple(scenario.indenters)
     paired = (plan.count if plan.paired else 0) if isinstance(plan.paired, bool) else plan.paired
-    drawn: list[Touch] = []
+    drawn: list[TouchPlan] = []
     for index in range(plan.count):
         rng = np.random.default_rng([scenario.seed, STREAM, index])
         # sensors change fastest; the shift by rounds lets every sensor meet every indenter, also when counts share
@@ -41,7 +41,7 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
     return scenario.trajectories + tuple(drawn)
 
 
-def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, indenter: str) -> Touch:
+def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, indenter: str) -> TouchPlan:
     speed = float(rng.choice(plan.speeds)) if plan.speeds else _log_uniform(rng, plan.speed)
     settle = _log_uniform(rng, plan.settle)
     depth = round(_log_uniform(rng, plan.depth) / plan.step) * plan.step
@@ -57,7 +57,7 @@ def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, inde
     steps.append(Step("retreat", speed=2 * speed))
     tilt = rng.uniform(*plan.tilt)
     direction = rng.uniform(0.0, 2 * np.pi)
-    return Touch(
+    return TouchPlan(
         name=name,
         sensor=sensor,
         indenter=indenter,

@@ -11,7 +11,7 @@ from tactiledata.contract.schema import check_document, read_document
 from tactiledata.errors import SchemaError
 from tactiledata.rig.hidden.effects import hidden_effect, is_null
 from tactiledata.rig.motion.motion import TURNING_SPEED
-from tactiledata.rig.motion.touch import Generate, Step, Touch
+from tactiledata.rig.motion.touch import Generate, Step, TouchPlan
 from tactiledata.transforms import Transform
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ class Scenario:
     images: Images = Images()
     clocks: Mapping[str, ClockSetup] = field(default_factory=dict)
     recordings: Recordings = Recordings()
-    trajectories: tuple[Touch, ...] = ()
+    trajectories: tuple[TouchPlan, ...] = ()
     generate: Generate | None = None
     folder: Path = Path()
     hidden: tuple[HiddenEffect, ...] = ()
@@ -251,13 +251,13 @@ def _robot(entry: Mapping[str, Any]) -> Robot:
     return Robot(**chosen)
 
 
-def _touch(entry: Mapping[str, Any]) -> Touch:
+def _touch(entry: Mapping[str, Any]) -> TouchPlan:
     steps = []
     for item in entry["steps"]:
         ((kind, options),) = item.items()
         defaults = {"speed": TURNING_SPEED} if kind == "turn" else {}
         steps.append(_record(Step, {"kind": kind, **defaults, **options}))
-    return _record(Touch, {**entry, "steps": steps})
+    return _record(TouchPlan, {**entry, "steps": steps})
 
 
 def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
