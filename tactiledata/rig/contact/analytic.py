@@ -1,4 +1,4 @@
-"""One touch by the closed forms of ``layer_contact``, its surface by ``membrane``."""
+"""One touch by the closed forms of `closed_form`, its surface by `membrane`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,19 @@ from tactiledata.rig.motion.motion import Path
 
 @dataclass(frozen=True)
 class AnalyticContact:
-    """See `RigContact`."""
+    """A `RigContact` by closed forms.
+
+    Parameters
+    ----------
+    setup : TouchSetup
+        The touch as it really is.
+    path : Path
+        The commanded path.
+    history : ContactHistory
+        Wrench, drag and sliding at ``CONTACT_RATE``.
+    deviation : (n, 3), m, optional
+        See `RigContact.deviation`.
+    """
 
     setup: TouchSetup
     path: Path
@@ -26,21 +38,21 @@ class AnalyticContact:
 
     @property
     def wrench(self) -> RealArray:
-        """See `RigContact.wrench`."""
+        """Wrench (n, 6), N and N m, that the gel exerts on the indenter, gel frame about its origin."""
         return self.history.wrench
 
     @property
     def slipping(self) -> NDArray[np.bool_]:
-        """See `RigContact.slipping`."""
+        """Whether all that touches slides (n,), at ``CONTACT_RATE``."""
         return self.history.slipping
 
     @property
     def unsettled(self) -> int:
-        """None: nothing is iterated."""
+        """Number of steps without convergence: 0, since nothing is iterated."""
         return 0
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
-        """See `RigContact.surface`."""
+        """Return the height (n_y, n_x), m, of the gel's surface at seconds from the start."""
         footprint = self.setup.footprint
         moment = np.array([seconds])
         x, y, depth = self.path.at(moment)[0] + self.setup.offset + deviation_at(self.deviation, moment)[0]
@@ -51,15 +63,16 @@ class AnalyticContact:
 
 
 def touch_analytic(setup: TouchSetup, path: Path | None = None, deviation: RealArray | None = None) -> RigContact:
-    """A touch, played.
+    """Play a touch by closed forms and return its contact; on a domed gel, in the tangent plane at the touch.
 
     Parameters
     ----------
     setup : TouchSetup
+        The touch as it really is.
     path : Path, optional
-        Planned already.
+        The path where it is planned already.
     deviation : (n, 3), m, optional
-        See `RigContact.missed`.
+        See `RigContact.deviation`.
     """
     if setup.cap.curvature:
         return touch_inclined(setup, path, deviation, touch_analytic)

@@ -1,4 +1,4 @@
-"""Hidden friction: what the limit of friction depends on besides the load."""
+"""Hidden friction: limits of friction that depend on more than the load."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from typing import ClassVar
 from tactiledata.rig.hidden.base import FrictionFactor, HiddenEffect, Parameters, RealTouch, Slide
 
 AGEING_ONSET = 0.03
-"""s of rest from which on it counts."""
+"""Time of rest, s, from which on a contact ages."""
 
 
 @dataclass(frozen=True)
 class HiddenRateFriction(HiddenEffect):
-    """Rate-and-state friction, its rate part regularised at rest:
-    limit = N A asinh[v / (2 v0) exp(mu / A)], A = per_decade mu / ln 10, mu Coulomb's at the speed v0.
+    """Friction depends on the speed: the rate part of rate-and-state friction, regularised at rest.
+
+    limit = N A asinh[v / (2 v0) exp(mu / A)], A = per_decade mu / ln 10, with mu Coulomb's coefficient at the speed v0.
 
     Parameters
     ----------
     per_decade : float
         Relative rise of friction per factor ten of the speed.
     speed : m/s
-        v0.
+        The reference speed v0.
     """
 
     NUMBER: ClassVar[str] = "8"
@@ -39,7 +40,7 @@ class HiddenRateFriction(HiddenEffect):
     speed: float = 1e-3
 
     def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+        """Return the factor on Coulomb's limit at a speed; None without effect."""
         if self.per_decade == 0:
             return None
         share = self.per_decade / log(10.0)
@@ -56,7 +57,7 @@ class HiddenAgeingFriction(HiddenEffect):
     Parameters
     ----------
     growth : float
-        b; after 1 s of rest the limit is 1 + 3.5 b times that of a fresh contact.
+        The factor b; after 1 s of rest the limit is 1 + 3.5 b times that of a fresh contact.
     """
 
     NUMBER: ClassVar[str] = "9"
@@ -73,18 +74,18 @@ class HiddenAgeingFriction(HiddenEffect):
     growth: float = 0.0
 
     def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+        """Return the factor on Coulomb's limit at an age of the contact."""
         return lambda slide: 1 + self.growth * log1p(slide.age / AGEING_ONSET)
 
 
 @dataclass(frozen=True)
 class HiddenShearStrength(HiddenEffect):
-    """The interface carries no more than a shear strength: limit = A tau tanh[mu N / (A tau)].
+    """The interface carries no more shear stress than its strength tau: limit = A tau tanh[mu N / (A tau)].
 
     Parameters
     ----------
     softness : 1/Pa
-        1 / tau.
+        Reciprocal of the shear strength, 1 / tau.
     """
 
     NUMBER: ClassVar[str] = "7"
@@ -99,7 +100,7 @@ class HiddenShearStrength(HiddenEffect):
     softness: float = 0.0
 
     def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+        """Return the factor on Coulomb's limit at a pressure."""
         coefficient = real_touch.setup.material.friction
 
         def factor(slide: Slide) -> float:
@@ -111,12 +112,12 @@ class HiddenShearStrength(HiddenEffect):
 
 @dataclass(frozen=True)
 class HiddenManySliders(HiddenEffect):
-    """Iwan's model: the contact is twelve sliders side by side whose limits lie evenly within ``1 -/+ width`` of their
-    mean, so that it gives way part by part.
+    """The contact slides part by part (Iwan's model): it is twelve sliders side by side with different limits.
 
     Parameters
     ----------
     width : float
+        Relative half-width of the limits, which lie evenly within ``1 -/+ width`` of their mean.
     """
 
     NUMBER: ClassVar[str] = "10"
@@ -131,7 +132,7 @@ class HiddenManySliders(HiddenEffect):
     width: float = 0.0
 
     def spread(self) -> float:
-        """See `HiddenEffect.spread`."""
+        """Return the relative half-width of the sliders' limits."""
         return self.width
 
 
@@ -142,8 +143,9 @@ class HiddenAnisotropy(HiddenEffect):
     Parameters
     ----------
     share : float
+        Relative amplitude.
     angle : rad
-        Gel frame, from x: where friction is greatest.
+        Direction of the largest friction, gel frame, from x.
     """
 
     NUMBER: ClassVar[str] = "outside"
@@ -159,5 +161,5 @@ class HiddenAnisotropy(HiddenEffect):
     angle: float = 0.0
 
     def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+        """Return the factor on Coulomb's limit at a direction of the pull."""
         return lambda slide: 1 + self.share * cos(2 * (slide.direction - self.angle))

@@ -1,4 +1,4 @@
-"""Hidden relaxation: a power law without time constant of its own, and the draining of a sponge."""
+"""Hidden relaxation: a power law without a time constant, and the drainage of a poroelastic gel."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch
 from tactiledata.rig.hidden.history import warmth
 
 Kernel = Callable[[RealArray], RealArray]
-"""Relaxation modulus relative to the instantaneous one, of seconds (n,)."""
+"""Function that gives the relaxation modulus (n,), relative to the instantaneous one, at seconds (n,)."""
 
 
 def relaxed(force: RealArray, kernel: Kernel) -> RealArray:
-    """Boltzmann's superposition: forces (n, ...) at ``CONTACT_RATE`` of a gel whose instant answer they are."""
+    """Return relaxed forces (n, ...), by Boltzmann's superposition of instantaneous ones at ``CONTACT_RATE``."""
     weights = kernel(np.arange(len(force)) / CONTACT_RATE)
     steps = np.diff(force, axis=0, prepend=np.zeros_like(force[:1]))
     shape = (len(weights),) + (1,) * (force.ndim - 1)
@@ -29,14 +29,16 @@ def relaxed(force: RealArray, kernel: Kernel) -> RealArray:
 
 @dataclass(frozen=True)
 class HiddenSpringpot(HiddenEffect):
-    """A fractional element: every change of force decays as (1 + t / onset)^-alpha, over all decades alike.
+    """The gel relaxes by a power law: every change of force decays as (1 + t / onset)^-alpha.
 
-    A surface that has left the indenter does not pull it back: the force stays at or above 0.
+    The surface does not pull an indenter that leaves it: the force stays at or above 0.
 
     Parameters
     ----------
     alpha : float
+        Exponent.
     onset : s
+        Time at which the decay begins.
     """
 
     NUMBER: ClassVar[str] = "1"
@@ -52,28 +54,33 @@ class HiddenSpringpot(HiddenEffect):
     onset: float = 0.02
 
     def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
-        """See `HiddenEffect.normal`."""
+        """Return the relaxed normal force (n,), N."""
         return _pressing(relaxed(force, self._kernel(real_touch)), force)
 
     def memory(self, real_touch: RealTouch) -> RealArray:
-        """See `HiddenEffect.memory`."""
+        """Return the share (n,) of a tangential pull that is left k samples later."""
         return self._kernel(real_touch)(np.arange(len(real_touch.positions)) / CONTACT_RATE)
 
     def _kernel(self, real_touch: RealTouch) -> Kernel:
+        """Return the relaxation function of a touch."""
         exponent = self._exponent(real_touch)
         return lambda seconds: (1 + seconds / self.onset) ** -exponent
 
     def _exponent(self, real_touch: RealTouch) -> float:
+        """Return the exponent of a touch."""
         return self.alpha
 
 
 @dataclass(frozen=True)
 class HiddenWarmSpringpot(HiddenSpringpot):
-    """The same, faster when warm: alpha (1 + per_kelvin T), T the sensor's warmth after power-on (12 K in the end).
+    """The gel relaxes by a power law, faster when warm: its exponent is alpha (1 + per_kelvin T).
+
+    The warming T since power-on is 12 K in the end.
 
     Parameters
     ----------
     per_kelvin : 1/K
+        Relative rise of the exponent per kelvin.
     """
 
     NUMBER: ClassVar[str] = "outside"
@@ -87,15 +94,17 @@ class HiddenWarmSpringpot(HiddenSpringpot):
 
 @dataclass(frozen=True)
 class HiddenDrainage(HiddenEffect):
-    """Fluid drains from under the contact: a share p of each change of force decays with x = D t / a², a the contact's
-    greatest radius in the touch, as 0.491 exp(-0.908 sqrt x) + 0.509 exp(-1.679 x). Larger contacts drain slower.
+    """Fluid drains from under the contact, so that a share p of each change of force decays.
+
+    It decays as 0.491 exp(-0.908 sqrt x) + 0.509 exp(-1.679 x), x = D t / a², with a the largest radius of the contact
+    in the touch: larger contacts drain slower.
 
     Parameters
     ----------
     share : float
-        p.
+        The share p.
     diffusivity : m²/s
-        D.
+        The diffusivity D of the fluid.
     """
 
     NUMBER: ClassVar[str] = "outside"
@@ -111,7 +120,7 @@ class HiddenDrainage(HiddenEffect):
     diffusivity: float = 2e-6
 
     def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
-        """See `HiddenEffect.normal`."""
+        """Return the normal force (n,), N, of the draining gel."""
         widest = float(real_touch.radius.max())
         if widest == 0:
             return force
@@ -125,5 +134,5 @@ class HiddenDrainage(HiddenEffect):
 
 
 def _pressing(force: RealArray, instant: RealArray) -> RealArray:
-    """Forces (n,) that do not pull, and only while there is contact."""
+    """Return forces (n,), N, at least 0, and 0 where the instantaneous force is not positive."""
     return np.where(instant > 0, np.maximum(force, 0.0), 0.0)

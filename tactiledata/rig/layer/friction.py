@@ -1,4 +1,4 @@
-"""Tractions at the touch points: stiff springs against penetration, Coulomb stick and slip that remember their path."""
+"""Tractions at the touch points: stiff springs against penetration, Coulomb friction that depends on the path."""
 
 from __future__ import annotations
 
@@ -12,21 +12,23 @@ from tactiledata.arrays import RealArray
 
 @dataclass(frozen=True)
 class FrictionState:
-    """The law at one step.
+    """The contact law's constants, and what friction remembers of the step before.
 
     Parameters
     ----------
     stiffness : Pa/m
-        Of the springs, normal and tangential: far above the gel's own, so that neither penetration nor creep counts.
+        Stiffness of the springs, normal and tangential: far above the gel's own, so that neither penetration nor
+        creep matters.
     gel_stiffness : Pa/m
-        The gel's own: weighs distances against tractions where touch and slip are decided.
-    friction : Coulomb's coefficient
+        The gel's own stiffness: it weighs distances against tractions where touch and slip are decided.
+    friction : float
+        Coulomb's coefficient.
     held : (n, 3), Pa
         Tractions on the gel at the end of the step before.
     anchor : (n, 3), m, gel frame
-        Where a point would be that had moved with the indenter since then.
+        Place of each point if it had moved with the indenter since then.
     fresh : (n,) bool
-        Points that were apart from the indenter: they come without friction, which begins with the next step.
+        Points that were apart from the indenter: they get no friction in this step.
     """
 
     stiffness: float
@@ -39,17 +41,19 @@ class FrictionState:
 
 @dataclass(frozen=True)
 class Springs:
-    """At each point a matrix: one value along the normal, one along a direction in the plane, one across, and what a
-    move along the normal does in that direction, as friction follows pressure.
+    """A stiffness matrix (3, 3) at each of n points, in factored form.
+
+    It has one value along the normal, one along a direction in the tangent plane and one across both. A move along the
+    normal also gives a traction in that direction, since friction follows pressure.
 
     Parameters
     ----------
     normal, direction : (n, 3)
         Unit vectors, at right angles to one another.
-    values : (3, n)
-        Along the normal, along the direction, across both.
-    dragged : (n,)
-        In the direction, of a move along the normal.
+    values : (3, n), Pa/m
+        Stiffness along the normal, along the direction, across both.
+    dragged : (n,), Pa/m
+        Traction in the direction by a move along the normal.
     """
 
     normal: RealArray
@@ -58,7 +62,7 @@ class Springs:
     dragged: RealArray
 
     def __matmul__(self, vectors: RealArray) -> RealArray:
-        """The matrices times vectors (n, 3)."""
+        """Return the products (n, 3) of the matrices and vectors (n, 3)."""
         up, along, across = self.values
         raised = np.einsum("ij,ij->i", self.normal, vectors)
         on_normal = (up - across) * raised
@@ -68,15 +72,16 @@ class Springs:
 
 @dataclass(frozen=True)
 class Tractions:
-    """The law, made linear.
+    """The contact law, linearised about the present places of the points.
 
     Parameters
     ----------
     values : (n, 3), Pa
-        On the gel, at the points' present places.
+        Tractions on the gel, at the points' present places.
     springs : Springs
-        Minus their derivative by the place.
+        Minus the derivative of the tractions by the place.
     touching, slipping : (n,) bool
+        Points that touch, and those of them that slip.
     """
 
     values: RealArray
@@ -85,18 +90,33 @@ class Tractions:
     slipping: NDArray[np.bool_]
 
     def is_like(self, other: Tractions) -> bool:
-        """Whether the same points touch and slip."""
+        """Return whether the same points touch and slip in both."""
         return bool((self.touching == other.touching).all() and (self.slipping == other.slipping).all())
 
 
 def linearised(
     friction_state: FrictionState, points: RealArray, gap: RealArray, normal: RealArray, now: RealArray
 ) -> Tractions:
-    """The law about points (n, 3) with gaps (n,), normals (n, 3) out of the indenter and present tractions (n, 3).
+    """Return the contact law, linearised about the present places of n touch points.
 
     Touch and slip are decided by distance and traction together, as in the primal-dual active set method: a point
-    touches if it presses more than it is apart, and slips if stick would need more than the cone holds.
+    touches if its pressure exceeds its gap times the gel's stiffness, and slips if stick would need more than
+    Coulomb's cone allows.
+
+    Parameters
+    ----------
+    friction_state : FrictionState
+        Constants of the law, and the step before.
+    points : (n, 3), m, gel frame
+        Present places.
+    gap : (n,), m
+        Signed distances to the indenter.
+    normal : (n, 3)
+        Unit normals out of the indenter.
+    now : (n, 3), Pa
+        Present tractions on the gel.
     """
+    # which points touch, and which of them slip
     pressure = np.einsum("ij,ij->i", now, normal)
     touching = pressure - friction_state.gel_stiffness * gap > 0
     move = points - friction_state.anchor
@@ -112,6 +132,7 @@ def linearised(
     # in slip the traction turns with the move across it
     turning = np.where(slipping, friction_state.gel_stiffness * share / (1.0 - share), 0.0)
     move_across = move - np.einsum("ij,ij->i", move, direction)[:, None] * direction
+    # tractions and their derivatives
     push = np.where(touching, -friction_state.stiffness * gap, 0.0)
     dragging = slipping & ~friction_state.fresh & (push > 0)
     pull = np.where(dragging, friction_state.friction * push, 0.0)

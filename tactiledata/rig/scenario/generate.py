@@ -10,13 +10,13 @@ from tactiledata.rig.motion.touch import Generate, Step, TouchPlan
 from tactiledata.rig.scenario.scenario import Scenario
 
 STREAM = 1
-"""Number of this part's random stream beside the seed: each part draws from its own, so that none disturbs another."""
+"""Number of the random stream of generated touches: each part of the rig has its own, so that none disturbs another."""
 
 
 def touches(scenario: Scenario) -> tuple[TouchPlan, ...]:
-    """All touches of a scenario: the explicit ones, then the generated ones in order of their names.
+    """Return all touches of a scenario: the explicit ones, then the generated ones in order of their names.
 
-    Touch *k* is drawn from (seed, k) alone: a larger ``count`` leaves the first ones as they were.
+    Touch *k* is drawn from (seed, k) alone, so that a larger ``count`` does not change the first touches.
     """
     plan = scenario.generate
     if plan is None:
@@ -42,12 +42,15 @@ def touches(scenario: Scenario) -> tuple[TouchPlan, ...]:
 
 
 def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, indenter: str) -> TouchPlan:
+    """Return one touch, drawn from the ranges of a plan."""
+    # the press, and the rest after it
     speed = float(rng.choice(plan.speeds)) if plan.speeds else _log_uniform(rng, plan.speed)
     settle = _log_uniform(rng, plan.settle)
     depth = round(_log_uniform(rng, plan.depth) / plan.step) * plan.step
     steps = [Step("press", depth=max(depth, plan.step), step=plan.step, speed=speed, settle=settle)]
     if plan.dwell[1] > 0:
         steps.append(Step("dwell", time=_log_uniform(rng, plan.dwell)))
+    # a share of the touches is sheared, and a share of those is sheared back
     if rng.random() < plan.shear_share:
         length = _log_uniform(rng, plan.shear) * rng.choice([-1.0, 1.0])
         by = (length, 0.0) if rng.random() < 0.5 else (0.0, length)
@@ -55,6 +58,7 @@ def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, inde
         if rng.random() < plan.reverse_share:
             steps.append(Step("reverse", step=plan.shear_step, speed=speed, settle=settle))
     steps.append(Step("retreat", speed=2 * speed))
+    # angle and place
     tilt = rng.uniform(*plan.tilt)
     direction = rng.uniform(0.0, 2 * np.pi)
     return TouchPlan(
@@ -74,7 +78,7 @@ def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, inde
 
 
 def _log_uniform(rng: np.random.Generator, bounds: tuple[float, float]) -> float:
-    """A value that is uniform in its logarithm; uniform where the range begins at 0."""
+    """Return a value within bounds whose logarithm is uniform; a uniform value where the range begins at 0."""
     least, most = bounds
     if least <= 0:
         return float(rng.uniform(least, most))
