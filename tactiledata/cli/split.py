@@ -23,7 +23,7 @@ def split(
     by: str = typer.Option(
         "trajectory,sensor",
         "--by",
-        help="Units of the split: trajectory, and those to balance and hold out, sensor and indenter.",
+        help="Units of the split: trajectory, and those to count by and to hold out (sensor, indenter).",
     ),
     hold_out: str = typer.Option(
         "auto", "--hold-out", help="Units of test_unseen: sensor=…,indenter=…, or auto, or none."
