@@ -30,7 +30,7 @@ from tactiledata.rig.contact.contact import TouchSetup, contact_times
 from tactiledata.rig.hidden.base import HiddenEffect
 from tactiledata.rig.motion import ur5e
 from tactiledata.rig.motion.motion import Path as TouchPath
-from tactiledata.rig.play import PlayedTrajectory, RigSetup, Solve
+from tactiledata.rig.play import PlayedTrajectory, RigSetup, SolveContact
 from tactiledata.rig.record import BETWEEN_LOGS_NS
 from tactiledata.rig.scenario.scenario import Gel, Scenario, load_scenario
 from tactiledata.transforms import Transform
@@ -46,14 +46,14 @@ CLEAR = 1e-4
 """m over the gel, as commanded, from which a frame is free air."""
 
 
-def play_logs(scenario: Scenario, solve: Solve) -> list[Log]:
+def play_logs(scenario: Scenario, solve: SolveContact) -> list[Log]:
     """Each unit's touches, in the scenario's order: an indenter may be mounted again."""
     rig_setup = RigSetup(scenario, solve)
     logs = []
     for index, serial in enumerate(scenario.sensors):
         touches = [touch for touch in scenario.trajectories if touch.sensor == serial]
         start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-        logs.append(Log(rig_setup, index, rig_setup.perform(touches, index, start_ns)))
+        logs.append(Log(rig_setup, index, rig_setup.play(touches, index, start_ns)))
     return logs
 
 

@@ -12,11 +12,11 @@ import numpy as np
 from tactiledata.effects.interface.area_friction import AreaFriction
 from tactiledata.effects.interface.static_friction import StaticFriction
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.hidden.base import HiddenEffect, Parameters, TouchFacts
-from tactiledata.rig.hidden.friction import AGEING_ONSET, AgeingFriction, ShearStrength
+from tactiledata.rig.hidden.friction import AGEING_ONSET, HiddenAgeingFriction, HiddenShearStrength
 from tactiledata.rig.hidden.slider import CRITICAL_SLIP
-from tactiledata.rig.hidden.time import Springpot
+from tactiledata.rig.hidden.time import HiddenSpringpot
 
 TITLES = {
     "relaxation": "relaxation",
@@ -65,7 +65,7 @@ RELAXED_AFTER = 10.0
 
 def modulus_left(effects: Sequence[HiddenEffect]) -> float:
     """Share of the modulus at once that hidden relaxation leaves after a touch: what a relaxed gel's E is then."""
-    springpots = [one for one in effects if isinstance(one, Springpot)]
+    springpots = [one for one in effects if isinstance(one, HiddenSpringpot)]
     return float(np.prod([(1 + RELAXED_AFTER / one.onset) ** -one.alpha for one in springpots]))
 
 
@@ -77,9 +77,9 @@ def friction_left(effects: Sequence[HiddenEffect], friction: float) -> float:
     speed, pressure = StaticFriction().complete({})["speed"], AreaFriction().complete({})["pressure"]
     share = 1.0
     for one in effects:
-        if isinstance(one, AgeingFriction):
+        if isinstance(one, HiddenAgeingFriction):
             share *= 1 + one.growth * log1p(CRITICAL_SLIP / speed / AGEING_ONSET)
-        if isinstance(one, ShearStrength) and one.softness > 0:
+        if isinstance(one, HiddenShearStrength) and one.softness > 0:
             load = friction * pressure * one.softness
             share *= tanh(load) / load
     return share
@@ -111,5 +111,5 @@ class WrongRadius(HiddenEffect):
         stated: Any = setup.indenter
         real = replace(stated, radius=stated.radius * (1 + self.share))
         grid = GelGrid.of(facts.scenario.sensors[facts.touch.sensor].gel)
-        print_ = footprint(real, setup.rotation, facts.touch.position, grid)
-        return replace(setup, indenter=real, print_=print_)
+        footprint = make_footprint(real, setup.rotation, facts.touch.position, grid)
+        return replace(setup, indenter=real, footprint=footprint)

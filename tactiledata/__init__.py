@@ -1,5 +1,9 @@
 """tactiledata: recordings of a robot pressing a vision-based tactile sensor, as a training-ready dataset.
 
+Recordings come in by `formats` and `ingest`, lie in a `store`, and go out by `splits` and `loaders`. `gel`, `effects`
+and `optics` simulate a touch; `calibrate` and `replay` fit and play recordings; `diagnose` names the physics that the
+simulation lacks. `rig` makes recordings with known truth; `cli` is the command line. docs/architecture.md has a map.
+
 Importing this package imports neither torch nor mujoco; each part is imported where it is used.
 """
 
@@ -7,7 +11,7 @@ __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> object:
-    # imported when it is asked for: it brings the effects and scipy with it
+    # imported on first use, since identifiability brings the effects and scipy with it
     if name == "identifiability":
         from tactiledata.diagnose.naming.identifiability import identifiability
 

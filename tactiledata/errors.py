@@ -30,7 +30,7 @@ from typing import Any
 
 
 class TactileDataError(Exception):
-    """An error with its facts.
+    """Base class of all errors of the toolkit: a message in three parts, and the facts behind it.
 
     Parameters
     ----------
@@ -75,13 +75,25 @@ def _rebuild(
 
 
 class UsageError(TactileDataError, ValueError):
-    """The call was wrong: an option, a name or a combination of them."""
+    """Raised where a call is wrong: an option, a name or a combination of them."""
 
     exit_code = 2
 
 
 class UnknownName(UsageError, KeyError):
-    """A name that a table does not hold; the message lists the nearest names."""
+    """Raised for a name that a table does not hold; the message lists the nearest names.
+
+    Parameters
+    ----------
+    kind : str
+        What the table holds, in the singular, for example ``"format"``.
+    name : str
+        The name that was given.
+    known : iterable of str
+        All names of the table.
+    remedy : str
+        What the reader can do now, after the proposal of near names; may be empty.
+    """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
         choices = sorted(known)
@@ -100,52 +112,52 @@ class UnknownName(UsageError, KeyError):
 
 
 class MissingSplit(UsageError, KeyError):
-    """Training data was asked for without saying which part of which split."""
+    """Raised where training data is requested without a split and its part."""
 
 
 class SchemaError(TactileDataError, ValueError):
-    """A document that does not fit its schema; ``facts['path']`` is the place inside the document."""
+    """Raised for a document that does not fit its schema; ``facts['path']`` is the place inside the document."""
 
 
 class BrokenLog(TactileDataError, ValueError):
-    """A recording from which nothing can be read, or (with ``strict``) not everything."""
+    """Raised for a recording from which nothing can be read, or (with ``strict``) not everything."""
 
 
 class NotFetched(BrokenLog):
-    """A file of which only the Git LFS pointer is there."""
+    """Raised for a file of which only the Git LFS pointer is there."""
 
 
 class UnsafeContent(TactileDataError, ValueError):
-    """Data that would run code when read, or a path that leaves its folder."""
+    """Raised for data that would run code when read, and for a path that leaves its folder."""
 
 
 class MissingFile(TactileDataError, FileNotFoundError):
-    """A file or folder that was named and does not exist."""
+    """Raised for a file or folder that the caller names and that does not exist."""
 
     exit_code = 2
 
 
 class LostFile(MissingFile):
-    """A file that a store, a log or another document names and that is gone: damage, not a wrong call."""
+    """Raised for a file that a store, a log or another document names and that is gone: damage, not a wrong call."""
 
     exit_code = 1
 
 
 class StoreError(TactileDataError, ValueError):
-    """A store that is damaged, not a store, or of a version that this code does not know."""
+    """Raised for a store that is damaged, for a path that is no store, and for a store of an unknown version."""
 
 
 class StoreBusy(StoreError, BlockingIOError):
-    """Another process holds the store's writing lock."""
+    """Raised where another process holds the store's writing lock."""
 
 
 class LeakError(TactileDataError, ValueError):
-    """Data that would stand on both sides of a split."""
+    """Raised for data that would stand on both sides of a split."""
 
 
 class CheckpointError(TactileDataError, ValueError):
-    """Weights that are damaged, foreign, or were learned from other data or settings than those at hand."""
+    """Raised for weights that are damaged, foreign, or learned from other data or settings than those at hand."""
 
 
 class NotFinite(TactileDataError, ArithmeticError):
-    """NaN or infinity in what a network learns from, or in what comes out of it."""
+    """Raised for NaN or infinity in what a network learns from, or in what it gives."""

@@ -12,7 +12,7 @@ from tactiledata.errors import UnknownName
 
 
 class Registry(Mapping[str, Any]):
-    """A family's members by name; looking one up imports its module, listing the names imports nothing.
+    """The members of a family by name; looking up a member imports its module, listing the names imports nothing.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Registry(Mapping[str, Any]):
 
     @cached_property
     def _outside(self) -> dict[str, str]:
-        """What other installed packages add; read once, as it takes milliseconds."""
+        """Targets of the members that other installed packages add; read once, as it takes milliseconds."""
         if self._group is None:
             return {}
         points = entry_points(group=self._group)

@@ -33,7 +33,24 @@ class Transform:
 
     @classmethod
     def from_parts(cls, to: str, source: str, xyz: ArrayLike, xyzw: ArrayLike) -> Transform:
-        """A transform from a translation (3,), metres, and a quaternion (4,), x y z w."""
+        """Return the transform of a translation (3,), metres, and a quaternion (4,), x y z w.
+
+        Parameters
+        ----------
+        to, source : str
+            Names of the frames: coordinates of ``source`` are mapped into ``to``.
+        xyz : (3,), metres
+            Origin of ``source`` in frame ``to``.
+        xyzw : (4,)
+            Rotation; normalised here.
+
+        Raises
+        ------
+        SchemaError
+            A value that is no number.
+        UsageError
+            A quaternion of length zero, or a value that is not finite.
+        """
         try:
             quaternion, position = np.asarray(xyzw, dtype=float), np.asarray(xyz, dtype=float)
         except (OverflowError, TypeError, ValueError) as error:
@@ -52,17 +69,24 @@ class Transform:
 
     @classmethod
     def identity(cls, to: str, source: str) -> Transform:
-        """The transform between two frames that coincide."""
+        """Return the transform between two frames that coincide."""
         return cls(to, source, np.eye(4))
 
     @classmethod
     def from_document(cls, to: str, source: str, value: object) -> Transform:
-        """A transform as documents state it: ``{xyz, xyzw}`` or a 4x4 matrix in row-major order.
+        """Return the transform that a document states as ``{xyz, xyzw}`` or as a 4x4 matrix in row-major order.
+
+        Parameters
+        ----------
+        to, source : str
+            Names of the frames: coordinates of ``source`` are mapped into ``to``.
+        value : dict or nested list
+            ``xyz`` in metres (zero where it is missing) and ``xyzw`` (no rotation where it is missing), or 16 numbers.
 
         Raises
         ------
         SchemaError
-            Not a rigid transform: a shear, a scale or a mirror.
+            The matrix is not a rigid transform: a shear, a scale or a mirror.
         """
         if isinstance(value, dict):
             return cls.from_parts(to, source, value.get("xyz", [0, 0, 0]), value.get("xyzw", [0, 0, 0, 1]))
@@ -96,7 +120,7 @@ class Transform:
         return quaternion if quaternion[3] >= 0 else -quaternion
 
     def __matmul__(self, other: Transform) -> Transform:
-        """Chain: ``a_from_b @ b_from_c`` is ``a_from_c``; frames that do not meet are an error."""
+        """Return the chain of two transforms: ``a_from_b @ b_from_c`` is ``a_from_c``; refuse frames that differ."""
         if self.source != other.to:
             raise UsageError(
                 f"{self.to}_from_{self.source} cannot be followed by {other.to}_from_{other.source}",
@@ -105,23 +129,23 @@ class Transform:
         return Transform(self.to, other.source, self.matrix @ other.matrix)
 
     def inverse(self) -> Transform:
-        """The transform the other way round."""
+        """Return the inverse transform, ``source_from_to``."""
         matrix = np.eye(4)
         matrix[:3, :3] = self.rotation.T
         matrix[:3, 3] = -self.rotation.T @ self.xyz
         return Transform(self.source, self.to, matrix)
 
     def points(self, points: ArrayLike) -> Array:
-        """Points (n, 3), metres, from frame ``source`` into frame ``to``."""
+        """Return points (n, 3), metres, of frame ``source`` in frame ``to``."""
         return np.asarray(points, dtype=float) @ self.rotation.T + self.xyz
 
     def document(self) -> dict[str, list[float]]:
-        """The transform as a document states it."""
+        """Return the transform as a document states it: ``{xyz, xyzw}``."""
         return {"xyz": self.xyz.tolist(), "xyzw": self.xyzw.tolist()}
 
 
 def pose_matrices(poses: ArrayLike) -> Array:
-    """Matrices (n, 4, 4) of poses (n, 7): x y z in metres and a quaternion x y z w."""
+    """Return the matrices (n, 4, 4) of poses (n, 7): x y z in metres and a quaternion x y z w."""
     rows = np.asarray(poses, dtype=float).reshape(-1, 7)
     matrices = np.tile(np.eye(4), (len(rows), 1, 1))
     matrices[:, :3, :3] = Rotation.from_quat(rows[:, 3:]).as_matrix()
@@ -130,7 +154,7 @@ def pose_matrices(poses: ArrayLike) -> Array:
 
 
 def matrix_poses(matrices: ArrayLike) -> Array:
-    """Poses (n, 7), x y z and quaternion x y z w with w >= 0, of matrices (n, 4, 4)."""
+    """Return the poses (n, 7), x y z and quaternion x y z w with w >= 0, of matrices (n, 4, 4)."""
     stack = np.asarray(matrices, dtype=float).reshape(-1, 4, 4)
     quaternions = Rotation.from_matrix(stack[:, :3, :3]).as_quat().reshape(-1, 4)
     quaternions[quaternions[:, 3] < 0] *= -1
@@ -138,26 +162,28 @@ def matrix_poses(matrices: ArrayLike) -> Array:
 
 
 def interpolate_poses(times: ArrayLike, poses: ArrayLike, at: ArrayLike) -> Array:
-    """Poses (m, 7) at times ``at`` (m,), linear in position and slerp in rotation, held at both ends.
+    """Return poses (m, 7) at times ``at`` (m,), linear in position and slerp in rotation, held at both ends.
 
     Parameters
     ----------
     times : (n,), seconds or nanoseconds, strictly increasing
+        When the given poses hold.
     poses : (n, 7), x y z metres, quaternion x y z w
     at : (m,), same unit as ``times``
+        When poses are needed; before the first and after the last of ``times`` the pose there is held.
     """
     knots = np.asarray(times, dtype=np.float64)
     rows = np.asarray(poses, dtype=float).reshape(-1, 7)
-    wanted = np.clip(np.asarray(at, dtype=np.float64), knots[0], knots[-1])
-    position = np.stack([np.interp(wanted, knots, rows[:, axis]) for axis in range(3)], axis=1)
+    within = np.clip(np.asarray(at, dtype=np.float64), knots[0], knots[-1])
+    position = np.stack([np.interp(within, knots, rows[:, axis]) for axis in range(3)], axis=1)
     if len(knots) == 1:
-        return np.concatenate([position, np.repeat(rows[:, 3:], len(wanted), axis=0)], axis=1)
-    quaternion = Slerp(knots, Rotation.from_quat(rows[:, 3:]))(wanted).as_quat()
+        return np.concatenate([position, np.repeat(rows[:, 3:], len(within), axis=0)], axis=1)
+    quaternion = Slerp(knots, Rotation.from_quat(rows[:, 3:]))(within).as_quat()
     return np.concatenate([position, quaternion], axis=1)
 
 
 def move_wrench(wrench: ArrayLike, to_from_source: Array) -> Array:
-    """Wrenches (n, 6) re-expressed in another frame, torque about the new frame's origin.
+    """Return wrenches (n, 6), N and N m, re-expressed in another frame, torque about that frame's origin.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Fields and their units: the one table behind validation, docs and plot labels. Inside the toolkit, SI is the law."""
+"""Fields and their units: the one table behind validation, docs and plot labels. The toolkit computes in SI units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tactiledata.errors import UnknownName
 
 @dataclass(frozen=True)
 class Field:
-    """What a column of numbers means: its unit as stored, and a label for people."""
+    """The meaning of a column of numbers: its unit as stored, and a label for people."""
 
     unit: str
     label: str
@@ -48,12 +48,12 @@ TO_METRES: dict[str, float] = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "in
 
 
 def metres(value: float, unit: str) -> float:
-    """A length in metres, from a value and the unit that a document states."""
+    """Return a length in metres, from a value and the unit that a document states; refuse units not in the table."""
     if unit not in TO_METRES:
         raise UnknownName("length unit", unit, TO_METRES)
     return value * TO_METRES[unit]
 
 
 def signal_units(columns: tuple[str, ...]) -> tuple[str, ...]:
-    """Units of columns, ``"?"`` where the table does not know the column."""
+    """Return the unit of each column, ``"?"`` where the table does not know the column."""
     return tuple(FIELDS[column].unit if column in FIELDS else "?" for column in columns)

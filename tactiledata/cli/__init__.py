@@ -1,1 +1,9 @@
-"""The command line: parse, call, print; no work of its own."""
+"""The command line: how a person, or a script, calls the toolkit.
+
+`main` is the command `tactiledata` and its exit codes. Each module beside it holds the commands of its name; `store`
+holds info, check, merge and report, `families` holds formats, indenters, effects and inspect, `split` holds audit, too.
+`demo_gel` and `demo_diagnosis` are steps of `demo`. `output` prints; `failure`, `explain` and `documents` say what went
+wrong; `working_store` finds the store that a command works on.
+
+Commands parse, call and print. They do no work of their own, and import what they call only when they run.
+"""

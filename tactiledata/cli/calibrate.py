@@ -1,4 +1,4 @@
-"""`calibrate`: E, nu and mu of the gel from measured forces, and whether they can be known."""
+"""`calibrate`: E, nu and mu of the gel from measured forces, and how well the recordings determine them."""
 
 from __future__ import annotations
 
@@ -14,36 +14,51 @@ from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's commands."""
+    """Add the command `calibrate` to the application."""
     app.command("calibrate")(calibrate)
 
 
 def calibrate(
     store: str = STORE_ARGUMENT,
-    loss: str = typer.Option("vector", "--loss", help="vector: forces and torques; norm: the SPLIT paper's."),
-    engine: str = typer.Option("fem", "--engine", help="fem, or mujoco-flex: for comparison, its forces are too high."),
-    fidelity: str = typer.Option("finite-strain", "--fidelity", help="finite-strain, or linear: a quick preview."),
-    out: Path = typer.Option(
-        Path("calibration.json"), "--out", help="The result; a page to read lies beside it, with the ending .html."
+    loss: str = typer.Option(
+        "vector", "--loss", help="Compare forces and torques (vector), or only the norm of the force (norm)."
     ),
-    trajectories: int = typer.Option(25, "--trajectories", help="So many are drawn from the store."),
-    hold_out: float = typer.Option(0.2, "--hold-out", help="Share of them that is not fitted."),
-    bounds: str = typer.Option("paper", "--bounds", help="paper, or wide: E 200 to 4000 kPa, mu 0.2 to 1.5."),
-    sensor: str = typer.Option(None, "--sensor", help="Only trajectories of this sensor."),
-    indenter: str = typer.Option(None, "--indenter", help="Only trajectories of these indenters: ball3,ball5."),
-    shore_a: float = typer.Option(24.5, "--shore-a", help="The gel's Shore A hardness: where the search starts."),
+    engine: str = typer.Option(
+        "fem", "--engine", help="Gel engine: fem, or mujoco-flex for comparison, whose forces are too high."
+    ),
+    fidelity: str = typer.Option(
+        "finite-strain", "--fidelity", help="Strain model: finite-strain, or linear for a quick preview."
+    ),
+    out: Path = typer.Option(
+        Path("calibration.json"), "--out", help="File for the result; a page for readers (.html) is written beside it."
+    ),
+    trajectories: int = typer.Option(
+        25, "--trajectories", help="Number of trajectories that are drawn from the store."
+    ),
+    hold_out: float = typer.Option(0.2, "--hold-out", help="Share of these trajectories that is not fitted."),
+    bounds: str = typer.Option(
+        "paper", "--bounds", help="Limits of the fit: paper, or wide (E 200 to 4000 kPa, mu 0.2 to 1.5)."
+    ),
+    sensor: str = typer.Option(None, "--sensor", help="Use only trajectories of this sensor."),
+    indenter: str = typer.Option(None, "--indenter", help="Use only trajectories of these indenters: ball3,ball5."),
+    shore_a: float = typer.Option(24.5, "--shore-a", help="Shore A hardness of the gel, where the fit starts."),
     offset_prior: float = typer.Option(
-        4e-5, "--offset-prior", help="Standard deviation, in metres, of each trajectory's contact offset; 0: none."
+        4e-5,
+        "--offset-prior",
+        help="Standard deviation, in metres, of each trajectory's contact offset; 0 fits no offsets.",
     ),
     shape_error: float = typer.Option(
-        None, "--shape-error", help="Share by which each indenter's simulated forces may be off together; 0: none."
+        None,
+        "--shape-error",
+        help="Relative error of the simulated forces that an indenter's touches share; 0 for none "
+        "[default: that of the engine].",
     ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
-    seed: int = typer.Option(0, "--seed", help="Another seed draws other trajectories."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Local processes."),
+    seed: int = typer.Option(0, "--seed", help="Random seed for drawing trajectories."),
+    workers: int = typer.Option(1, "--workers", min=1, help="Number of local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Fit Young's modulus, Poisson's ratio and friction of the gel. A second run reads what the first one played.
+    """Fit Young's modulus, Poisson's ratio and friction of the gel. A second run reuses simulations of the first.
 
     Example: tactiledata calibrate ds.zarr --trajectories 25 --workers 2
     """
@@ -56,7 +71,10 @@ def calibrate(
     from tactiledata.store.read.reader import Store
 
     if out.suffix != ".json":
-        raise UsageError(f"--out {out}", "a file that ends in .json", "The page beside it ends in .html.")
+        raise UsageError(
+            f"--out {out}", "a file name that ends in .json", "The page beside that file has the ending .html."
+        )
+    # fit
     options = CalibrationOptions(
         loss=loss,  # type: ignore[arg-type]
         engine=engine,  # type: ignore[arg-type]
@@ -74,25 +92,27 @@ def calibrate(
         indenter_folder=indenters,
     )
     location = working_store(store)
-    with damage_explains(location), progress("playing", quiet=as_json) as tell:
-        done = run(Store.open(location), options, tell)
-    document = write_calibration(done, out)
+    with damage_explains(location), progress("playing", quiet=as_json) as report_progress:
+        calibration = run(Store.open(location), options, report_progress)
+    # write and print
+    document = write_calibration(calibration, out)
     page = out.with_suffix(".html")
-    write_atomic(page, calibration_page(done).encode())
+    write_atomic(page, calibration_page(calibration).encode())
     if as_json:
         emit(document)
         return
-    _print(done)
+    _print(calibration)
     say(f"written: {out}, {page}")
 
 
-def _print(done: Any) -> None:
+def _print(calibration: Any) -> None:
+    """Print the fitted values, the losses and the findings of a calibration."""
     from tactiledata.calibrate.page import loss_rows, result_rows
 
-    counts = f"{len(done.fit.fitted)} fitted, {len(done.fit.held_out)} held out"
+    counts = f"{len(calibration.fit.fitted)} fitted, {len(calibration.fit.held_out)} held out"
     columns = ("", "value", "95 % interval", "with simulation error", "start")
-    table(f"gel, engine {done.options.engine}, {counts}", columns, result_rows(done))
-    table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(done))
-    findings(("", finding) for finding in done.findings)
-    if done.simulated.sentence:
-        say(done.simulated.sentence)
+    table(f"gel, engine {calibration.options.engine}, {counts}", columns, result_rows(calibration))
+    table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(calibration))
+    findings(("", finding) for finding in calibration.findings)
+    if calibration.simulated.sentence:
+        say(calibration.simulated.sentence)

@@ -1,4 +1,4 @@
-"""`demo`: the whole chain on simulated recordings of the bundled world, with a report at the end."""
+"""`demo`: all steps from recording to diagnosis, on simulated recordings of a bundled world, with reports."""
 
 from __future__ import annotations
 
@@ -16,24 +16,26 @@ from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
 MARKER = ".tactiledata-demo"
-"""Lies in every folder that the demo made, so that it never empties another one."""
+"""Name of a file that marks a folder as made by the demo: only such a folder is emptied."""
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's command."""
+    """Add the command `demo` to the application."""
     app.command("demo")(demo)
 
 
 def demo(
     out: Path = typer.Option(Path("demo-out"), "--out", help="Folder for everything that the demo makes."),
-    world: str = typer.Option("demo", "--world", help="Scenario to record: demo, tiny, or a file."),
-    workers: int = typer.Option(2, "--workers", help="Local processes."),
-    fidelity: str = typer.Option("finite-strain", "--fidelity", help="Of the gel; linear is a quick preview."),
+    world: str = typer.Option("demo", "--world", help="Scenario to record: demo, tiny, or a scenario file."),
+    workers: int = typer.Option(2, "--workers", help="Number of local processes."),
+    fidelity: str = typer.Option(
+        "finite-strain", "--fidelity", help="Strain model of the gel: finite-strain, or linear for a quick preview."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Take simulated recordings of a small world to a report.
+    """Run all steps on simulated recordings of a small world.
 
-    Ingest, split, audit, calibration, meshes, a batch and a diagnosis lie between.
+    The steps are record, ingest, split, audit, calibrate, replay, load a batch, report and diagnose.
 
     Example: tactiledata demo --out demo-out
     """
@@ -48,53 +50,58 @@ def demo(
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings
 
-    def tell(text: str) -> None:
+    def report_step(text: str) -> None:
+        """Print a line for people."""
         if not as_json:
             say(text)
 
+    # 1 and 2: recordings, and a store of them
     with wrong_document_is_wrong_usage():
         scenario = load_scenario(find_scenario(world))
     _empty_folder(out)
-    tell("1. Record: a UR5e presses DIGIT sensors on indenters, simulated recordings as ROS 2 MCAP")
-    tell("   Touches, forces and pictures are simulated, with known truth; the backgrounds of the pictures are real")
+    report_step("1. Record: a UR5e presses DIGIT sensors on indenters, simulated recordings as ROS 2 MCAP")
+    report_step("   Touches, forces and pictures are simulated, with known truth; backgrounds of pictures are real")
     with progress("recording", quiet=as_json) as bar:
         logs = record(scenario, out / "recordings", "mcap", bar, workers)
-    tell(f"   {counted(len(logs), 'recording')} in {out / 'recordings'}")
+    report_step(f"   {counted(len(logs), 'recording')} in {out / 'recordings'}")
 
-    tell("2. Ingest: clocks, contact forces, trajectories and checks into one Zarr store")
+    report_step("2. Ingest: clocks, contact forces, trajectories and checks into one Zarr store")
     store_path = out / "demo.zarr"
     with progress("ingesting", quiet=as_json) as bar:
         report = ingest(logs, store_path, workers=workers, progress=bar)
     added = [source for source in report.sources if source.state == "added"]
-    trajectories, images = sum(one.trajectories for one in added), sum(one.frames for one in added)
-    tell(f"   {store_path}: {counted(trajectories, 'trajectory')}, {counted(images, 'image')}")
-    tell(f"   {report.simulated.sentence}")
+    trajectories, images = sum(source.trajectories for source in added), sum(source.frames for source in added)
+    report_step(f"   {store_path}: {counted(trajectories, 'trajectory')}, {counted(images, 'image')}")
+    report_step(f"   {report.simulated.sentence}")
 
-    tell("3. Split: whole trajectories, one sensor never seen in training; audit for leaks")
+    # 3: a split, and its audit
+    report_step("3. Split: whole trajectories, one sensor never seen in training; audit for leaks")
     store = Store.open(store_path)
     split = make_split(store)
     for part, count in split.counts.items():
-        tell(f"   {part}: {counted(count.trajectories, 'trajectory')}, {counted(count.frames, 'image')}")
+        report_step(f"   {part}: {counted(count.trajectories, 'trajectory')}, {counted(count.frames, 'image')}")
     for note in split.notes:
-        tell(f"   note: {note}")
+        report_step(f"   note: {note}")
     with progress("auditing", quiet=as_json) as bar:
         audited = audit(store, "default", progress=bar)
-    tell(f"   audit: {audited.lines()[0]}")
+    report_step(f"   audit: {audited.lines()[0]}")
 
-    gel = play_gel(store_path, out, scenario, fidelity, workers, tell, quiet=as_json)
+    # 4 and 5: calibration and meshes; 6: a batch
+    gel = play_gel(store_path, out, scenario, fidelity, workers, report_step, quiet=as_json)
 
-    tell("6. Load: a batch from PyTorch")
+    report_step("6. Load: a batch from PyTorch")
     batch = _load_batch(store_path)
-    tell(f"   {batch['said']}")
+    report_step(f"   {batch['said']}")
 
+    # 7 and 8: pages
     store = Store.open(store_path)
     written = write_report(store, out, further=mesh_sections(store))
-    tell(f"7. Look: {written['picture']}\n   Open:  {written['page']}")
-    diagnosis, page = diagnose_touches(store_path, out, scenario, workers, tell, quiet=as_json)
+    report_step(f"7. Look: {written['picture']}\n   Open:  {written['page']}")
+    diagnosis, page = diagnose_touches(store_path, out, scenario, workers, report_step, quiet=as_json)
     if gel.page is not None:
-        tell(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
+        report_step(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
     if page is not None:
-        tell(f"   Open:  {page}: where the simulation and these simulated recordings differ, and why")
+        report_step(f"   Open:  {page}: where the simulation and these simulated recordings differ, and why")
     if as_json:
         emit({
             "recordings": [str(log) for log in logs],
@@ -113,7 +120,7 @@ def demo(
 
 
 def _empty_folder(out: Path) -> None:
-    """The demo starts from an empty folder of its own; another's folder is never emptied."""
+    """Make the demo's folder, emptied where an earlier demo made it; refuse a file, and a folder of other files."""
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out} is a file", "a folder that is new, empty, or of an earlier demo")
     if out.is_dir() and any(out.iterdir()):
@@ -129,16 +136,16 @@ def _empty_folder(out: Path) -> None:
 
 
 def _load_batch(store_path: Path) -> dict[str, Any]:
-    """What a batch of training frames is, in words under ``said`` and, where there is PyTorch, as shapes by stream."""
+    """Return a batch of training frames, in words under ``said`` and, where PyTorch is installed, as ``shapes``."""
     try:
         from torch.utils.data import DataLoader
     except ImportError:
-        return {"said": "PyTorch is not installed, so this step is left out: pip install 'tactiledata[models]'"}
+        return {"said": "left out, since PyTorch is not installed: pip install 'tactiledata[models]'"}
     from tactiledata.loaders.torch import TactileDataset
 
     streams = ("digit", "contact_wrench", "mesh")
     train = TactileDataset(store_path, split="default/train", streams=list(streams), missing="drop")
     batch = next(iter(DataLoader(train, batch_size=min(64, len(train)))))
     shapes = {name: list(batch[name].shape) for name in streams}
-    told = ", ".join(f"{name} {tuple(shape)} {batch[name].dtype}" for name, shape in shapes.items())
-    return {"said": f"{counted(len(train), 'training frame')}; a batch: {told}", "shapes": shapes}
+    listed = ", ".join(f"{name} {tuple(shape)} {batch[name].dtype}" for name, shape in shapes.items())
+    return {"said": f"{counted(len(train), 'training frame')}; a batch: {listed}", "shapes": shapes}

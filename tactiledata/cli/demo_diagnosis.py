@@ -1,4 +1,4 @@
-"""The demo's last step: what the simulation of its touches lacks."""
+"""The demo's last step: a diagnosis of the physics that the simulation of its touches lacks."""
 
 from __future__ import annotations
 
@@ -14,43 +14,66 @@ from tactiledata.cli.output import progress
 from tactiledata.errors import TactileDataError
 
 TOUCHES = 14
-"""That are played, linearly; a real diagnosis takes 60 at finite strain."""
+"""Largest number of touches that the demo plays, at small strain; a real diagnosis takes 60 at finite strain."""
 
 
 def diagnose_touches(
-    store: Path, out: Path, scenario: Scenario, workers: int, tell: Callable[[str], None], quiet: bool
+    store: Path, out: Path, scenario: Scenario, workers: int, report_step: Callable[[str], None], quiet: bool
 ) -> tuple[dict[str, Any] | None, Path | None]:
-    """Document and page; neither where the world's touches are too few, or of no balls."""
+    """Diagnose the touches of balls in the demo's store; return the document and the path of its page.
+
+    Both are None where the world has no balls, or too few touches of them.
+
+    Parameters
+    ----------
+    store : Path
+        The demo's store.
+    out : Path
+        The demo's folder.
+    scenario : Scenario
+        The world, whose hidden effects are named at the end.
+    workers : int
+        Number of local processes.
+    report_step : callable
+        Prints a line.
+    quiet : bool
+        Whether to show no progress.
+    """
     from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
     from tactiledata.diagnose.options import DiagnosisOptions
     from tactiledata.diagnose.store import diagnose_store
     from tactiledata.store.read.reader import Store
 
-    tell(f"8. Diagnose: what physics does the simulation lack? (balls, at most {TOUCHES} touches, linear preview)")
+    report_step(
+        f"8. Diagnose: what physics does the simulation lack? (balls, at most {TOUCHES} touches, linear preview)"
+    )
     balls = balls_of(scenario)
     if not balls:
-        tell("   left out: this world has no balls")
+        report_step("   left out: this world has no balls")
         return None, None
     options = DiagnosisOptions(trajectories=TOUCHES, indenters=balls, fidelity="linear", pairs=False, workers=workers)
     try:
         with progress("diagnosing", quiet=quiet) as bar:
-            done = diagnose_store(Store.open(store), options, bar, lambda what: bar(1, 1, what))
+            diagnosis = diagnose_store(Store.open(store), options, bar, lambda what: bar(1, 1, what))
     except TactileDataError as error:
-        tell(f"   left out: {error.found}")
+        report_step(f"   left out: {error.found}")
         return None, None
-    document = store_document(done)
-    written = write_store_diagnosis(out / "diagnosis", "the demo's world", done, document)
-    tell(f"   {document['source']['groups']} touches took part")
+    document = store_document(diagnosis)
+    written = write_store_diagnosis(out / "diagnosis", "the demo's world", diagnosis, document)
+    report_step(f"   {document['source']['groups']} touches took part")
     for sentence in document["sentences"]:
-        tell(f"   {sentence}")
+        report_step(f"   {sentence}")
     truth = out / "recordings" / "truth"
-    tell(f"   The simulated recordings were made with {_concealed(scenario)}, which only {truth} tells")
+    report_step(f"   The simulated recordings were made with {_concealed(scenario)}; only {truth} states this")
     return document, written[0]
 
 
 def _concealed(scenario: Scenario) -> str:
+    """Return the hidden effects of a scenario in words, by their titles in the catalogue where it has them."""
     from tactiledata.diagnose.residuals.residuals import joined_names
     from tactiledata.effects import EFFECTS
+    from tactiledata.rig.hidden.effects import name_of
 
     titles = {str(EFFECTS[name]().number): EFFECTS[name]().title for name in EFFECTS}
-    return joined_names([titles.get(one.NUMBER, type(one).__name__) for one in scenario.hidden] or ["nothing else"])
+    names = [titles.get(effect.NUMBER, name_of(effect).replace("_", " ")) for effect in scenario.hidden]
+    return joined_names(names or ["nothing else"])

@@ -1,4 +1,4 @@
-"""`diagnose`: where simulation and recordings differ, what physics was left out, and how much better it then fits."""
+"""`diagnose`: where simulation and recordings differ, which physics is missing, and how much better it fits."""
 
 from __future__ import annotations
 
@@ -15,54 +15,70 @@ from tactiledata.cli.working_store import working_store
 from tactiledata.errors import UsageError
 
 TABLES = (".csv", ".tsv", ".parquet")
+"""Endings of files that are read as tables."""
 TABLE_ONLY = ("columns", "group")
+"""Options that have a meaning for tables only."""
 STORE_ONLY = (
     "trajectories", "sensor", "indenter", "effects", "pairs", "fidelity", "bounds", "shore_a", "indenters", "workers",
 )  # fmt: skip
+"""Options that have a meaning for stores only."""
 SEEDS = 2**32
-"""So many are known to all that draws by them."""
+"""Number of seeds, from 0, that NumPy, scikit-learn and our own draws all accept."""
 STEPS = 30
-"""About so many steps follow the plays."""
+"""Rough number of steps after the simulations, for the bar of progress."""
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's commands."""
+    """Add the command `diagnose` to the application."""
     app.command("diagnose")(diagnose)
 
 
 def diagnose(
     context: typer.Context,
     source: str = typer.Argument(
-        None, help="A store (*.zarr), or a table (.csv, .tsv, .parquet); left out: the only store in the folder."
+        None,
+        help="A store (*.zarr) or a table (.csv, .tsv, .parquet). Default: the only store in the working folder.",
     ),
     out: Path = typer.Option(None, "--out", help="Folder for report.html and diagnosis.json."),
-    gate: bool = typer.Option(False, "--gate", help="Exit 1 where physics is missing."),
-    seed: int = typer.Option(0, "--seed", help="Another seed draws other trajectories, and throws other chances."),
-    trajectories: int = typer.Option(60, "--trajectories", help="Store: so many are drawn from it."),
-    sensor: str = typer.Option(None, "--sensor", help="Store: only trajectories of this sensor."),
-    indenter: str = typer.Option(None, "--indenter", help="Store: only those of these indenters: ball3,ball5."),
-    effects: str = typer.Option(None, "--effects", help="Store: only these candidates: lag,relaxation."),
-    pairs: bool = typer.Option(True, "--pairs/--no-pairs", help="Store: whether two effects at once are tried."),
-    fidelity: str = typer.Option("finite-strain", "--fidelity", help="Store: finite-strain, or linear: a preview."),
-    bounds: str = typer.Option("paper", "--bounds", help="Store: mu from 0.5 to 0.99 (paper), or 0.2 to 1.5 (wide)."),
-    shore_a: float = typer.Option(24.5, "--shore-a", help="Store: the gel's Shore A hardness: where fits start."),
+    gate: bool = typer.Option(False, "--gate", help="Exit with code 1 where physics is missing."),
+    seed: int = typer.Option(0, "--seed", help="Random seed for drawing trajectories, folds and sign flips."),
+    trajectories: int = typer.Option(
+        60, "--trajectories", help="Store: number of trajectories that are drawn from it."
+    ),
+    sensor: str = typer.Option(None, "--sensor", help="Store: use only trajectories of this sensor."),
+    indenter: str = typer.Option(
+        None, "--indenter", help="Store: use only trajectories of these indenters: ball3,ball5."
+    ),
+    effects: str = typer.Option(None, "--effects", help="Store: consider only these effects: lag,relaxation."),
+    pairs: bool = typer.Option(True, "--pairs/--no-pairs", help="Store: also consider pairs of effects."),
+    fidelity: str = typer.Option(
+        "finite-strain", "--fidelity", help="Store: strain model, finite-strain, or linear for a quick preview."
+    ),
+    bounds: str = typer.Option(
+        "paper", "--bounds", help="Store: limits of mu, 0.5 to 0.99 (paper) or 0.2 to 1.5 (wide)."
+    ),
+    shore_a: float = typer.Option(24.5, "--shore-a", help="Store: Shore A hardness of the gel, where fits start."),
     indenters: Path = typer.Option(None, "--indenters", help="Store: folder of the mesh files that recordings name."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Store: local processes that play touches."),
-    columns: Path = typer.Option(None, "--columns", help="Table: a YAML file that says what the columns mean."),
-    group: str = typer.Option(None, "--group", help="Table: column that says which rows were recorded in one go."),
+    workers: int = typer.Option(1, "--workers", min=1, help="Store: number of local processes."),
+    columns: Path = typer.Option(None, "--columns", help="Table: YAML file that states the meaning of the columns."),
+    group: str = typer.Option(
+        None, "--group", help="Table: column whose value is shared by rows that were recorded together."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """What physics a simulation lacks, and where recordings show it.
+    """Find the physics that a simulation lacks.
 
-    Shows how much better the simulation with it tells touches that it has not seen.
+    Shows where recordings reveal missing physics, and how much better the simulation predicts unseen touches with it.
 
     Example: tactiledata diagnose ds.zarr --out diagnosis
     """
+    # refuse wrong usage before any work
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
     _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
     out = None if out is None else _writable(out)
     if not 0 <= seed < SEEDS:
-        raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of them serves.")
+        raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
+    # diagnose
     if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
     else:
@@ -82,6 +98,7 @@ def diagnose(
             indenter_folder=_folder(indenters),
         )
         document, written, is_found = _store(working_store(source), out, options, as_json)
+    # print
     if as_json:
         emit(document)
     else:
@@ -96,46 +113,36 @@ def diagnose(
 
 
 def _refuse(context: typer.Context, names: tuple[str, ...], given: str) -> None:
-    """Options that mean nothing to what is diagnosed.
-
-    Raises
-    ------
-    UsageError
-        One of them was given.
-    """
+    """Refuse options of the command line that have no meaning for the source, which is ``given`` in words."""
     for name in names:
         source = context.get_parameter_source(name)
         if source is not None and source.name == "COMMANDLINE":
             option = f"--{name.replace('_', '-')}"
             raise UsageError(
                 f"{option} with {given}", f"{option} with {'a store' if given == 'a table' else 'a table'}",
-                "Leave it out: it would change nothing.",
+                "Leave the option out: it would change nothing.",
             )  # fmt: skip
 
 
 def _folder(path: Path | None) -> Path | None:
+    """Return the folder of mesh files; refuse a path that is no folder."""
     if path is not None and not path.is_dir():
         raise UsageError(f"--indenters {path} is no folder", "the folder of the mesh files that recordings name")
     return path
 
 
 def _writable(out: Path) -> Path:
-    """The folder for the answer, before any work is done for it.
-
-    Raises
-    ------
-    UsageError
-        Nothing can be written there.
-    """
+    """Return the folder for the results; refuse a path that cannot be written to, before any work is done."""
     nearest = next(place for place in (out, *out.absolute().parents) if place.exists())
     if not nearest.is_dir() or not os.access(nearest, os.W_OK) or (out / "report.html").is_dir():
-        raise UsageError(f"--out {out} cannot be written to", "a folder, or a place for one", "Name another.")
+        raise UsageError(f"--out {out} cannot be written to", "a folder, or a place for one", "Name another folder.")
     return out
 
 
 def _table(
     path: Path, out: Path | None, seed: int, columns: Path | None, group: str | None, quiet: bool
 ) -> tuple[dict[str, Any], list[Path], bool]:
+    """Diagnose a table; return the document, the files written, and whether anything was found."""
     from tactiledata.contract.schema import read_document
     from tactiledata.diagnose.table import diagnose_table, write_diagnosis
 
@@ -143,32 +150,36 @@ def _table(
     if columns is not None:
         with wrong_document_is_wrong_usage():
             meant = read_document(columns, "columns")
-    with progress("diagnosing", quiet=quiet) as tell:
-        read, explanation, document = diagnose_table(path, meant, group, seed, tell)
+    with progress("diagnosing", quiet=quiet) as report_progress:
+        read, explanation, document = diagnose_table(path, meant, group, seed, report_progress)
     written = [] if out is None else list(write_diagnosis(out, path.name, read, explanation, document))
     return document, written, explanation.is_found
 
 
 def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[dict[str, Any], list[Path], bool]:
+    """Diagnose a store; return the document, the files written, and whether physics is missing."""
     from tactiledata.cli.explain import damage_explains
     from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
     from tactiledata.diagnose.store import diagnose_store
     from tactiledata.store.read.reader import Store
 
-    with damage_explains(location), progress("diagnosing", quiet=quiet) as tell:
+    with damage_explains(location), progress("diagnosing", quiet=quiet) as report_progress:
+        # one bar for both: the simulations, whose number becomes known, and about STEPS steps after them
         steps: list[str] = []
         plays = [1]
 
-        def playing(done: int, total: int, what: str = "") -> None:
+        def report_play(done: int, total: int, what: str = "") -> None:
+            """Report how many simulations are done."""
             plays[0] = total
-            tell(done, total + STEPS, what)
+            report_progress(done, total + STEPS, what)
 
-        def thinking(what: str) -> None:
+        def report_step(what: str) -> None:
+            """Report one more step after the simulations."""
             steps.append(what)
-            tell(plays[0] + min(len(steps), STEPS - 1), plays[0] + STEPS, what)
+            report_progress(plays[0] + min(len(steps), STEPS - 1), plays[0] + STEPS, what)
 
-        done = diagnose_store(Store.open(location), options, playing, thinking)
-        tell(plays[0] + STEPS, plays[0] + STEPS, "done")
-    document = store_document(done)
-    written = [] if out is None else write_store_diagnosis(out, Path(location).name, done, document)
-    return document, written, done.is_missing
+        diagnosis = diagnose_store(Store.open(location), options, report_play, report_step)
+        report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")
+    document = store_document(diagnosis)
+    written = [] if out is None else write_store_diagnosis(out, Path(location).name, diagnosis, document)
+    return document, written, diagnosis.is_missing

@@ -1,4 +1,4 @@
-"""Documents that a user hands to a command: one that does not fit its schema is wrong usage."""
+"""Documents that a user gives to a command: a document that does not fit its schema is wrong usage."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tactiledata.errors import SchemaError, UsageError
 
 @contextmanager
 def wrong_document_is_wrong_usage() -> Iterator[None]:
-    """A `SchemaError` in the block becomes a `UsageError`: exit code 2."""
+    """Turn a `SchemaError` in the block into a `UsageError`, whose exit code is 2."""
     try:
         yield
     except SchemaError as error:
@@ -20,7 +20,7 @@ def wrong_document_is_wrong_usage() -> Iterator[None]:
 
 
 def calibration_document(path: Path) -> Any:
-    """A calibration.json (schemas/calibration.json)."""
+    """Return the content of a calibration.json (schemas/calibration.json)."""
     from tactiledata.contract.schema import read_document
 
     with wrong_document_is_wrong_usage():
@@ -28,7 +28,7 @@ def calibration_document(path: Path) -> Any:
 
 
 def effects_document(path: Path) -> Any:
-    """An effects.json (schemas/effect.json)."""
+    """Return the content of an effects.json (schemas/effect.json)."""
     from tactiledata.contract.schema import read_document
 
     with wrong_document_is_wrong_usage():
@@ -36,7 +36,7 @@ def effects_document(path: Path) -> Any:
 
 
 def mapping_document(path: Path | None) -> Any:
-    """The mapping in a file; ``None`` where no file is named."""
+    """Return the mapping in a file (schemas/mapping.json); ``None`` where no file is named."""
     from tactiledata.contract.schema import read_document
 
     if path is None:

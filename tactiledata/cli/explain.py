@@ -1,4 +1,4 @@
-"""A failure inside a damaged store is told as what it is: damage, not a fault of the program."""
+"""Reporting of failures inside a damaged store: as damage, not as a fault of the program."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from tactiledata.errors import StoreError, TactileDataError
 
 @contextmanager
 def damage_explains(location: str) -> Iterator[None]:
-    """Where the block fails unexpectedly, the store is checked; its damage, if any, becomes the error.
+    """Check the store where the block fails unexpectedly, and raise its damage, if any, as the error.
 
-    A store that checks as whole leaves the failure as it is: then it is ours.
+    Where the store is whole, the failure is a fault of ours and is raised as it is.
     """
     try:
         yield
@@ -30,12 +30,13 @@ def damage_explains(location: str) -> Iterator[None]:
 
 
 def _first_damage(location: str) -> str:
+    """Return the message of the first damage in a store; empty where it is whole."""
     from tactiledata.store.check.check import check
 
     try:
-        found = [finding for finding in check(location, images=False) if finding.severity == "damage"]
+        damages = [finding for finding in check(location, images=False) if finding.severity == "damage"]
     except TactileDataError as error:
         return str(error)
     except (ValueError, TypeError, KeyError, AttributeError, IndexError) as error:
         return f"its tables cannot even be checked ({type(error).__name__}: {error})"
-    return found[0].message if found else ""
+    return damages[0].message if damages else ""

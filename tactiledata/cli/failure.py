@@ -1,4 +1,4 @@
-"""How a failure reaches whoever typed the command: a sentence for people, one JSON object for machines."""
+"""Printing of failures: a sentence for people, one JSON object for machines."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from tactiledata.cli.output import emit, err
 from tactiledata.errors import TactileDataError
 
 DEBUG_VARIABLE = "TACTILEDATA_DEBUG"
-"""Set to 1 to see the traceback of a fault of ours."""
+"""Environment variable that, set to 1, shows the traceback of a fault of ours."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 
 
 def report_failure(error: Exception, as_json: bool) -> int:
-    """Print what went wrong, on standard error for people or on standard output for machines, and give its exit code.
+    """Print a failure, on standard error for people or on standard output for machines, and return its exit code.
 
     The JSON object has ``error``, ``expected`` and ``hint`` (empty where there is none) and the exit ``code``.
     """
@@ -40,19 +40,21 @@ def report_failure(error: Exception, as_json: bool) -> int:
 
 
 def report_interruption(as_json: bool) -> None:
-    """One line after Ctrl-C."""
-    found, remedy = "interrupted", "Nothing is half written; the same command goes on from what is finished."
+    """Print one line after Ctrl-C."""
+    message, remedy = "interrupted", "Nothing is half written; the same command goes on from what is finished."
     if as_json:
-        emit(_document(found, "", remedy, INTERRUPTED))
+        emit(_document(message, "", remedy, INTERRUPTED))
     else:
-        err().print(f"{found}: {remedy[0].lower()}{remedy[1:]}")
+        err().print(f"{message}: {remedy[0].lower()}{remedy[1:]}")
 
 
 def _document(found: str, expected: str, remedy: str, code: int) -> dict[str, Any]:
+    """Return the JSON object of a failure."""
     return {"error": found, "expected": expected, "hint": remedy, "code": code}
 
 
 def _as_ours(error: Exception) -> TactileDataError:
+    """Return an error of our tree for one of the system, or for a fault of the program."""
     if isinstance(error, OSError):
         name = f" ({error.filename})" if error.filename else ""
         return TactileDataError(

@@ -1,4 +1,4 @@
-"""`formats`, `indenters`, `effects`, `inspect`: what the families hold, and what is in a log."""
+"""`formats`, `indenters`, `effects`, `inspect`: the members of the families, and the content of a log."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.errors import TactileDataError, UsageError
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's commands."""
+    """Add the commands `formats`, `indenters`, `effects` and `inspect` to the application."""
     app.command("formats")(formats)
     app.command("indenters")(indenters)
     app.command("effects")(effects)
@@ -23,7 +23,7 @@ def register(app: typer.Typer) -> None:
 
 
 def formats(as_json: bool = JSON_OPTION) -> None:
-    """Formats that recordings may have, and how each lies on disk.
+    """List the formats of recordings, with their layouts on disk.
 
     Example: tactiledata formats
     """
@@ -48,7 +48,7 @@ def indenters(
     picture: Path = typer.Option(None, "--picture", help="Draw all of them into this PNG file."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Indenters that the toolkit knows by name, with their sizes. Lengths are in metres.
+    """List the indenters that have names, with their sizes. Lengths are in metres.
 
     Example: tactiledata indenters --picture indenters.png
     """
@@ -74,9 +74,9 @@ def indenters(
 
 
 def effects(as_json: bool = JSON_OPTION) -> None:
-    """Physics that a simulation may have left out.
+    """List the physics that a simulation may have left out.
 
-    Slot, parameters with plausible ranges, look-alikes. SI units.
+    Each entry has its slot, its parameters with plausible ranges in SI units, and the effects that look alike.
 
     Example: tactiledata effects
     """
@@ -98,11 +98,15 @@ def effects(as_json: bool = JSON_OPTION) -> None:
 
 def inspect(
     path: Path = typer.Argument(..., help="A recording, or a folder of recordings."),
-    suggest_mapping: bool = typer.Option(False, "--suggest-mapping", help="Print a mapping file to start from."),
-    mapping: Path = typer.Option(None, "--mapping", help="Look at it as this mapping file says."),
+    suggest_mapping: bool = typer.Option(
+        False, "--suggest-mapping", help="Print a draft of a mapping file for this recording."
+    ),
+    mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """What is in a log, and what is wrong with it. Streams, types, rates, and what they would be read as.
+    """Show what is in a log, and what is wrong with it.
+
+    Lists streams with their types and rates, and what each would be read as.
 
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
@@ -111,84 +115,90 @@ def inspect(
 
     sources, unclaimed = find_sources([path])
     document = mapping_document(mapping)
-    looked, failed = _looked_at(sources, document)
+    inspections, failed = _inspections(sources, document)
     if suggest_mapping:
-        _print_mapping(looked, failed)
+        _print_mapping(inspections, failed)
     elif as_json:
         emit({
-            "sources": [_document(one) for one in looked],
+            "sources": [_document(inspection) for inspection in inspections],
             "failed": [{"key": key, "error": reason} for key, reason in failed.items()],
             "unclaimed": [str(item) for item in unclaimed],
         })  # fmt: skip
     else:
-        for one in looked:
-            _print_inspection(one)
+        for inspection in inspections:
+            _print_inspection(inspection)
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
         for item in unclaimed:
             say(pointer_words(str(item)) if is_lfs_pointer(item) else f"{item}: no format claims it")
-    if failed or any(finding.severity == "damage" for one in looked for finding in one.findings):
+    if failed or any(finding.severity == "damage" for inspection in inspections for finding in inspection.findings):
         raise typer.Exit(1)
 
 
-def _looked_at(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, str]]:
-    """Inspections of the sources that can be read, and the reason for each that cannot; one alone raises it."""
+def _inspections(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, str]]:
+    """Return the inspections of readable sources, and the reasons of unreadable ones; a single one raises it."""
     from tactiledata.formats import FORMATS
 
-    looked, failed = [], {}
+    inspections, failed = [], {}
     for source in sources:
         try:
-            looked.append(FORMATS[source.format]().inspect(source, mapping))
+            inspections.append(FORMATS[source.format]().inspect(source, mapping))
         except (TactileDataError, OSError) as error:
             if len(sources) == 1:
                 raise
             failed[source.key] = str(error)
-    return looked, failed
+    return inspections, failed
 
 
-def _print_mapping(looked: list[Any], failed: dict[str, str]) -> None:
+def _print_mapping(inspections: list[Any], failed: dict[str, str]) -> None:
+    """Print the first draft of a mapping; refuse recordings that need none."""
     for key, reason in failed.items():
         err().print(escape(f"{key}: cannot be read: {reason}"))
-    suggestions = [one.suggested_text for one in looked if one.suggested_mapping is not None]
+    suggestions = [item.suggested_text for item in inspections if item.suggested_mapping is not None]
     if suggestions:
         typer.echo(suggestions[0], nl=False)
-    elif looked:
+    elif inspections:
+        source = inspections[0].source
         raise UsageError(
-            f"{looked[0].source.key} is a {looked[0].source.format} recording, which needs no mapping",
+            f"{source.key} is a {source.format} recording, which needs no mapping",
             "a recording with topics, as MCAP files are",
-            "Ingest it as it is.",
+            "Ingest the recording as it is.",
         )
 
 
-def _document(one: Any) -> dict[str, Any]:
+def _document(inspection: Any) -> dict[str, Any]:
+    """Return the inspection of one source as a JSON object."""
     return {
-        "key": one.source.key,
-        "format": one.source.format,
-        "files": list(one.source.files),
-        "facts": dict(one.facts),
-        "topics": [vars(topic) for topic in one.topics],
-        "findings": [vars(finding) for finding in one.findings],
-        "suggested_mapping": one.suggested_mapping,
+        "key": inspection.source.key,
+        "format": inspection.source.format,
+        "files": list(inspection.source.files),
+        "facts": dict(inspection.facts),
+        "topics": [vars(topic) for topic in inspection.topics],
+        "findings": [vars(finding) for finding in inspection.findings],
+        "suggested_mapping": inspection.suggested_mapping,
     }
 
 
-def _print_inspection(one: Any) -> None:
-    say(f"{one.source.key}: {one.source.format}, {counted(len(one.source.files), 'file')}")
-    for name, value in one.facts.items():
+def _print_inspection(inspection: Any) -> None:
+    """Print facts, streams and findings of one source."""
+    source = inspection.source
+    say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
+    for name, value in inspection.facts.items():
         say(f"  {name}: {value}")
     rows = [
         (topic.name, topic.kind, topic.encoding, topic.messages, _rate(topic), topic.role or "-", topic.note)
-        for topic in one.topics
+        for topic in inspection.topics
     ]
     if rows:
         table("", ("stream", "kind", "encoding", "messages", "Hz", "read as", "note"), rows)
-    for topic in one.topics:
+    for topic in inspection.topics:
         if topic.example:
             say(f"  {topic.name}: {topic.example}")
-    findings(("", finding) for finding in one.findings)
+    findings(("", finding) for finding in inspection.findings)
 
 
 def _rate(topic: Any) -> str:
+    """Return the rate of a topic, Hz, in words."""
     if not topic.has_times:
         return "no times"
     return "-" if topic.rate is None else f"{topic.rate:.1f}"

@@ -1,4 +1,4 @@
-"""`ingest`: recordings into a store."""
+"""`ingest`: add recordings to a store."""
 
 from __future__ import annotations
 
@@ -16,25 +16,29 @@ from tactiledata.errors import TactileDataError, UsageError
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's command."""
+    """Add the command `ingest` to the application."""
     app.command("ingest")(ingest)
 
 
 def ingest(
     paths: list[Path] = typer.Argument(..., help="Recordings, or folders of recordings."),
     store: str = typer.Option(None, "--store", help="Store to add to [default: the only *.zarr here, else ds.zarr]."),
-    mapping: Path = typer.Option(None, "--mapping", help="Which topic is what (schemas/mapping.json)."),
-    format_name: str = typer.Option(None, "--format", help="Read as this format, whatever sniffing says."),
+    mapping: Path = typer.Option(
+        None, "--mapping", help="File that states the meaning of each topic (schemas/mapping.json)."
+    ),
+    format_name: str = typer.Option(None, "--format", help="Read the recordings as this format, without detection."),
     replace: bool = typer.Option(
-        False, "--replace", help="Read again what the store has; a corrected recording takes the place of the old one."
+        False, "--replace", help="Read recordings of the store again; a corrected recording replaces the old one."
     ),
     strict: bool = typer.Option(False, "--strict", help="Refuse a recording with any damage."),
-    gap_limit: float = typer.Option(0.1, "--gap-limit", help="Seconds; a longer gap around a frame flags it."),
-    workers: int = typer.Option(1, "--workers", help="Local processes."),
+    gap_limit: float = typer.Option(
+        0.1, "--gap-limit", help="Longest gap around a frame, in seconds; a longer one flags the frame."
+    ),
+    workers: int = typer.Option(1, "--workers", help="Number of local processes."),
     scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Add recordings to a store; what it has already is left alone. Safe to kill and to run again.
+    """Add recordings to a store; those it already has stay unchanged. Safe to kill and to run again.
 
     Example: tactiledata ingest recordings --store ds.zarr --workers 2
 
@@ -44,7 +48,7 @@ def ingest(
     from tactiledata.ingest.trajectories.assemble import IngestOptions
 
     if not 0 < gap_limit < 1e6:
-        raise UsageError(f"--gap-limit {gap_limit}", "seconds above 0")
+        raise UsageError(f"--gap-limit {gap_limit}", "a number of seconds above 0")
     options = IngestOptions(
         mapping=mapping_document(mapping),
         format_name=format_name,
@@ -52,8 +56,8 @@ def ingest(
         gap_limit_ns=round(gap_limit * 1e9),
     )
     target = store or _store_here()
-    with progress("ingesting", quiet=as_json) as tell:
-        report = add(paths, target, options, workers, scheduler, tell, replace)
+    with progress("ingesting", quiet=as_json) as report_progress:
+        report = add(paths, target, options, workers, scheduler, report_progress, replace)
     if as_json:
         emit(report.document())
     else:
@@ -63,6 +67,7 @@ def ingest(
 
 
 def _store_here() -> str:
+    """Return the only store of the working folder, else ``ds.zarr``; refuse a folder of several stores."""
     stores = sorted(path.name for path in Path.cwd().glob("*.zarr") if path.is_dir())
     if len(stores) > 1:
         raise UsageError(f"the working folder holds several stores: {', '.join(stores)}", "one", "Name it: --store S")
@@ -70,6 +75,7 @@ def _store_here() -> str:
 
 
 def _by_folder(paths: Iterable[str]) -> dict[str, list[str]]:
+    """Return the names of files by their folders."""
     folders: dict[str, list[str]] = {}
     for path in map(Path, paths):
         folders.setdefault(str(path.parent), []).append(path.name)
@@ -77,6 +83,7 @@ def _by_folder(paths: Iterable[str]) -> dict[str, list[str]]:
 
 
 def _print(report: Any) -> None:
+    """Print what was done with each recording, the findings, the counts and the next step."""
     words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
     rows = [
         (source.key, words[source.state], source.status or "-", source.trajectories, source.frames)
@@ -92,21 +99,24 @@ def _print(report: Any) -> None:
     for source in report.sources:
         if source.error:
             say(f"  not read {source.key}: {source.error}")
+    # files that are no recordings
     for folder, names in _by_folder(report.unclaimed).items():
         listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
         say(f"  left alone in {folder}: {listed}; no format claims them")
+    # counts, and what to do next
     counts = {state: sum(source.state == state for source in report.sources) for state in ("added", "replaced")}
     replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""
     say(f"{counted(counts['added'], 'recording')} added to {report.store}{replaced}")
     if report.simulated.sentence:
         say(report.simulated.sentence)
     for name in report.stale_splits:
-        say(f"the split {name} is of the store as it was; bring it up to date: {_split_again(report.store, name)}")
+        say(f"the split {name} is out of date; draw it again: {_split_again(report.store, name)}")
     if report.changed and not report.stale_splits:
         say(_next_step(report.store))
 
 
 def _next_step(location: str) -> str:
+    """Return the command that splits a store, or the reason why it cannot be split yet."""
     from tactiledata.splits.suggest import suggest_split
     from tactiledata.store.read.reader import Store
 
@@ -115,6 +125,7 @@ def _next_step(location: str) -> str:
 
 
 def _split_again(location: str, name: str) -> str:
+    """Return the command that draws a split again with the options that it was drawn with."""
     from tactiledata.splits.again import command
     from tactiledata.splits.manifest import read_split_document
     from tactiledata.store.read.reader import Store

@@ -1,4 +1,4 @@
-"""The command `tactiledata` and how its errors reach a person."""
+"""The command `tactiledata`: its commands, its exit codes and the printing of errors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ app = CheckedApp(
 )
 
 GROUP = "tactiledata.commands"
-"""Entry points of packages that add verbs: functions of the application."""
+"""Group of entry points of packages that add commands: functions of the application."""
 
 for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene):
     module.register(app)
@@ -44,7 +44,7 @@ def _version(
 
 
 def run() -> None:
-    """Run the command; exit 0 fine, 1 the data fell short, 2 wrong usage, 3 a fault of ours, 130 interrupted."""
+    """Run the command and exit: 0 success, 1 insufficient data, 2 wrong usage, 3 a fault of ours, 130 interrupted."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # names of files and sensors may hold what the terminal's encoding cannot show

@@ -1,4 +1,4 @@
-"""What commands print: tables and sentences for people, one JSON document for machines."""
+"""Printing for commands: tables and sentences for people, one JSON document for machines."""
 
 from __future__ import annotations
 
@@ -19,36 +19,46 @@ from rich.table import Table
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 
-JSON_OPTION = typer.Option(False, "--json", help="One JSON document on standard output, for machines; errors too.")
+JSON_OPTION = typer.Option(False, "--json", help="Print one JSON document, for machines; errors too.")
 
 QUIET_SECONDS = 60.0
-"""Longest silence, where progress is printed as lines: the next report after it is printed."""
+"""Longest silence, in seconds, where progress is printed as lines: the next report after it is printed."""
 
 COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
 
 
 def out() -> Console:
-    """The console for results; plain text where it is no terminal."""
+    """Return the console for results on standard output; plain text where it is no terminal."""
     return Console(file=sys.stdout, soft_wrap=not sys.stdout.isatty(), highlight=False)
 
 
 def err() -> Console:
-    """The console for progress and errors."""
+    """Return the console for progress and errors on standard error."""
     return Console(file=sys.stderr, soft_wrap=not sys.stderr.isatty(), highlight=False)
 
 
 def say(text: str) -> None:
-    """Print a sentence for people."""
+    """Print a sentence for people on standard output."""
     out().print(escape(text))
 
 
 def emit(document: Any) -> None:
-    """Print a result for machines."""
+    """Print a result for machines: a JSON document on standard output."""
     sys.stdout.write(json.dumps(document, indent=2, ensure_ascii=False, default=str) + "\n")
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Print a table; numbers to the right."""
+    """Print a table with numbers aligned to the right.
+
+    Parameters
+    ----------
+    title : str
+        Line above the table; empty for none.
+    columns : sequence of str
+        Names of the columns.
+    rows : iterable of sequences
+        Cells; integers get thousands separators.
+    """
     listed = [list(row) for row in rows]
     drawn = Table(title=escape(title) if title else None, title_justify="left", box=None, pad_edge=False)
     for position, column in enumerate(columns):
@@ -63,9 +73,9 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
 
 
 def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
-    """Print findings, the worst first, each with where it was met."""
+    """Print findings, the worst first; ``found`` are pairs of a place and a finding, of which ``most`` are printed."""
     rank = {"damage": 0, "warning": 1, "info": 2}
-    listed = sorted(found, key=lambda item: (rank[item[1].severity], item[1].code, item[0]))
+    listed = sorted(found, key=lambda pair: (rank[pair[1].severity], pair[1].code, pair[0]))
     console = out()
     for where, finding in listed[:most]:
         colour = COLOURS[finding.severity]
@@ -78,9 +88,9 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
 
 @contextmanager
 def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
-    """A function to report progress to: a bar on a terminal, a line now and then elsewhere.
+    """Give the block a function to report progress to: it draws a bar on a terminal, and prints lines elsewhere.
 
-    Called with how much is done, how much there is, and what it is at.
+    The function takes the number of finished steps, the number of all steps, and a word for the present one.
     """
     console = err()
     if quiet:
@@ -90,6 +100,7 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
         tenths, moment = [-1], [time.monotonic()]
 
         def line(done: int, total: int, what: str = "") -> None:
+            """Print a line at every tenth of the steps, and after a long silence."""
             tenth, now = done * 10 // max(total, 1), time.monotonic()
             if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
                 tenths[0], moment[0] = tenth, now

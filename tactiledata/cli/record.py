@@ -16,20 +16,23 @@ from tactiledata.contract.wording import counted
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's command."""
+    """Add the command `record` to the application."""
     app.command("record")(record)
 
 
 def record(
     scenario: str = typer.Argument(
-        ..., help="A scenario file, or the name of a bundled one: concealed, demo, develop, paper, split_small, tiny."
+        ...,
+        help="A scenario file, or a bundled scenario: concealed, demo, develop, paper, split_small, tiny.",
     ),
-    out: Path = typer.Option(..., "--out", help="Folder for the logs; made where it is not there."),
-    form: str = typer.Option("mcap", "--format", help="mcap or folder."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Local processes."),
+    out: Path = typer.Option(..., "--out", help="Folder for the logs; it is made where it is missing."),
+    form: str = typer.Option("mcap", "--format", help="Form of the logs: mcap or folder."),
+    workers: int = typer.Option(1, "--workers", min=1, help="Number of local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Make simulated recordings of a world with known truth. Ordinary logs of a UR5e that presses DIGIT sensors.
+    """Make simulated recordings of a world with known truth.
+
+    The recordings are ordinary logs of a UR5e that presses DIGIT sensors.
 
     Example: tactiledata record demo --out recordings --format mcap
     """
@@ -40,8 +43,8 @@ def record(
 
     with wrong_document_is_wrong_usage():
         loaded = load_scenario(find_scenario(scenario))
-    with progress("recording", quiet=as_json) as tell:
-        logs = play(loaded, out, cast("Form", form), tell, workers)
+    with progress("recording", quiet=as_json) as report_progress:
+        logs = play(loaded, out, cast("Form", form), report_progress, workers)
     if as_json:
         simulated = SimulatedCount(simulated=len(logs)).document()
         emit({"logs": [str(log) for log in logs], "truth": str(out / "truth"), "simulated_recordings": simulated})
@@ -49,6 +52,6 @@ def record(
     for log in logs:
         say(str(log))
     say(
-        f"{counted(len(logs), 'log')} of simulated recordings in {out}; what really happened is in {out / 'truth'}, "
-        "never read by the toolkit"
+        f"{counted(len(logs), 'log')} of simulated recordings in {out}; the truth is in {out / 'truth'}, "
+        "which the toolkit never reads"
     )

@@ -16,32 +16,50 @@ from tactiledata.errors import UnknownName, UsageError
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's command."""
+    """Add the command `replay` to the application."""
     app.command("replay")(replay)
 
 
 def replay(
     store: str = STORE_ARGUMENT,
-    resolution: str = typer.Option("low", "--resolution", help="Mesh: low (6,105 vertices) or high (80,190)."),
-    fidelity: str = typer.Option("finite-strain", "--fidelity", help="finite-strain, or linear: a quick preview."),
-    calibration: Path = typer.Option(None, "--calibration", help="calibration.json of `tactiledata calibrate`."),
-    effects: Path = typer.Option(None, "--effects", help="effects.json of `tactiledata diagnose`: missing physics."),
-    youngs_modulus: float = typer.Option(None, "--youngs-modulus", help="Pa; wins over both files."),
-    poisson_ratio: float = typer.Option(None, "--poisson-ratio", help="Wins over both files."),
-    friction: float = typer.Option(None, "--friction", help="Coulomb's coefficient; wins over both files."),
-    keep: str = typer.Option("all", "--keep", help="Nodes whose displacement is kept: all, or those of the surface."),
+    resolution: str = typer.Option(
+        "low", "--resolution", help="Resolution of the mesh: low (6,105 vertices) or high (80,190)."
+    ),
+    fidelity: str = typer.Option(
+        "finite-strain", "--fidelity", help="Strain model: finite-strain, or linear for a quick preview."
+    ),
+    calibration: Path = typer.Option(
+        None, "--calibration", help="File calibration.json of `tactiledata calibrate`: the gel's material."
+    ),
+    effects: Path = typer.Option(
+        None, "--effects", help="File effects.json of `tactiledata diagnose`: missing physics and material."
+    ),
+    youngs_modulus: float = typer.Option(
+        None, "--youngs-modulus", help="Young's modulus of the gel in Pa, instead of that in a file."
+    ),
+    poisson_ratio: float = typer.Option(
+        None, "--poisson-ratio", help="Poisson's ratio of the gel, instead of that in a file."
+    ),
+    friction: float = typer.Option(None, "--friction", help="Coulomb's coefficient, instead of that in a file."),
+    keep: str = typer.Option("all", "--keep", help="Nodes whose displacements are stored: all or surface."),
     name: str = typer.Option(None, "--name", help="Name in the store [default: low, low-linear, high, high-linear]."),
-    replace: bool = typer.Option(False, "--replace", help="Make a mesh of this name anew where it was made otherwise."),
+    replace: bool = typer.Option(
+        False, "--replace", help="Replace a mesh of this name that was made with other options."
+    ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
-    pad: Path = typer.Option(None, "--pad", help="A pad mesh of your own (.mesh, .msh, .vtk), for all sensors."),
-    pad_unit: str = typer.Option("mm", "--pad-unit", help="Unit of the pad mesh."),
-    gap_limit: float = typer.Option(0.1, "--gap-limit", help="Seconds; across a longer gap a pose is missing."),
+    pad: Path = typer.Option(None, "--pad", help="Pad mesh of your own (.mesh, .msh, .vtk), for all sensors."),
+    pad_unit: str = typer.Option("mm", "--pad-unit", help="Length unit of the pad mesh."),
+    gap_limit: float = typer.Option(
+        0.1, "--gap-limit", help="Longest gap in seconds across which a pose is interpolated."
+    ),
     out: Path = typer.Option(Path("replay"), "--out", help="Folder for the page with pictures."),
-    workers: int = typer.Option(1, "--workers", help="Local processes."),
+    workers: int = typer.Option(1, "--workers", help="Number of local processes."),
     scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Attach a soft-gel mesh to every frame of a store. Touches are played as recorded; goes on where it was killed.
+    """Attach a soft-gel mesh to every frame of a store.
+
+    The simulation follows the recorded poses. A run that was killed continues where it stopped.
 
     Example: tactiledata replay ds.zarr --calibration calibration.json --workers 2
     """
@@ -52,6 +70,7 @@ def replay(
     from tactiledata.replay.overview import write_replay_page
     from tactiledata.store.read.reader import Store
 
+    # refuse wrong usage before any work
     for given, option, choices in (
         (resolution, "resolution", ("low", "high")),
         (fidelity, "fidelity", ("finite-strain", "linear")),
@@ -60,40 +79,45 @@ def replay(
         if given not in choices:
             raise UnknownName(option, given, choices)
     if not 0 < gap_limit < 1e6:
-        raise UsageError(f"--gap-limit {gap_limit}", "seconds above 0")
+        raise UsageError(f"--gap-limit {gap_limit}", "a number of seconds above 0")
+    # material and effects: stated values win over the files
     stated = {"youngs_modulus": youngs_modulus, "poisson_ratio": poisson_ratio, "friction": friction}
     calibrated = {} if calibration is None else calibration_document(calibration)
-    found = {} if effects is None else effects_document(effects)
-    material, origins = _material(stated, found.get("material", {}), calibrated)
+    diagnosed = {} if effects is None else effects_document(effects)
+    material, origins = _material(stated, diagnosed.get("material", {}), calibrated)
     options = ReplayOptions(
         material=GelMaterial(**material),
         resolution=resolution,  # type: ignore[arg-type]
         fidelity=fidelity,  # type: ignore[arg-type]
         keep=keep,  # type: ignore[arg-type]
-        offsets=found.get("offsets") or calibrated.get("offsets", {}),
-        effects=settings_of(found, str(effects)) if found else (),
+        offsets=diagnosed.get("offsets") or calibrated.get("offsets", {}),
+        effects=settings_of(diagnosed, str(effects)) if diagnosed else (),
         gap_limit_ns=round(gap_limit * 1e9),
         indenter_folder=indenters,
         name=name,
         make_pad=_own_pad(pad, pad_unit),
     )
+    # replay
     location = working_store(store)
-    with damage_explains(location), progress("replaying", quiet=as_json) as tell:
-        report = attach(location, options, workers, scheduler, tell, replace)
+    with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:
+        report = attach(location, options, workers, scheduler, report_progress, replace)
     page = write_replay_page(Store.open(location), report.mesh, out) if report.with_mesh else None
+    # print
     if as_json:
         emit({**report.document(), "material_from": origins, "page": None if page is None else str(page)})
     else:
         for line in report.lines():
             say(line)
         say(f"  {', '.join(f'{_SHORT[key].format(value)} ({origins[key]})' for key, value in material.items())}")
-        if found and not options.acting:
-            say("  every effect of the file is null: it changes nothing")
+        if diagnosed and not options.acting:
+            say("  every effect in the file has no strength, so the effects change nothing")
         if calibrated and (calibrated["engine"], calibrated["fidelity"]) != ("fem", fidelity):
-            found_with = f"{calibrated['engine']}, {calibrated['fidelity']}"
-            say(f"  the calibration was found with {found_with}: its stiffness makes up for that")
-        if (known := found.get("provenance", {}).get("settings", {}).get("fidelity", fidelity)) != fidelity:
-            say(f"  the effects were found with {known}: the stiffness beside them makes up for that")
+            fitted_with = f"{calibrated['engine']}, {calibrated['fidelity']}"
+            say(f"  the calibration was made with {fitted_with}: its stiffness compensates for the errors of that")
+        if (known := diagnosed.get("provenance", {}).get("settings", {}).get("fidelity", fidelity)) != fidelity:
+            say(
+                f"  the effects were found with {known}: the stiffness in their file compensates for the errors of that"
+            )
         if page is not None:
             say(f"look: {page}")
             say(f"load: TactileDataset({location!r}, split=…, streams=['digit', 'mesh/{report.mesh}'])")
@@ -102,12 +126,16 @@ def replay(
 
 
 _SHORT = {"youngs_modulus": "E {:.4g} Pa", "poisson_ratio": "nu {:.4g}", "friction": "mu {:.4g}"}
+"""Short forms of the material's parameters, for a line of output."""
 
 
 def _material(
     stated: Mapping[str, float | None], refitted: Mapping[str, Any], calibrated: Mapping[str, Any]
 ) -> tuple[dict[str, float], dict[str, str]]:
-    """The material's parameters, and where each comes from: stated, else of the effects, else of the calibration."""
+    """Return the material's parameters and their origins: stated, else from the effects, else from the calibration.
+
+    Refuses a material of which a parameter is in none of the three.
+    """
     sources = {"stated": stated, "from the effects": refitted, "from the calibration": calibrated}
     material, origins = {}, {}
     for name in stated:
@@ -119,13 +147,14 @@ def _material(
         raise UsageError(
             f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not known",
             "the gel's material",
-            "Name --calibration calibration.json (of `tactiledata calibrate`), --effects effects.json (of `tactiledata"
+            "Give --calibration calibration.json (of `tactiledata calibrate`), --effects effects.json (of `tactiledata"
             " diagnose`), or all three values.",
         )
     return material, origins
 
 
 def _own_pad(path: Path | None, unit: str) -> Any:
+    """Return a function that gives the user's pad mesh for every sensor; None where no file is named."""
     from tactiledata.gel.mesh.mesh_file import pad_from_file
 
     if path is None:

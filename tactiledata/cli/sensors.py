@@ -1,4 +1,4 @@
-"""`sensors`: what a store knows of its sensors, and pictures without contact that are added by hand."""
+"""`sensors`: the sensors of a store, and pictures without contact that are added by hand."""
 
 from __future__ import annotations
 
@@ -14,34 +14,36 @@ from tactiledata.errors import UsageError
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's command."""
+    """Add the command `sensors` to the application."""
     app.command("sensors")(sensors)
 
 
 def sensors(
     words: list[str] = typer.Argument(None, help="A store, or: add NAME [FILE…], or: remove NAME."),
     background: Path = typer.Option(
-        None, "--background", help="With add: a picture of the sensor without contact; of several frames the mean."
+        None,
+        "--background",
+        help="With add: a picture of the sensor without contact; several pictures are averaged.",
     ),
     model: str = typer.Option(
-        None, "--model", help="With add: the sensor's model [default: what is known, else digit]."
+        None, "--model", help="With add: the sensor's model [default: the known model, else digit]."
     ),
-    licence: str = typer.Option("", "--licence", help="With add: the picture's licence."),
-    source: str = typer.Option("", "--source", help="With add: where the picture is from."),
-    unchecked: bool = typer.Option(False, "--unchecked", help="With add: also where the picture looks doubtful."),
-    replace: bool = typer.Option(False, "--replace", help="With add: put it in the place of another picture."),
+    licence: str = typer.Option("", "--licence", help="With add: licence of the picture."),
+    source: str = typer.Option("", "--source", help="With add: origin of the picture."),
+    unchecked: bool = typer.Option(False, "--unchecked", help="With add: accept a picture that looks doubtful."),
+    replace: bool = typer.Option(False, "--replace", help="With add: replace another picture of the sensor."),
     store: str = typer.Option(None, "--store", help="With add, remove: the store [default: the only *.zarr here]."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Sensors of a store, and backgrounds that the toolkit brings. `add` gives a store another sensor.
+    """List the sensors of a store, and the bundled backgrounds.
 
-    `remove` takes out what was added.
+    `add` adds a sensor to a store by its picture without contact; `remove` takes it out again.
 
     Example: tactiledata sensors add D20542 --background empty1.png empty2.png empty3.png
     """
     if words and words[0] == "add":
-        said = {"model": model, "licence": licence, "source": source, "replace": replace, "unchecked": unchecked}
-        _add_sensor(words[1:], background, said, store, as_json)
+        options = {"model": model, "licence": licence, "source": source, "replace": replace, "unchecked": unchecked}
+        _add_sensor(words[1:], background, options, store, as_json)
         return
     if words and words[0] == "remove":
         _remove_sensor(words[1:], store, as_json)
@@ -56,8 +58,9 @@ def sensors(
 
 
 def _add_sensor(
-    words: list[str], background: Path | None, said: dict[str, Any], store: str | None, as_json: bool
+    words: list[str], background: Path | None, options: dict[str, Any], store: str | None, as_json: bool
 ) -> None:
+    """Add a sensor to a store by its picture without contact; ``words`` are its name and further picture files."""
     from tactiledata.store.change.add_sensor import add_sensor
 
     if not words or background is None:
@@ -66,15 +69,16 @@ def _add_sensor(
         )
     name, *more = words
     location = working_store(store, "Name it: --store S")
-    found = add_sensor(location, name, [background, *map(Path, more)], **said)
+    added = add_sensor(location, name, [background, *map(Path, more)], **options)
     if as_json:
-        emit({"store": location, "sensor": name, "findings": [vars(finding) for finding in found]})
+        emit({"store": location, "sensor": name, "findings": [vars(finding) for finding in added]})
         return
-    findings((name, finding) for finding in found)
+    findings((name, finding) for finding in added)
     say(f"{name} is a sensor of {location} now")
 
 
 def _remove_sensor(names: list[str], store: str | None, as_json: bool) -> None:
+    """Take a sensor's picture that was added by hand out of a store."""
     from tactiledata.store.change.add_sensor import remove_sensor
 
     if len(names) != 1:
@@ -88,6 +92,7 @@ def _remove_sensor(names: list[str], store: str | None, as_json: bool) -> None:
 
 
 def _list_sensors(store: str | None, as_json: bool) -> None:
+    """Print the sensors of a store, the names of target sensors, and the bundled backgrounds."""
     from tactiledata.sensors.backgrounds import ALIASES, bundled_backgrounds, resolve_background
 
     bundled = bundled_backgrounds()
@@ -104,8 +109,8 @@ def _list_sensors(store: str | None, as_json: bool) -> None:
             "store": [dict(zip(keys, row, strict=True)) for row in rows],
             "names": stands_for,
             "bundled": {
-                name: {"source": one.source, "licence": one.licence, "attribution": one.attribution}
-                for name, one in bundled.items()
+                name: {"source": picture.source, "licence": picture.licence, "attribution": picture.attribution}
+                for name, picture in bundled.items()
             },
         })  # fmt: skip
         return
@@ -115,13 +120,13 @@ def _list_sensors(store: str | None, as_json: bool) -> None:
     table(
         "real backgrounds that come with the toolkit",
         ("name", "source", "licence"),
-        [(name, one.source, one.licence) for name, one in bundled.items()],
+        [(name, picture.source, picture.licence) for name, picture in bundled.items()],
     )
     say(next(iter(bundled.values())).attribution)
 
 
 def _of_store(location: str) -> tuple[list[tuple[Any, ...]], dict[str, str]]:
-    """Rows of the table of a store's sensors; what the names of target sensors stand for where YCB-Slide is there."""
+    """Return the rows of a store's sensors, and the sensors of YCB-Slide that names of target sensors stand for."""
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.targets import YCB_SERIALS, ycb_store
 

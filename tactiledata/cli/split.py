@@ -1,4 +1,4 @@
-"""`split` and `audit`: who may learn from what, and whether anything leaks."""
+"""`split` and `audit`: parts of a store for training and testing, and a search for leaks between them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's commands."""
+    """Add the commands `split` and `audit` to the application."""
     app.command("split")(split)
     app.command("audit")(audit)
 
@@ -21,19 +21,23 @@ def register(app: typer.Typer) -> None:
 def split(
     store: str = STORE_ARGUMENT,
     by: str = typer.Option(
-        "trajectory,sensor", "--by", help="trajectory, and the units to count by and to hold out: sensor, indenter."
+        "trajectory,sensor",
+        "--by",
+        help="Units of the split: trajectory, and those to count by and to hold out (sensor, indenter).",
     ),
     hold_out: str = typer.Option(
-        "auto", "--hold-out", help="sensor=…,indenter=… kept for the second test; auto, or none."
+        "auto", "--hold-out", help="Units of test_unseen: sensor=…,indenter=…, or auto, or none."
     ),
     fractions: str = typer.Option("0.8,0.1,0.1", "--fractions", help="Shares of train, val and test."),
-    force: str = typer.Option("1..13", "--force", help="Contact force in newtons that a frame must have, or none."),
-    seed: int = typer.Option(0, "--seed", help="Another seed draws another split."),
+    force: str = typer.Option("1..13", "--force", help="Range of contact force of the frames, in newtons, or none."),
+    seed: int = typer.Option(0, "--seed", help="Random seed for drawing the split."),
     name: str = typer.Option("default", "--name", help="Name of the split inside the store."),
-    replace: bool = typer.Option(False, "--replace", help="Draw it anew where one of that name has other options."),
+    replace: bool = typer.Option(False, "--replace", help="Replace a split of this name that has other options."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Deal out whole trajectories to train, val, test, test_unseen. The last holds sensors and indenters held out.
+    """Divide whole trajectories into train, val, test, test_unseen.
+
+    The part test_unseen has the sensors and indenters that are held out.
 
     Example: tactiledata split --by trajectory,sensor
     """
@@ -59,13 +63,17 @@ def split(
 def audit(
     store: str = STORE_ARGUMENT,
     split: str = typer.Option("default", "--split", help="Name of the split."),
-    images: bool = typer.Option(True, "--images/--no-images", help="Look for near copies among the images, too."),
+    images: bool = typer.Option(True, "--images/--no-images", help="Also look for near copies among the images."),
     parents: str = typer.Option(
-        None, "--parents", help="The store that this one's trajectories were derived from: their parts are compared."
+        None,
+        "--parents",
+        help="Store that the trajectories of this store were derived from; the parts of both are compared.",
     ),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Look for leaks between the parts of a split. Exit 1 where there is one.
+    """Look for leaks between the parts of a split.
+
+    The exit code is 1 where there is a leak.
 
     Example: tactiledata audit --split default
     """
@@ -74,9 +82,9 @@ def audit(
     from tactiledata.store.read.reader import Store
 
     location = working_store(store)
-    with damage_explains(location), progress("auditing", quiet=as_json) as tell:
+    with damage_explains(location), progress("auditing", quiet=as_json) as report_progress:
         opened = Store.open(location)
-        report = look(opened, split, images, tell)
+        report = look(opened, split, images, report_progress)
         if parents is not None:
             across = audit_across(opened, Store.open(parents), split)
             report = dataclasses.replace(report, findings=(*report.findings, *across))

@@ -1,4 +1,4 @@
-"""`info`, `check`, `merge`, `report`: what a store holds, and whether it is whole."""
+"""`info`, `check`, `merge`, `report`: the content of a store, and whether it is whole."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tactiledata.errors import UnknownName
 
 
 def register(app: typer.Typer) -> None:
-    """Add this module's commands."""
+    """Add the commands `info`, `check`, `merge` and `report` to the application."""
     app.command("info")(info)
     app.command("check")(check)
     app.command("merge")(merge)
@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
 
 
 def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
-    """What a store holds: recordings, sensors, signals, splits.
+    """Show what a store holds: recordings, sensors, signals, splits.
 
     Example: tactiledata info ds.zarr
     """
@@ -37,6 +37,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     if as_json:
         emit(facts)
         return
+    # recordings, sensors, indenters and signals
     say(
         f"{opened.location}: {counted(facts['sources'], 'recording')}, "
         f"{counted(facts['trajectories'], 'trajectory')}, {counted(facts['frames'], 'image')}"
@@ -68,6 +69,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
             for name, row in facts["signals"].items()
         ],
     )
+    # splits, meshes and findings
     for name in opened.split_names():
         say(f"split: {name}")
     for name, mesh in facts["meshes"].items():
@@ -82,11 +84,15 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
 def check(
     store: str = STORE_ARGUMENT,
-    repair: bool = typer.Option(False, "--repair", help="Mend what can be mended without inventing data."),
-    decode: bool = typer.Option(False, "--decode", help="Decode every image, too: slow, finds what checksums cannot."),
+    repair: bool = typer.Option(False, "--repair", help="Repair damage that can be repaired without inventing data."),
+    decode: bool = typer.Option(
+        False, "--decode", help="Also decode every image, which is slow and finds damage that checksums cannot."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Check every byte of a store against its checksums. Tables are held against each other; exit 1 on damage.
+    """Check every byte of a store against its checksums.
+
+    The tables are also compared with each other. The exit code is 1 on damage.
 
     Example: tactiledata check ds.zarr --repair
     """
@@ -94,37 +100,42 @@ def check(
     from tactiledata.store.check.repair import repair as mend
 
     location = working_store(store)
-    with damage_explains(location), progress("checking", quiet=as_json) as tell:
-        said = mend(location, decode, tell) if repair else look(location, decode=decode, progress=tell)
-    mended = [finding for finding in said if finding.code == "store-mended"]
-    found = [finding for finding in said if finding.code != "store-mended"]
+    with damage_explains(location), progress("checking", quiet=as_json) as report_progress:
+        if repair:
+            results = mend(location, decode, report_progress)
+        else:
+            results = look(location, decode=decode, progress=report_progress)
+    mended = [finding for finding in results if finding.code == "store-mended"]
+    remaining = [finding for finding in results if finding.code != "store-mended"]
     if as_json:
-        emit({"mended": [vars(finding) for finding in mended], "findings": [vars(finding) for finding in found]})
+        emit({"mended": [vars(finding) for finding in mended], "findings": [vars(finding) for finding in remaining]})
     else:
         findings(("mended", finding) for finding in mended)
-        findings(("", finding) for finding in found)
-        say("the store is whole" if not found else counted(len(found), "finding"))
-    if any(finding.severity == "damage" for finding in found):
+        findings(("", finding) for finding in remaining)
+        say("the store is whole" if not remaining else counted(len(remaining), "finding"))
+    if any(finding.severity == "damage" for finding in remaining):
         raise typer.Exit(1)
 
 
 def merge(
-    stores: list[str] = typer.Argument(..., help="Stores to take from; they are not changed."),
-    into: Path = typer.Option(..., "--into", help="Store to add to; made where it is not there."),
+    stores: list[str] = typer.Argument(..., help="Stores to copy from; they stay unchanged."),
+    into: Path = typer.Option(..., "--into", help="Store to add to; it is made where it is missing."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Add the recordings of several stores to one. One that is in two comes once; splits are not taken along.
+    """Add the recordings of several stores to one.
+
+    A recording of several stores is added once. Splits are not copied.
 
     Example: tactiledata merge monday.zarr tuesday.zarr --into week.zarr
     """
     from tactiledata.store.change.merge import merge as add
 
-    with progress("merging", quiet=as_json) as tell:
-        found = add(stores, into, tell)
+    with progress("merging", quiet=as_json) as report_progress:
+        merged = add(stores, into, report_progress)
     if as_json:
-        emit({"store": str(into), "findings": [vars(finding) for finding in found]})
+        emit({"store": str(into), "findings": [vars(finding) for finding in merged]})
         return
-    findings(("", finding) for finding in found)
+    findings(("", finding) for finding in merged)
     say(f"merged into {into}")
 
 
@@ -134,7 +145,9 @@ def report(
     split: str = typer.Option(None, "--split", help="Split to describe [default: default, where there is one]."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """One page about a store, with pictures. What was recorded, what was wrong with it, who may learn from what.
+    """Write a page about a store, with pictures.
+
+    The page shows what was recorded, what was wrong with it, and what the parts of a split hold.
 
     Example: tactiledata report ds.zarr --out report
     """
@@ -147,7 +160,7 @@ def report(
     with damage_explains(location):
         opened = Store.open(location)
         if split is not None and split not in opened.split_names():
-            raise UnknownName("split", split, opened.split_names(), "`tactiledata split` makes one.")
+            raise UnknownName("split", split, opened.split_names(), "`tactiledata split` makes a split.")
         written = write_report(opened, out, split or "default", mesh_sections(opened))
     simulated = simulated_recordings(opened)
     if as_json:

@@ -1,4 +1,4 @@
-"""The store that a command works on: the one that is named, or the only one in the working folder."""
+"""The choice of the store that a command works on: the named store, or the only one in the working folder."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ import typer
 
 from tactiledata.errors import UsageError
 
-STORE_ARGUMENT = typer.Argument(None, help="A store (*.zarr); left out: the only one in the working folder.")
+STORE_ARGUMENT = typer.Argument(None, help="A store (*.zarr). Default: the only store in the working folder.")
 
 
-def working_store(named: str | None, remedy: str = "Name one.") -> str:
-    """Path or address of the store.
+def working_store(named: str | None, remedy: str = "Name one of them.") -> str:
+    """Return the path or address of the named store, else of the only store in the working folder.
+
+    ``remedy`` is the advice where the folder holds several stores.
 
     Raises
     ------
     UsageError
-        None is named, and the working folder holds none, or several.
+        No store is named, and the working folder holds none, or several.
     """
     if named is not None:
         return named
@@ -28,6 +30,6 @@ def working_store(named: str | None, remedy: str = "Name one.") -> str:
         raise UsageError(
             f"no store is named, and {Path.cwd()} holds no *.zarr",
             "a store",
-            "Name one, or make one: tactiledata ingest RECORDINGS --store ds.zarr",
+            "Name a store, or make one: tactiledata ingest RECORDINGS --store ds.zarr",
         )
     raise UsageError(f"the working folder holds several stores: {', '.join(stores)}", "one", remedy)

@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 @dataclass(frozen=True)
 class Outcome(Generic[T, R]):
-    """What became of one task: a result, or the error that ended it."""
+    """The outcome of one task: a result, or the error that ended it."""
 
     task: T
     result: R | None
@@ -23,7 +23,7 @@ class Outcome(Generic[T, R]):
 
     @property
     def is_ok(self) -> bool:
-        """Whether there is a result."""
+        """Whether the task gave a result."""
         return self.error is None
 
 
@@ -36,11 +36,11 @@ class Scheduler(ABC):
 
     @abstractmethod
     def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
-        """One `Outcome` per task, in the order of ``tasks``; a few tasks ahead of the reader at most."""
+        """Yield one `Outcome` per task, in the order of ``tasks``; few tasks run ahead of the reader."""
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:
-    """The outcome of one task, run here; what a worker executes."""
+    """Run one task in this process and return its outcome; workers execute this function."""
     try:
         return Outcome(task, function(task), None)
     except TactileDataError as error:

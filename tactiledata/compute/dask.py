@@ -13,33 +13,35 @@ CONNECT_TIMEOUT = 20.0
 
 
 class DaskScheduler(Scheduler):
-    """A Dask cluster.
+    """Runs tasks on the workers of a Dask cluster.
 
     Parameters
     ----------
     address : str
-        Of the Dask scheduler, for example ``"tcp://10.0.0.5:8786"``. Its workers must have this package installed and
-        see the same paths.
+        Address of the Dask scheduler, for example ``"tcp://10.0.0.5:8786"``. Its workers must have this package
+        installed and see the same paths.
     """
 
     def __init__(self, address: str) -> None:
         self.address = address
 
     def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
-        """See `Scheduler.outcomes`."""
+        """Yield one `Outcome` per task in order; refuse a scheduler that does not answer."""
         try:
             from distributed import Client
         except ImportError as error:
             raise UsageError(
-                "the package 'distributed' is not installed", "it, for --scheduler", "pip install 'tactiledata[dask]'"
+                "the package 'distributed' is not installed",
+                "this package, for --scheduler",
+                "pip install 'tactiledata[dask]'",
             ) from error
         try:
             client = Client(self.address, timeout=CONNECT_TIMEOUT, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise UsageError(
                 f"no Dask scheduler answers at {self.address!r} ({error})",
-                "the address of a running one, like tcp://host:8786",
-                "Start one with `dask scheduler`, or use --workers N.",
+                "the address of a running scheduler, like tcp://host:8786",
+                "Start a scheduler with `dask scheduler`, or use --workers N.",
             ) from error
         with client:
             ahead = max(4, 2 * sum(client.ncores().values()))

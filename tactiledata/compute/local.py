@@ -14,12 +14,12 @@ from tactiledata.errors import TactileDataError, UsageError
 
 
 class LocalScheduler(Scheduler):
-    """Local processes; with one worker, no process is started.
+    """Runs tasks on local processes; with one worker it starts no process.
 
     Parameters
     ----------
     workers : int
-        How many tasks run at a time, at least 1.
+        Number of tasks that run at a time, at least 1.
     """
 
     def __init__(self, workers: int = 1) -> None:
@@ -28,7 +28,7 @@ class LocalScheduler(Scheduler):
         self.workers = workers
 
     def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
-        """See `Scheduler.outcomes`."""
+        """Yield one `Outcome` per task in order; at most two tasks per worker run ahead of the reader."""
         if self.workers == 1 or len(tasks) < 2:
             for task in tasks:
                 yield attempt(function, task)
@@ -44,23 +44,26 @@ class LocalScheduler(Scheduler):
 
 
 def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[Any, Any]]:
+    """Return the future of a task; a pool whose worker died becomes an error of ours."""
     try:
         return pool.submit(attempt, function, task)
     except BrokenProcessPool as error:
-        raise _death(task) from error
+        raise _worker_died(task) from error
 
 
 def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
+    """Return the outcome of a submitted task once it is done; a worker that died becomes an error of ours."""
     try:
         return future.result()
     except BrokenProcessPool as error:
-        raise _death(task) from error
+        raise _worker_died(task) from error
 
 
-def _death(task: Any) -> TactileDataError:
+def _worker_died(task: Any) -> TactileDataError:
+    """Return the error for a worker process that died near a task."""
     return TactileDataError(
-        f"a worker process died while it, or another worker, was at {str(task)[:300]}",
+        f"a worker process died while the workers were at {str(task)[:300]}",
         "",
         "Most often the machine ran out of memory: use fewer --workers. (A Python script that starts workers must "
-        "do so under `if __name__ == '__main__':`.) Run it again to go on; what is finished is kept.",
+        "do so under `if __name__ == '__main__':`.) Run the command again to go on; finished tasks are kept.",
     )

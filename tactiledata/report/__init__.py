@@ -1,1 +1,8 @@
-"""Rendering only: data in, one page or picture that a person wants to read out."""
+"""Reports: how results become a page or a picture that a person wants to read.
+
+`page` renders sentences, tables and pictures as one HTML file. `plots` draws recorded touches; `replay_plots`,
+`calibration_plots`, `diagnosis_plots` and `naming_plots` draw what the part of the toolkit of that name found.
+
+Rendering only: the room computes no results, reads no store and decides no wording. matplotlib and jinja2 are imported
+where something is drawn, so that the package works without them.
+"""

@@ -15,17 +15,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ACROSS = 4
+"""Number of pictures in a row."""
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """One trajectory.
+    """The measured and simulated forces of one trajectory.
 
     Parameters
     ----------
     title : str
+        Title of the picture.
     seconds : (n,) s
+        Times of the frames.
     measured, simulated : (n, 3) N
+        Contact forces, gel frame.
     """
 
     title: str
@@ -36,16 +40,20 @@ class Overlay:
 
 @dataclass(frozen=True)
 class LossSurface:
-    """A loss over two parameters, the third fitted at each place or held.
+    """A loss over two parameters, with the third one fitted at each place or held.
 
     Parameters
     ----------
     title, across, up : str
-        What it shows, and the axes' names with units.
+        Title, and names of the axes with units.
     x, y : (p,), (q,)
+        Values of the parameters.
     loss : (q, p)
-    best : (x, y), the optimum
-    contour : loss up to which a 95 % region reaches; NaN draws none
+        The loss at each pair of values.
+    best : (x, y)
+        The optimum.
+    contour : float
+        Loss at the border of the 95 % region; NaN draws no border.
     """
 
     title: str
@@ -59,7 +67,7 @@ class LossSurface:
 
 
 def draw_overlays(overlays: Sequence[Overlay]) -> Figure:
-    """Dots as measured, lines as simulated, four trajectories a row."""
+    """Draw measured forces as dots and simulated forces as lines, four trajectories in a row."""
     from matplotlib.figure import Figure
 
     rows = max(1, -(-len(overlays) // ACROSS))
@@ -83,7 +91,7 @@ def draw_overlays(overlays: Sequence[Overlay]) -> Figure:
 
 
 def draw_surfaces(surfaces: Sequence[LossSurface]) -> Figure:
-    """Maps of the loss side by side, the optimum marked."""
+    """Draw maps of the loss side by side, with the optimum marked."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5.4 * len(surfaces), 4), layout="constrained")
@@ -102,7 +110,17 @@ def draw_surfaces(surfaces: Sequence[LossSurface]) -> Figure:
 
 
 def draw_residuals(measured: Array, residual: Array, names: Sequence[str]) -> Figure:
-    """Residuals (n, 3), N, over the measured normal force (n,), and their histogram."""
+    """Draw residuals over the measured normal force, and their histogram.
+
+    Parameters
+    ----------
+    measured : (n,) N
+        Measured normal force.
+    residual : (n, 3) N
+        Measured less simulated force.
+    names : sequence of str
+        Names of the three components.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 3.2), layout="constrained")

@@ -1,4 +1,4 @@
-"""Pictures of a diagnosis: dependences once sloped and now flat, means about events, shares of the excess, a map."""
+"""Pictures of a diagnosis: dependences on covariates, means about events, shares of the excess, maps."""
 
 from __future__ import annotations
 
@@ -17,23 +17,28 @@ if TYPE_CHECKING:
 
 
 BEFORE, AFTER = "#c0392b", "#2c5aa0"
+"""Colours of values without and with the explanation."""
 ACROSS = 3
+"""Number of pictures in a row."""
 COLOURS = ("#c0392b", "#27ae60", "#2c5aa0", "#8e44ad", "#d35400", "#16a085")
 
 
 @dataclass(frozen=True)
 class Dependence:
-    """Departures of a parameter in bins of a covariate.
+    """Departures of a parameter from its mean, in bins of a covariate.
 
     Parameters
     ----------
     parameter, covariate : str
-        The axes' names with units.
+        Names of the axes with units.
     is_logarithmic : bool
+        Whether the covariate's axis is logarithmic.
     places : (b,)
+        Covariate of each bin.
     before, before_error : (b,)
+        Departure and standard error without the explanation.
     after, after_error : (b,), optional
-        With the explanation.
+        The same with the explanation.
     """
 
     parameter: str
@@ -48,16 +53,20 @@ class Dependence:
 
 @dataclass(frozen=True)
 class EventPicture:
-    """Means about an event.
+    """Means of residuals in the frames about an event.
 
     Parameters
     ----------
     title : str
+        Title of the picture.
     frames : (w,)
+        Number of each frame after the event.
     mean, error : (w, k)
+        Means over trajectories and their standard errors.
     names : k components
+        Names of the components.
     unit : str
-        What means and errors are multiples of.
+        Unit of means and errors.
     """
 
     title: str
@@ -70,14 +79,18 @@ class EventPicture:
 
 @dataclass(frozen=True)
 class MapPicture:
-    """A map.
+    """A map of departures over a plane.
 
     Parameters
     ----------
     title, across, up, unit : str
+        Title, names of the axes, and unit of the values.
     x, y : (a,), (b,)
-    values : (b, a), NaN where nothing is known
+        Coordinates of the places.
+    values : (b, a)
+        Departures; NaN where they are unknown.
     stands_out : (b, a)
+        Places outside the band of chance.
     """
 
     title: str
@@ -91,14 +104,14 @@ class MapPicture:
 
 
 def literal(text: str) -> str:
-    """A text of strangers, whose dollars are no mathematics."""
+    """Return a text in which matplotlib takes no dollar sign for mathematics."""
     return text.replace("$", r"\$")
 
 
 def draw_dependences(
     panels: Sequence[Dependence], names: tuple[str, str] = ("scale and offset refitted", "with the formula")
 ) -> Figure:
-    """One panel for each pair of parameter and covariate; ``names``: of before and after."""
+    """Draw one panel for each pair of parameter and covariate; ``names`` are the labels of before and after."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     figure, axes = _grid(len(panels))
@@ -126,7 +139,7 @@ def draw_dependences(
 
 
 def draw_events(pictures: Sequence[EventPicture]) -> Figure:
-    """Means over trajectories with bands of two standard errors."""
+    """Draw means about events, over trajectories, with bands of two standard errors."""
     figure, axes = _grid(len(pictures))
     for axis, picture in zip(axes, pictures, strict=False):
         event_panel(axis, picture)
@@ -134,7 +147,7 @@ def draw_events(pictures: Sequence[EventPicture]) -> Figure:
 
 
 def event_panel(axis: Axes, picture: EventPicture) -> None:
-    """Means of each component about one event."""
+    """Draw the means of each component about one event into a panel."""
     for column, name in enumerate(picture.names):
         mean, error = picture.mean[:, column], 2 * picture.error[:, column]
         colour = COLOURS[column % len(COLOURS)]
@@ -151,7 +164,17 @@ def event_panel(axis: Axes, picture: EventPicture) -> None:
 
 
 def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[float]) -> Figure:
-    """Bars of shares, and ticks where an even spread would be."""
+    """Draw bars of shares, and ticks of the shares that an even spread would give.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Labels of the bars.
+    shares : sequence of float
+        Share of the excess that each has.
+    even : sequence of float
+        Share of the values that each has.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 0.28 * len(names) + 0.9), layout="constrained")
@@ -168,7 +191,17 @@ def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[fl
 
 
 def draw_errors(names: Sequence[str], errors: Sequence[float], unit: str) -> Figure:
-    """Bars of root mean squares."""
+    """Draw bars of root mean squares.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Labels of the bars.
+    errors : sequence of float
+        Root mean squares.
+    unit : str
+        Their unit.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7, 0.35 * len(names) + 0.7), layout="constrained")
@@ -183,7 +216,7 @@ def draw_errors(names: Sequence[str], errors: Sequence[float], unit: str) -> Fig
 
 
 def draw_map(picture: MapPicture) -> Figure:
-    """Departures over the plane; places outside the band of chance are marked."""
+    """Draw a map of departures over the plane; places outside the band of chance are marked."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5, 4), layout="constrained")
@@ -192,7 +225,19 @@ def draw_map(picture: MapPicture) -> Figure:
 
 
 def map_panel(figure: Figure, axis: Axes, picture: MapPicture, limit: float) -> None:
-    """A map whose colours reach from ``-limit`` to ``limit``."""
+    """Draw a map into a panel of a figure.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure, which gets a bar of colours.
+    axis : Axes
+        The panel.
+    picture : MapPicture
+        The map.
+    limit : float
+        Value up to which colours reach, in both directions.
+    """
     drawn = axis.pcolormesh(
         picture.x, picture.y, picture.values, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="nearest"
     )
@@ -208,6 +253,7 @@ def map_panel(figure: Figure, axis: Axes, picture: MapPicture, limit: float) -> 
 
 
 def _grid(count: int) -> tuple[Figure, list[Axes]]:
+    """Return a figure and its panels in rows, of which ``count`` are used and the others switched off."""
     from matplotlib.figure import Figure
 
     rows = max(1, -(-count // ACROSS))

@@ -1,4 +1,4 @@
-"""Pictures of a named effect: candidates, movement of the gel's numbers, errors, events, maps and trajectories."""
+"""Pictures of a named effect: gains of candidates, changes of the gel's parameters, errors, events, maps, forces."""
 
 from __future__ import annotations
 
@@ -19,21 +19,23 @@ if TYPE_CHECKING:
 
 GREY = "#8a929a"
 FAR = 10.0
-"""Times what a claim needs, from which on gains are drawn over their logarithm."""
+"""Largest gain, in units of what a claim needs, that is drawn on a linear axis."""
 Interval = tuple[float, float, float]
-"""Low end, value, high end."""
+"""Low end, value and high end of an interval."""
 
 
 @dataclass(frozen=True)
 class Moved:
-    """A number before and after.
+    """A parameter of the gel without and with the named effects.
 
     Parameters
     ----------
     title : str
-        With its unit.
+        Name of the parameter with its unit.
     before : Interval
+        Interval without the effects.
     after : Interval, optional
+        Interval with them.
     """
 
     title: str
@@ -43,15 +45,18 @@ class Moved:
 
 @dataclass(frozen=True)
 class ErrorPanel:
-    """Errors of one kind on s sets that were held out.
+    """Errors of one kind on s sets of touches that were held out.
 
     Parameters
     ----------
     title : str
-        With the unit.
+        Kind of error with its unit.
     names : s names
-    bars : dict, what -> s values; NaN where there is none
+        Names of the sets.
+    bars : dict, name -> s values
+        Errors of each simulation; NaN where a set has none.
     floor : s values
+        Errors that noise alone gives.
     """
 
     title: str
@@ -62,14 +67,18 @@ class ErrorPanel:
 
 @dataclass(frozen=True)
 class OverlayPicture:
-    """Forces of one trajectory.
+    """The measured forces of one trajectory, and those of several simulations.
 
     Parameters
     ----------
     title : str
+        Title of the row.
     seconds : (n,)
+        Times of the frames.
     measured : (n, 3) N
-    simulated : dict, what -> (n, 3) N
+        Measured contact force, gel frame.
+    simulated : dict, name -> (n, 3) N
+        Force of each simulation.
     """
 
     title: str
@@ -79,7 +88,17 @@ class OverlayPicture:
 
 
 def draw_ladder(names: Sequence[str], gains: Sequence[float], errors: Sequence[float], claim: float) -> Figure:
-    """Held-out gains with two standard errors, and what they must exceed."""
+    """Draw the gains of candidates on held-out trajectories, with two standard errors.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Labels of the candidates.
+    gains, errors : sequence of float
+        Gain in log-likelihood, and its standard error.
+    claim : float
+        Gain that a claim needs.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 0.32 * len(names) + 1.0), layout="constrained")
@@ -100,7 +119,7 @@ def draw_ladder(names: Sequence[str], gains: Sequence[float], errors: Sequence[f
 
 
 def draw_movement(numbers: Sequence[Moved]) -> Figure:
-    """One panel a number: before, after, and an arrow between them."""
+    """Draw one panel for each parameter: its intervals before and after, and an arrow between them."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(3.0 * len(numbers), 1.5), layout="constrained")
@@ -125,7 +144,7 @@ def draw_movement(numbers: Sequence[Moved]) -> Figure:
 
 
 def draw_held_out(panels: Sequence[ErrorPanel]) -> Figure:
-    """Bars of errors by what was held out; ticks show what noise alone gives."""
+    """Draw bars of errors for each set that was held out; ticks show the errors that noise alone gives."""
     from matplotlib.figure import Figure
 
     sets, kinds = len(panels[0].names), len(panels[0].bars)
@@ -141,6 +160,7 @@ def draw_held_out(panels: Sequence[ErrorPanel]) -> Figure:
             axis.plot([floor, floor], ends, color="black", linewidth=1.2, label="noise alone" if number == 0 else None)
         axis.set_title(panel.title, fontsize=9)
         axis.tick_params(labelsize=7)
+    # labels of the sets, and one legend for all panels
     middle = np.arange(sets) * (kinds + 1.0) + (kinds - 1) / 2
     axes[0].set_yticks(middle, panels[0].names, fontsize=8)
     axes[0].invert_yaxis()
@@ -150,7 +170,7 @@ def draw_held_out(panels: Sequence[ErrorPanel]) -> Figure:
 
 
 def draw_event_pairs(pairs: Sequence[tuple[EventPicture, EventPicture | None]]) -> Figure:
-    """Means about each event, plain on the left and with the effects on the right."""
+    """Draw the means about each event, without the effects on the left and with them on the right."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 2.6 * len(pairs)), layout="constrained")
@@ -165,18 +185,18 @@ def draw_event_pairs(pairs: Sequence[tuple[EventPicture, EventPicture | None]]) 
 
 
 def draw_map_pair(pictures: Sequence[MapPicture]) -> Figure:
-    """Maps side by side, one scale of colours for all."""
+    """Draw maps side by side with one scale of colours."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5 * len(pictures), 4), layout="constrained")
-    limit = max(float(np.nanmax(np.abs(one.values), initial=1e-300)) for one in pictures)
+    limit = max(float(np.nanmax(np.abs(picture.values), initial=1e-300)) for picture in pictures)
     for axis, picture in zip(figure.subplots(1, len(pictures), squeeze=False)[0], pictures, strict=True):
         map_panel(figure, axis, picture, limit)
     return figure
 
 
 def draw_overlays(pictures: Sequence[OverlayPicture]) -> Figure:
-    """A row a trajectory, a column a component: measured points, simulated lines."""
+    """Draw forces, a row per trajectory and a column per component: measured points, simulated lines."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(12, 2.3 * len(pictures) + 0.3), layout="constrained")
@@ -194,6 +214,7 @@ def draw_overlays(pictures: Sequence[OverlayPicture]) -> Figure:
 
 
 def _overlay(axis: Axes, picture: OverlayPicture, column: int) -> None:
+    """Draw one component of the forces of a trajectory into a panel."""
     axis.plot(picture.seconds, picture.measured[:, column], ".", color="black", markersize=4, label="measured")
     for (what, force), colour, dashes in zip(picture.simulated.items(), (BEFORE, AFTER), ("--", "-"), strict=False):
         axis.plot(picture.seconds, force[:, column], dashes, color=colour, linewidth=1.1, label=what)

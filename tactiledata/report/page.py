@@ -1,4 +1,4 @@
-"""One page of HTML that stands alone: sentences first, then tables and pictures; nothing is loaded from elsewhere."""
+"""One page of HTML in a single file: sentences first, then tables and pictures; nothing is loaded from elsewhere."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ footer { margin-top: 3rem; font-size: .8rem; color: #57606a; }
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG and what it shows, in words."""
+    """A PNG picture and its caption."""
 
     png: bytes
     caption: str
 
     @property
     def encoded(self) -> str:
-        """Base64 text."""
+        """Content of the picture as Base64 text."""
         return base64.b64encode(self.png).decode()
 
 
@@ -59,10 +59,13 @@ class Section:
     Parameters
     ----------
     title : str
+        Heading.
     sentences : sequence of (kind, text)
-        Kind: ``""``, ``"damage"``, ``"warning"`` or ``"info"``.
-    columns, rows : a table, where there is one
+        Paragraphs; the kind is ``""``, ``"damage"``, ``"warning"`` or ``"info"`` and decides the colour.
+    columns, rows : sequences
+        Names of columns and cells of a table; no rows for no table.
     pictures : sequence of Picture
+        Pictures below the table.
     code : sequence of str
         Commands or programs to copy.
     """
@@ -82,17 +85,20 @@ def render_page(
     footer: str,
     simulated: SimulatedCount = NOTHING_STATED,
 ) -> str:
-    """The page as HTML; all text is escaped.
+    """Return a page as HTML; all text is escaped.
 
     Parameters
     ----------
     title : str
+        Title and first heading.
     sentences : sequence of str
-        What stands first.
+        Paragraphs before the first section.
     sections : sequence of Section
+        Parts of the page.
     footer : str
+        Last line.
     simulated : SimulatedCount
-        Of what the page is about. Where any is simulated, the title, the last of the sentences and every caption say
+        How many of the page's recordings are simulated. Where any is, the title, a last sentence and every caption say
         so.
     """
     from jinja2 import Environment, StrictUndefined

@@ -15,26 +15,29 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AXIS_COLOURS = {"fx": "#c0392b", "fy": "#27ae60", "fz": "#2c5aa0"}
+"""Colours of the components of a force."""
 
 
 @dataclass(frozen=True)
 class TouchPicture:
-    """One touch, ready to be drawn.
+    """The pictures and the force of one recorded touch.
 
     Parameters
     ----------
     title : str
+        Title of the row.
     background, image : (H, W, 3) uint8 RGB
-        Without contact (``None``: not known), and at the largest force.
+        Picture without contact (``None`` where it is unknown), and picture at the largest force.
     seconds : (n,) s from the trajectory's start
+        Times of the force samples.
     force : (n, 3) N
-        Contact force; (0, 3): it is not known.
+        Contact force; (0, 3) where it is unknown.
     force_frame : str
-        ``"gel"``: x along the short side, z out of the gel; else ``"ft"``.
+        Frame of the force: ``"gel"`` (x along the short side, z out of the gel) or ``"ft"``.
     frame_seconds : (m,) s
-        When images were taken.
+        Times of the images.
     shown_second : float
-        When ``image`` was taken.
+        Time of ``image``, s.
     """
 
     title: str
@@ -48,12 +51,12 @@ class TouchPicture:
 
     @property
     def has_force(self) -> bool:
-        """Whether its contact force is known."""
+        """Whether the contact force of the touch is known."""
         return bool(np.isfinite(self.force).any())
 
 
 def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
-    """A row per touch: without contact, at the largest force, the difference, and the force over time.
+    """Draw a row per touch: without contact, at the largest force, the difference, and the force over time.
 
     Where no touch has a force, an image of each is shown, and no plot of forces.
     """
@@ -78,6 +81,7 @@ def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
 
 
 def _difference(touch: TouchPicture) -> NDArray[np.uint8] | None:
+    """Return the doubled difference of both pictures about grey; None where they cannot be compared."""
     if touch.background is None or touch.image is None or touch.background.shape != touch.image.shape:
         return None
     change = touch.image.astype(np.int16) - touch.background
@@ -85,6 +89,7 @@ def _difference(touch: TouchPicture) -> NDArray[np.uint8] | None:
 
 
 def _picture(axes: Axes, image: NDArray[np.uint8] | None, title: str) -> None:
+    """Draw an image into a panel, or the word "none"."""
     if image is None:
         axes.text(0.5, 0.5, "none", ha="center", va="center", transform=axes.transAxes, color="grey")
     else:
@@ -95,6 +100,7 @@ def _picture(axes: Axes, image: NDArray[np.uint8] | None, title: str) -> None:
 
 
 def _force(axes: Axes, touch: TouchPicture, is_first: bool, is_last: bool) -> None:
+    """Draw the force over time into a panel, with ticks at the images."""
     for column, name in enumerate(("fx", "fy", "fz")):
         axes.plot(
             touch.seconds,
@@ -117,14 +123,16 @@ def _force(axes: Axes, touch: TouchPicture, is_first: bool, is_last: bool) -> No
 
 
 def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "") -> bytes:
-    """A figure as PNG; the same figure gives the same bytes.
+    """Return a figure as the bytes of a PNG; the same figure gives the same bytes.
 
     Parameters
     ----------
     figure : Figure
+        The figure.
     dots_per_inch : int
+        Resolution.
     heading : str
-        Stands above all its parts; empty for none.
+        Heading above all parts of the figure; empty for none.
     """
     if heading:
         figure.suptitle(heading, fontsize=10)

@@ -19,24 +19,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ReplayedTouch:
-    """One touch, ready to be drawn.
+    """The forces and the deformed gel of one replayed touch.
 
     Parameters
     ----------
     title : str
+        Title of the picture.
     seconds : (n,) s from the trajectory's start
+        Times of the measured forces.
     measured : (n, 3) N
         Contact force, gel frame, at its native rate; empty where none was measured.
     frame_seconds : (m,) s
-        When images were taken.
+        Times of the images.
     simulated : (m, 3) N
-        At those moments; NaN where there is no mesh.
+        Simulated force at those times; NaN where there is no mesh.
     shown_second : float
-        Of the mesh.
-    vertices : (v, 3) m, gel frame, undeformed
+        Time of the mesh that is shown, s.
+    vertices : (v, 3) m, gel frame
+        Undeformed vertices.
     displacement : (v, 3) m
+        Displacements of the vertices.
     triangles : (t, 3)
-        The outer surface.
+        Vertex numbers of the outer surface's triangles.
     """
 
     title: str
@@ -51,7 +55,7 @@ class ReplayedTouch:
 
 
 def draw_replayed(touches: Sequence[ReplayedTouch]) -> Figure:
-    """A row per touch: the deformed surface at the largest force, and the forces over time."""
+    """Draw a row per touch: the deformed surface at the largest force, and the forces over time."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 2.8 * len(touches) + 0.4), layout="constrained")
@@ -63,6 +67,7 @@ def draw_replayed(touches: Sequence[ReplayedTouch]) -> Figure:
 
 
 def _surface(axes: Any, touch: ReplayedTouch) -> None:
+    """Draw the deformed outer surface in colours of displacement, mm."""
     x, y, z = 1e3 * (touch.vertices + touch.displacement).T
     moved = 1e3 * np.linalg.norm(touch.displacement, axis=1)
     drawn = axes.plot_trisurf(x, y, z, triangles=touch.triangles, cmap="viridis", linewidth=0.1, edgecolor="#00000030")
@@ -78,6 +83,7 @@ def _surface(axes: Any, touch: ReplayedTouch) -> None:
 
 
 def _forces(axes: Axes, touch: ReplayedTouch, is_first: bool, is_last: bool) -> None:
+    """Draw measured and simulated forces over time."""
     for column, name in enumerate(("fx", "fy", "fz")):
         label = f"{name[0].upper()}{name[1]}"
         colour = AXIS_COLOURS[name]

@@ -1,4 +1,4 @@
-"""One log's worth of touches, played: where the arm is, what the gel feels, at every moment."""
+"""The touches of one log, played: where the arm is and which wrench the gel exerts, at every moment."""
 
 from __future__ import annotations
 
@@ -14,103 +14,119 @@ from tactiledata.arrays import RealArray, Times
 from tactiledata.indenters import make_indenter
 from tactiledata.indenters.base import Indenter
 from tactiledata.rig.contact.by_layer import touch_layer
-from tactiledata.rig.contact.contact import CONTACT_RATE, Contact, Played, TouchSetup, missed_at
-from tactiledata.rig.contact.footprint import GelGrid, footprint
-from tactiledata.rig.hidden.base import TouchFacts, Visit
+from tactiledata.rig.contact.contact import CONTACT_RATE, PlayTouch, RigContact, TouchSetup, deviation_at
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
+from tactiledata.rig.hidden.base import EarlierTouch, TouchFacts
 from tactiledata.rig.hidden.contact import analytic, touch_hidden
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion import motion
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.scenario.scenario import Gel, Scenario
 from tactiledata.transforms import Transform
 
 TRAVEL_SPEED = 0.15
-"""m/s between indenters."""
+"""Mean speed of the arm between two indenters, m/s."""
 TABLE_CORNER = (-0.02, -0.42, 0.12)
-"""m, base frame: where the first indenter's tip stands; the others in a grid beside it."""
+"""Position of the first indenter's tip, m, base frame; the others stand in a grid beside it."""
 SPACING = 0.05
+"""Distance between neighbouring indenters in that grid, m."""
 PER_ROW = 4
+"""Number of indenters in a row of the grid."""
 MOUNTS, OFFSETS = 3, 4
-"""Numbers of the random streams."""
+"""Numbers of the random streams of errors of mounting and of positioning."""
 TOUCHED = {"pose", "contact", "force"}
-"""Places where a hidden effect changes what happens in a touch."""
+"""Values of ``HiddenEffect.ACTS`` with which an effect changes what happens in a touch."""
 
 
 @dataclass(frozen=True)
 class PlayedTrajectory:
-    """One trajectory, played.
+    """One trajectory after it was played: its plan, its times and its contact.
 
     Parameters
     ----------
-    touch : Touch
+    touch : TouchPlan
+        What the arm was commanded to do.
     start_ns : int
-        Of the host clock.
+        Start of the trajectory, ns of the host clock.
     lowest : metres
         Height of the turned indenter's first-touching point over its tip; at most 0.
     offset : (3,), metres
-        What the arm and the mount really add to the path: x, y, depth. Known to the rig only.
-    contact : Contact
-        What the gel does.
+        Constant error of arm and mount that adds to the path: x, y, depth. Known to the rig only.
+    contact : RigContact
+        What the gel does meanwhile.
     mount : int
-        How often indenters have been mounted in this log before.
+        Number of times that indenters have been mounted in this log, this one included.
     """
 
-    touch: Touch
+    touch: TouchPlan
     start_ns: int
     lowest: float
     offset: RealArray
-    contact: Contact
+    contact: RigContact
     mount: int
 
     @property
     def path(self) -> motion.Path:
-        """As commanded."""
+        """Commanded path of the indenter over the gel."""
         return self.contact.path
 
     @property
     def end_ns(self) -> int:
-        """End of the half-open interval of the host clock."""
+        """End of the trajectory's half-open interval, ns of the host clock."""
         return self.start_ns + int(np.ceil(self.path.duration * 1e9))
 
     def true_positions(self, host_ns: Times) -> RealArray:
-        """Where the indenter really is over the gel (n, 3): x, y of the tip, depth, metres."""
+        """Return the real positions of the indenter over the gel (n, 3): x, y of the tip, depth, metres."""
         seconds = (host_ns - self.start_ns) * 1e-9
-        return self.path.at(seconds) + self.offset + missed_at(self.contact.missed, seconds)
+        return self.path.at(seconds) + self.offset + deviation_at(self.contact.deviation, seconds)
 
     def wrench(self, host_ns: Times) -> RealArray:
-        """Contact wrench (n, 6) on the indenter, gel frame: N, N m."""
+        """Return the contact wrench (n, 6) on the indenter, gel frame, N and N m, at moments of the host clock."""
         ticks = (host_ns - self.start_ns) * 1e-9 * CONTACT_RATE
         columns = self.contact.wrench.T
         return np.stack([np.interp(ticks, np.arange(len(column)), column) for column in columns], axis=1)
 
     def surface_at(self, host_ns: int) -> NDArray[np.float32]:
-        """The gel's surface (n_y, n_x), metres, at one moment."""
+        """Return the height of the gel's surface (n_y, n_x), metres, at one moment of the host clock."""
         return self.contact.surface((host_ns - self.start_ns) * 1e-9)
 
 
 @dataclass(frozen=True)
 class PlayedLog:
-    """All trajectories of one log in time, and the ways between them."""
+    """All trajectories of one log in time, and the motion of the arm between them.
+
+    Parameters
+    ----------
+    plays : tuple of PlayedTrajectory
+        The trajectories, in time.
+    poses : tuple of (rotation, Transform)
+        For each of them: gel_from_indenter (3, 3), and ``base_from_indenter`` as the log states it.
+    tcp_from_gel : Transform
+        Mounting of the sensor on the arm.
+    start_ns, end_ns : int
+        Interval of the log, ns of the host clock.
+    """
 
     plays: tuple[PlayedTrajectory, ...]
     poses: tuple[tuple[RealArray, Transform], ...]
-    """Per play: gel_from_indenter rotation (3, 3), and the mounted ``base_from_indenter`` as the log states it."""
     tcp_from_gel: Transform
     start_ns: int
     end_ns: int
 
     def tcp(self, host_ns: Times) -> RealArray:
-        """Commanded poses (n, 4, 4) base_from_tcp at sorted moments of the host clock."""
+        """Return the commanded poses base_from_tcp (n, 4, 4), metres, at sorted moments (n,) of the host clock."""
         out = np.empty((len(host_ns), 4, 4))
         ends = [self._end_poses(index) for index in range(len(self.plays))]
         edges = np.searchsorted(host_ns, [[play.start_ns, play.end_ns] for play in self.plays])
+        # at rest before the first trajectory and after the last one
         out[: edges[0, 0]] = ends[0][0]
         out[edges[-1, 1] :] = ends[-1][1]
         for index, play in enumerate(self.plays):
             first, last = edges[index]
             seconds = (host_ns[first:last] - play.start_ns) * 1e-9
             out[first:last] = self._poses(index, seconds)
+            # between two trajectories: up from the table, over and down
             if index + 1 < len(self.plays):
                 after = edges[index + 1, 0]
                 span = self.plays[index + 1].start_ns - play.end_ns
@@ -120,15 +136,20 @@ class PlayedLog:
         return out
 
     def _poses(self, index: int, seconds: RealArray) -> RealArray:
+        """Return the poses base_from_tcp (n, 4, 4) of one trajectory at seconds (n,) from its start."""
         play, (rotation, mounted) = self.plays[index], self.poses[index]
         turned = play.path.turned(seconds) @ rotation
         return motion.base_from_tcp(play.path.at(seconds), turned, play.lowest, mounted, self.tcp_from_gel)
 
     def _end_poses(self, index: int) -> RealArray:
+        """Return the first and the last pose (2, 4, 4) of one trajectory."""
         return self._poses(index, self.plays[index].path.times[[0, -1]])
 
     def wrench(self, host_ns: Times) -> RealArray:
-        """Contact wrench (n, 6) on the indenter, gel frame, at sorted moments; zero between trajectories."""
+        """Return the contact wrench (n, 6) on the indenter, gel frame, N and N m; zero between trajectories.
+
+        ``host_ns`` (n,) are sorted moments of the host clock.
+        """
         out = np.zeros((len(host_ns), 6))
         for play in self.plays:
             first, last = np.searchsorted(host_ns, [play.start_ns, play.end_ns])
@@ -137,21 +158,22 @@ class PlayedLog:
         return out
 
 
-Solve = Callable[[Gel, TouchSetup, motion.Path | None, RealArray | None], Contact]
-"""A touch of a gel, played along a path that may be planned already, and missed by (n, 3) m."""
+SolveContact = Callable[[Gel, TouchSetup, motion.Path | None, RealArray | None], RigContact]
+"""Function that plays a touch on a gel, along a path that may be planned already, with a deviation (n, 3), m."""
 
 
 class RigSetup:
-    """Indenters and footprints of a scenario, each made once.
+    """The rig of a scenario: its indenters and layers, each made once, and the function that plays touches on it.
 
     Parameters
     ----------
     scenario : Scenario
+        The world to play.
     solve : callable, optional
-        What answers for the contact in place of what the scenario asks for.
+        Form of contact to use instead of the scenario's own, for example a bank of solved contacts.
     """
 
-    def __init__(self, scenario: Scenario, solve: Solve | None = None) -> None:
+    def __init__(self, scenario: Scenario, solve: SolveContact | None = None) -> None:
         self.scenario = scenario
         self._own_solve = solve
         self.indenters: dict[str, Indenter] = {
@@ -161,22 +183,40 @@ class RigSetup:
         self._layers: dict[Gel, Layer] = {}
         self.mounted = {name: _mounted(index, entry) for index, (name, entry) in enumerate(scenario.indenters.items())}
 
-    def perform(
+    def play(
         self,
-        touches: Sequence[Touch],
+        touches: Sequence[TouchPlan],
         log_index: int,
         start_ns: int,
-        played: Callable[[], None] = lambda: None,
+        report_played: Callable[[], None] = lambda: None,
     ) -> PlayedLog:
-        """The touches one after the other, from ``start_ns`` of the host clock; ``played`` is called after each."""
+        """Play the touches of one log one after the other and return what happened.
+
+        Parameters
+        ----------
+        touches : sequence of TouchPlan
+            The touches of the log, in order.
+        log_index : int
+            Place of the log in the scenario; seeds the errors of mounting.
+        start_ns : int
+            Start of the log, ns of the host clock.
+        report_played : callable
+            Called after each touch.
+
+        Raises
+        ------
+        UsageError
+            A pose is out of the arm's reach.
+        """
         robot, setup = self.scenario.robot, self.scenario.recordings
         rng = np.random.default_rng([self.scenario.seed, MOUNTS, log_index])
         plays: list[PlayedTrajectory] = []
         poses: list[tuple[RealArray, Transform]] = []
         cursor = start_ns + int(0.25e9)
         mount, remount = 0, np.zeros(3)
-        visits: dict[str, list[Visit]] = {}
+        earlier_touches: dict[str, list[EarlierTouch]] = {}
         for index, touch in enumerate(touches):
+            # mounting an indenter adds an error that lasts until the next one is mounted
             if index == 0 or touches[index - 1].indenter != touch.indenter:
                 mount += 1
                 remount = rng.normal(0.0, self.scenario.imperfections.remount, 3)
@@ -187,60 +227,64 @@ class RigSetup:
                 mount,
                 log_index,
                 self.mounted[touch.indenter],
-                visits.setdefault(touch.sensor, []),
+                earlier_touches.setdefault(touch.sensor, []),
             )
             play = self._play(facts, cursor, remount)
             plays.append(play)
-            played()
+            report_played()
             poses.append((motion.gel_from_indenter_rotation(touch), self.mounted[touch.indenter]))
-            nearby = touches[min(index + 1, len(touches) - 1)].indenter
-            way = float(np.linalg.norm(self.mounted[touch.indenter].xyz - self.mounted[nearby].xyz))
-            cursor = play.end_ns + int(max(setup.pause, way / TRAVEL_SPEED) * 1e9)
+            # the arm needs time to reach the next indenter
+            following = touches[min(index + 1, len(touches) - 1)].indenter
+            distance = float(np.linalg.norm(self.mounted[touch.indenter].xyz - self.mounted[following].xyz))
+            cursor = play.end_ns + int(max(setup.pause, distance / TRAVEL_SPEED) * 1e9)
         return PlayedLog(tuple(plays), tuple(poses), robot.tcp_from_gel, start_ns, plays[-1].end_ns + int(0.25e9))
 
     def _play(self, facts: TouchFacts, start_ns: int, remount: RealArray) -> PlayedTrajectory:
+        """Return one touch, played with its own error of positioning beside that of the mounting (3,), m."""
         scenario, touch = self.scenario, facts.touch
         gel = scenario.sensors[touch.sensor].gel
         indenter = self.indenters[touch.indenter]
         rng = np.random.default_rng([scenario.seed, OFFSETS, _number(touch.name)])
         offset = remount + rng.normal(0.0, scenario.imperfections.pose_repeatability, 3)
         rotation = motion.gel_from_indenter_rotation(touch)
-        indenter_footprint = footprint(indenter, rotation, touch.position, GelGrid.of(gel))
+        footprint = make_footprint(indenter, rotation, touch.position, GelGrid.of(gel))
         images = scenario.images
         plan = partial(
             motion.plan, touch, frames_per_step=images.frames_per_step, free_air_frames=images.free_air_frames
         )
-        setup = TouchSetup(
-            touch, indenter, rotation, indenter_footprint, offset, gel.thickness, scenario.material, plan
-        )
+        setup = TouchSetup(touch, indenter, rotation, footprint, offset, gel.thickness, scenario.material, plan)
+        # hidden effects change the setup before the contact is solved and the forces after
         solve = self._solve(gel)
         if any(effect.ACTS in TOUCHED for effect in scenario.hidden):
-            setup, hidden, visit = touch_hidden(setup, facts, scenario.hidden, solve)
-            facts.visits.append(visit)
-            return PlayedTrajectory(touch, start_ns, indenter_footprint.lowest, setup.offset, hidden, facts.mount)
-        return PlayedTrajectory(
-            touch, start_ns, indenter_footprint.lowest, offset, solve(setup, None, None), facts.mount
-        )
+            setup, hidden, earlier = touch_hidden(setup, facts, scenario.hidden, solve)
+            facts.earlier_touches.append(earlier)
+            return PlayedTrajectory(touch, start_ns, footprint.lowest, setup.offset, hidden, facts.mount)
+        return PlayedTrajectory(touch, start_ns, footprint.lowest, offset, solve(setup, None, None), facts.mount)
 
-    def _solve(self, gel: Gel) -> Played:
+    def _solve(self, gel: Gel) -> PlayTouch:
+        """Return the function that plays touches of a gel: the caller's own, the closed forms or the layer solver."""
         if self._own_solve is not None:
             return partial(self._own_solve, gel)
         return analytic if self.scenario.contact == "analytic" else partial(self._on_layer, gel)
 
-    def _on_layer(self, gel: Gel, setup: TouchSetup, path: motion.Path | None, missed: RealArray | None) -> Contact:
+    def _on_layer(
+        self, gel: Gel, setup: TouchSetup, path: motion.Path | None, deviation: RealArray | None
+    ) -> RigContact:
+        """Return a touch played by the layer solver; layers are kept by the gel's real thickness."""
         real = replace(gel, thickness=setup.thickness)
         if real not in self._layers:
             grid = LayerGrid.of(gel.outline, self.scenario.contact_pitch)
             self._layers[real] = Layer(grid, setup.thickness, self.scenario.material)
-        return touch_layer(setup, self._layers[real], path, missed)
+        return touch_layer(setup, self._layers[real], path, deviation)
 
 
 def _number(name: str) -> int:
+    """Return a number for a touch's name, to seed random draws by it."""
     return int.from_bytes(name.encode()[:64], "big")
 
 
 def _mounted(index: int, entry: Mapping[str, Any]) -> Transform:
-    """Where an indenter stands: as stated, else in a grid on the table, its tip up."""
+    """Return base_from_indenter of an indenter: as stated, else in a grid on the table, its tip up."""
     if "base_from_indenter" in entry:
         return Transform.from_document("base", "indenter", entry["base_from_indenter"])
     column, row = index % PER_ROW, index // PER_ROW

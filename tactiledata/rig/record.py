@@ -1,4 +1,4 @@
-"""A scenario recorded: ordinary logs that any reader can take, and the truth in a folder that no reader opens."""
+"""Recording of a scenario: ordinary logs that any reader can take, and the truth in a folder that no reader opens."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from tactiledata.rig.logs.sampling import sample
 from tactiledata.rig.logs.truth import write_truth
 from tactiledata.rig.logs.write_folder import write_folder
 from tactiledata.rig.logs.write_mcap import write_mcap
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.generate import touches
 from tactiledata.rig.scenario.scenario import Scenario
 
 Form = Literal["mcap", "folder"]
 BETWEEN_LOGS_NS = 3600 * 10**9
-"""Logs of one scenario start an hour apart."""
+"""Time between the starts of two logs of a scenario: an hour, in ns."""
 TRUTH = "truth"
+"""Name of the folder for what only the rig knows."""
 
 
 def record(
@@ -36,7 +37,7 @@ def record(
     progress: Progress | None = None,
     workers: int = 1,
 ) -> list[Path]:
-    """The logs of a scenario, in order: files (``mcap``) or folders (``folder``) in ``out``.
+    """Record a scenario and return the paths of its logs, in order: files (``mcap``) or folders (``folder``).
 
     Each log is there whole or not at all, and the same scenario gives the same bytes. ``out/truth`` holds, per log,
     what only the rig knows; the toolkit never reads it.
@@ -44,23 +45,25 @@ def record(
     Parameters
     ----------
     scenario : Scenario
+        The world to record.
     out : Path
-        Made where it is not there.
+        Folder for the logs; made where it is missing.
     form : "mcap" or "folder"
+        Form in which logs are written.
     progress : callable, optional
         Called as ``progress(trajectories done, trajectories in all)``.
     workers : int
-        Local processes, each at a log at a time; what is recorded does not depend on it. A script that asks for more
-        than one must do so under ``if __name__ == "__main__":``.
+        Number of local processes, each at one log at a time; the recordings do not depend on it. A script that asks
+        for more than one must do so under ``if __name__ == "__main__":``.
 
     Raises
     ------
     UnknownName
-        No such form.
+        The form is unknown.
     SchemaError, MissingFile, UnsafeContent
-        An indenter or a background that is none, names that collide.
+        An indenter or a background cannot be used, or names collide.
     UsageError
-        A pose out of the arm's reach, no place to write.
+        A pose is out of the arm's reach, or ``out`` cannot be written to.
     """
     if form not in ("mcap", "folder"):
         raise UnknownName("form of a log", form, ("folder", "mcap"))
@@ -72,7 +75,7 @@ def record(
         if workers <= 1 or len(groups) < 2:
             rig_setup = RigSetup(scenario)
             for index in range(len(groups)):
-                written.append(_record_log(scenario, out, form, counts.told, index, rig_setup))
+                written.append(_record_log(scenario, out, form, counts.report, index, rig_setup))
         else:
             _record_in_processes(scenario, out, form, counts, workers, written)
     except OSError as error:
@@ -81,7 +84,7 @@ def record(
         raise UsageError(
             f"{error.filename or out} cannot be written: {error.strerror}",
             "a folder to write to, with room in it and names that its file system takes",
-            "Name another with --out. Logs that are there are whole.",
+            "Name another folder with --out. Logs that are already there are whole.",
             written=[str(path) for path in written],
         ) from error
     return written
@@ -90,89 +93,108 @@ def record(
 def _record_in_processes(
     scenario: Scenario, out: Path, form: Form, counts: _Counts, workers: int, written: list[Path]
 ) -> None:
+    """Record each log in one of several local processes and append their paths to ``written`` in order."""
     with multiprocessing.get_context("spawn").Manager() as manager, worker_pool(workers) as pool:
-        news = manager.Queue()
-        tell = partial(_pass_on, news)
-        waiting = [pool.submit(_record_log, scenario, out, form, tell, index) for index in range(len(counts.whole))]
+        counts_queue = manager.Queue()
+        report = partial(_send_count, counts_queue)
+        waiting = [pool.submit(_record_log, scenario, out, form, report, index) for index in range(len(counts.whole))]
+        # counts arrive while the logs are recorded; the rest is in the queue when all are done
         while not all(future.done() for future in waiting):
             with suppress(Empty):
-                counts.told(*news.get(timeout=0.2))
-        while not news.empty():
-            counts.told(*news.get())
+                counts.report(*counts_queue.get(timeout=0.2))
+        while not counts_queue.empty():
+            counts.report(*counts_queue.get())
         written.extend(future.result() for future in waiting)
 
 
-def _pass_on(news: Queue[tuple[int, int]], index: int, done: int) -> None:
-    news.put((index, done))
+def _send_count(counts_queue: Queue[tuple[int, int]], index: int, done: int) -> None:
+    """Send from a worker how many trajectories of the log ``index`` are done."""
+    counts_queue.put((index, done))
 
 
 def _record_log(
     scenario: Scenario,
     out: Path,
     form: Form,
-    tell: Callable[[int, int], None],
+    report: Callable[[int, int], None],
     index: int,
     rig_setup: RigSetup | None = None,
 ) -> Path:
-    """The path of one log, recorded; ``tell`` hears its index and how many of its trajectories are done."""
+    """Record one log and return its path; ``report`` gets its index and how many of its trajectories are done."""
     rig_setup = rig_setup or RigSetup(scenario)
     name, group = log_groups(scenario)[index]
-    meter = _Meter(partial(tell, index), len(group))
+    meter = _Meter(partial(report, index), len(group))
     start_ns = scenario.start_ns + index * BETWEEN_LOGS_NS
-    tape = sample(rig_setup, name, index, rig_setup.perform(group, index, start_ns, meter.played))
+    tape = sample(rig_setup, name, index, rig_setup.play(group, index, start_ns, meter.played))
     meter.pictures = sum(not shot.dropped for shot in tape.shots)
     path = out / (f"{name}.mcap" if form == "mcap" else name)
     (write_mcap if form == "mcap" else write_folder)(tape, path, meter.add)
     write_truth(tape, out / TRUTH)
-    tell(index, len(group))
+    report(index, len(group))
     return path
 
 
 class _Counts:
-    """Trajectories done in all logs, passed on to whoever watches."""
+    """Numbers of trajectories that are done in each log, reported as a sum over all logs.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called as ``progress(trajectories done, trajectories in all)``.
+    whole : list of int
+        Number of trajectories of each log.
+    """
 
     def __init__(self, progress: Progress | None, whole: list[int]) -> None:
         self.progress, self.whole = progress, whole
         self.done = [0] * len(whole)
 
-    def told(self, index: int, done: int) -> None:
-        """So many trajectories of a log are done."""
+    def report(self, index: int, done: int) -> None:
+        """Note that ``done`` trajectories of the log ``index`` are done, and report the new sum."""
         self.done[index] = done
         if self.progress is not None:
             self.progress(sum(self.done), sum(self.whole))
 
 
 class _Meter:
-    """Trajectories of one log that are done: half of each is its contact, half its pictures."""
+    """The count of trajectories of one log that are done: half of each is its contact, half its pictures.
 
-    def __init__(self, tell: Callable[[int], None], trajectories: int) -> None:
-        self.tell, self.trajectories = tell, trajectories
+    Parameters
+    ----------
+    report : callable
+        Called with the number of trajectories that are done.
+    trajectories : int
+        Number of trajectories of the log.
+    """
+
+    def __init__(self, report: Callable[[int], None], trajectories: int) -> None:
+        self.report, self.trajectories = report, trajectories
         self.pictures = self.drawn = self.solved = 0
 
     def played(self) -> None:
-        """One trajectory's contact is known."""
+        """Note that the contact of one more trajectory is solved."""
         self.solved += 1
-        self.tell(self.solved // 2)
+        self.report(self.solved // 2)
 
     def add(self, count: int) -> None:
-        """So many pictures more are written."""
+        """Note that ``count`` more pictures are written."""
         self.drawn += count
         drawn = self.trajectories * self.drawn // max(self.pictures, 1)
-        self.tell((self.trajectories + drawn) // 2)
+        self.report((self.trajectories + drawn) // 2)
 
 
-def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
-    """Name and touches of each log, as ``recordings`` groups them.
+def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[TouchPlan]]]:
+    """Return the name and the touches of each log, as the scenario's ``recordings`` section groups them.
 
     Touches keep the scenario's order within an indenter, and indenters are mounted one after the other.
 
     Raises
     ------
     SchemaError
-        Two logs, or two trajectories of a log, would have one name.
+        Two logs, or two trajectories of a log, would have the same name.
     """
     setup = scenario.recordings
-    keys: dict[tuple[str, ...], list[Touch]] = {}
+    keys: dict[tuple[str, ...], list[TouchPlan]] = {}
     for touch in touches(scenario):
         key = {
             "sensor": (touch.sensor,),
@@ -181,8 +203,9 @@ def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
             "each": (touch.name,),
         }[setup.group]
         keys.setdefault(key, []).append(touch)
+    # within a group: indenter after indenter, cut into logs of the stated length
     order = {name: place for place, name in enumerate(scenario.indenters)}
-    groups: list[tuple[str, Sequence[Touch]]] = []
+    groups: list[tuple[str, Sequence[TouchPlan]]] = []
     for key, members in keys.items():
         _distinct([touch.name for touch in members], "trajectories of one log")
         members = sorted(members, key=lambda touch: order[touch.indenter])
@@ -195,6 +218,7 @@ def log_groups(scenario: Scenario) -> list[tuple[str, Sequence[Touch]]]:
 
 
 def _distinct(names: Sequence[str], what: str) -> None:
+    """Refuse names of which two are the same."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise SchemaError(

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 def test_it_names_what_its_world_conceals(tmp_path):
     scenario = load_scenario(find_scenario("demo"))
     hidden = [type(one).__name__ for one in scenario.hidden]
-    assert hidden == ["Springpot"]
+    assert hidden == ["HiddenSpringpot"]
     # what the diagnosis does not use need not be recorded
     balls = balls_of(scenario)
     used = tuple(one for one in touches(scenario) if one.indenter in balls)

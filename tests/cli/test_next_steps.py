@@ -14,7 +14,7 @@ from tactiledata.ingest.sources.overview import choose_touches, draw, page
 from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
 
-STEP = re.compile(r"(?:next|bring it up to date): (tactiledata .*)")
+STEP = re.compile(r"(?:next|draw it again): (tactiledata .*)")
 
 
 def without(*names):

@@ -115,7 +115,7 @@ def test_the_summary_says_that_splits_are_of_before(tiny_mcaps, tiny_store, tmp_
     assert "--replace" in CliRunner().invoke(app, words).output
     said = CliRunner().invoke(app, [*words, "--replace"]).output
     assert "1 replaced" in said
-    assert "the split default is of the store as it was" in said
+    assert "the split default is out of date" in said
 
 
 def test_a_staged_take_of_another_mapping_is_read_again(tiny_mcaps, tiny_store, tmp_path, monkeypatch):

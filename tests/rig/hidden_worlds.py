@@ -83,7 +83,7 @@ def played(hidden=(), trajectories=(), **changes):
     scenario = world(hidden, trajectories, **changes)
     rig_setup = RigSetup(scenario)
     ((name, group),) = log_groups(scenario)
-    performance = rig_setup.perform(group, 0, scenario.start_ns)
+    performance = rig_setup.play(group, 0, scenario.start_ns)
     wrench = sample(rig_setup, name, 0, performance).signals["wrench"]
     seconds = (wrench.host_ns - performance.start_ns) * 1e-9
     return Log(scenario, performance, wrench.values, wrench.stamp_ns, seconds)

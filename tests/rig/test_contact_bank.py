@@ -12,7 +12,7 @@ from tactiledata.rig.bank import bank as contact_bank
 from tactiledata.rig.bank.bank import ContactBank
 from tactiledata.rig.contact.by_layer import touch_layer
 from tactiledata.rig.contact.contact import CONTACT_RATE, TouchSetup, contact_times
-from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion import motion
@@ -40,15 +40,15 @@ def setup_of(offset=(0.0, 0.0, 0.0), thickness=GEL.thickness, radius=None, **mat
     (one,) = SCENARIO.trajectories
     rotation = motion.gel_from_indenter_rotation(one)
     indenter = INDENTERS[one.indenter] if radius is None else replace(INDENTERS[one.indenter], radius=radius)
-    indenter_footprint = footprint(indenter, rotation, one.position, GelGrid.of(GEL))
+    footprint = make_footprint(indenter, rotation, one.position, GelGrid.of(GEL))
     plan = partial(motion.plan, one)
     real = replace(SCENARIO.material, **material)
-    return TouchSetup(one, indenter, rotation, indenter_footprint, np.array(offset), thickness, real, plan)
+    return TouchSetup(one, indenter, rotation, footprint, np.array(offset), thickness, real, plan)
 
 
-def solved(setup, missed=None):
+def solved(setup, deviation=None):
     layer = Layer(LayerGrid.of(GEL.outline, PITCH), setup.thickness, setup.material)
-    return touch_layer(setup, layer, setup.plan(lambda _: 2e-3), missed).wrench
+    return touch_layer(setup, layer, setup.plan(lambda _: 2e-3), deviation).wrench
 
 
 def before_retreat(wrench):
@@ -95,9 +95,9 @@ def test_an_indenter_that_yields_along_the_gel_is_nearly_as_solved(bank):
     """Bent back by what a stem of 18 N/mm gives: the shear that is lost is told within a tenth."""
     setup = setup_of()
     plain = bank.contact(GEL, setup)
-    missed = np.zeros((len(contact_times(plain.path)), 3))
-    missed[:, :2] = 55e-6 * plain.wrench[:, :2]
-    found, expected = bank.contact(GEL, setup, None, missed).wrench, solved(setup, missed)
+    deviation = np.zeros((len(contact_times(plain.path)), 3))
+    deviation[:, :2] = 55e-6 * plain.wrench[:, :2]
+    found, expected = bank.contact(GEL, setup, None, deviation).wrench, solved(setup, deviation)
     lost = np.abs(before_retreat(plain.wrench - expected))[:, 0].max()
     assert lost > 0.2
     assert np.abs(before_retreat(found - expected))[:, 0].max() < lost / 10
@@ -109,9 +109,9 @@ def test_what_yields_next_to_nothing_along_the_gel_slides_as_before(bank):
     plain = bank.contact(GEL, setup)
     beyond = np.linalg.norm(plain.wrench[:, :2], axis=1) - 0.3 * plain.wrench[:, 2]
     assert beyond.max() > 0.01
-    missed = np.zeros((len(contact_times(plain.path)), 3))
-    missed[:, :2] = 1e-12 * plain.wrench[:, :2]
-    np.testing.assert_allclose(bank.contact(GEL, setup, None, missed).wrench, plain.wrench, atol=1e-6)
+    deviation = np.zeros((len(contact_times(plain.path)), 3))
+    deviation[:, :2] = 1e-12 * plain.wrench[:, :2]
+    np.testing.assert_allclose(bank.contact(GEL, setup, None, deviation).wrench, plain.wrench, atol=1e-6)
 
 
 def test_what_was_solved_is_read_again_and_nothing_else_is(bank, monkeypatch):

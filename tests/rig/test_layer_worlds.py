@@ -11,11 +11,11 @@ import pytest
 from tactiledata.indenters import make_indenter
 from tactiledata.rig.contact.by_layer import STEP, STEP_OUT, solver_steps, touch_layer
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion import motion
-from tactiledata.rig.motion.touch import Step, Touch
+from tactiledata.rig.motion.touch import Step, TouchPlan
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario.scenario import Gel, Material, load_scenario
 
@@ -43,13 +43,13 @@ def layer():
 
 
 def setup_of(*steps, shape="sphere", force_limit=13.0, tilt=(0.0, 0.0)):
-    touch = Touch("t", "s", "i", steps, tilt=tilt, force_limit=force_limit)
+    touch = TouchPlan("t", "s", "i", steps, tilt=tilt, force_limit=force_limit)
     sizes = {"radius": 0.004} if shape == "sphere" else {}
     indenter = make_indenter({"shape": shape, **sizes}, None, "test")
     rotation = motion.gel_from_indenter_rotation(touch)
-    indenter_footprint = footprint(indenter, rotation, touch.position, GelGrid.of(GEL))
+    footprint = make_footprint(indenter, rotation, touch.position, GelGrid.of(GEL))
     plan = partial(motion.plan, touch)
-    return TouchSetup(touch, indenter, rotation, indenter_footprint, OFFSET, GEL.thickness, Material(), plan)
+    return TouchSetup(touch, indenter, rotation, footprint, OFFSET, GEL.thickness, Material(), plan)
 
 
 def test_steps_of_the_solver_are_small_and_hit_the_corners():
@@ -93,7 +93,7 @@ def test_the_picture_shows_the_indenter_in_the_gel(layer):
     setup = setup_of(PRESS)
     contact = touch_layer(setup, layer)
     surface = contact.surface(float(contact.path.captures[-1]))
-    grid = setup.indenter_footprint.grid
+    grid = setup.footprint.grid
     x, y = np.meshgrid(grid.x - OFFSET[0], grid.y - OFFSET[1])
     near = np.hypot(x, y) < 6e-4
     np.testing.assert_allclose(surface[near], -4.25e-4 + (np.hypot(x, y)[near]) ** 2 / (2 * 0.004), atol=1e-5)
@@ -107,7 +107,7 @@ def test_friction_drags_the_picture(layer):
     setup = setup_of(PRESS, Step("shear", by=(3e-4, 0.0), settle=0.05))
     contact = touch_layer(setup, layer)
     surface = contact.surface(float(contact.path.captures[-1]))
-    grid = setup.indenter_footprint.grid
+    grid = setup.footprint.grid
     row = np.abs(grid.y).argmin()
     before, behind = (surface[row, np.abs(grid.x - 3e-4 - side).argmin()] for side in (2.5e-3, -2.5e-3))
     assert before > behind + 5e-6

@@ -251,7 +251,7 @@ def test_logs_that_say_little(tmp_path):
         assert not list(reader.iter_metadata())
         assert not list(reader.iter_attachments())
         assert reader.get_summary().statistics.message_count > 100
-    with pytest.raises(UsageError, match="nothing without its description"):
+    with pytest.raises(UsageError, match="needs its description"):
         recorded(tmp_path / "c", "folder", recordings={"describe": False})
 
 

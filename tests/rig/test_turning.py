@@ -53,7 +53,7 @@ def test_only_the_weight_is_felt():
     """The load is the tool's weight, which goes around in the sensor's frame by the angle that was asked for."""
     loaded = scenario(TURNS)
     rig_setup = RigSetup(loaded)
-    played = rig_setup.perform(loaded.trajectories, 0, 0)
+    played = rig_setup.play(loaded.trajectories, 0, 0)
     play = played.plays[0]
     assert not np.asarray(play.contact.wrench).any()
     moments = play.start_ns + np.rint(play.path.captures * 1e9).astype(np.int64)

@@ -1,1 +1,8 @@
-"""Contacts that are solved once and used for many recordings."""
+"""Banked contacts: how contacts of the layer solver, solved once, serve many recordings of the same touches.
+
+`bank` gives the contact of a touch by interpolating between solutions.
+`solution` is one solution: its key and its file.
+`own_springs` fits springs and sliders to the pull of a solution along the gel.
+
+The room imports the rig's contact, layer and motion. It draws no pictures: a banked contact has forces only.
+"""

@@ -1,4 +1,4 @@
-"""Springs and sliders that pull as a solved contact does: what closed forms know only roughly, taken from it."""
+"""Springs and sliders that are fitted to a solved contact: they pull along the gel as the solution does."""
 
 from __future__ import annotations
 
@@ -12,54 +12,72 @@ from tactiledata.rig.contact.contact import CONTACT_RATE
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden.slider import slide
 
-WAY = 2e-5
-"""m along the gel and into it between the moments at which pulls are compared."""
+COMPARED_EVERY = 2e-5
+"""Travel of the indenter, m, between the moments at which pulls are compared."""
 LARGEST_FACTOR = 2.0
-"""And the reciprocal of the smallest."""
+"""Largest factor on the closed form's stiffness; the smallest is its reciprocal."""
 STARTS = (0.0, 0.3, 0.6)
-"""Spreads from which is searched."""
+"""Spreads among which the fit picks its start."""
 
 
 class OwnSprings(NamedTuple):
-    """How a contact pulls along the gel.
+    """Springs and sliders of one contact along the gel.
 
     Parameters
     ----------
     factor : float
-        On the closed form's stiffness along the gel.
+        Multiplies the closed form's stiffness along the gel.
     spread : float
-        See `slide`: 0 where all of the contact slides at once, more where its rim slides before.
+        Spread of the sliders' limits, see `slide`: 0 where all of the contact slides at once.
     """
 
     factor: float = 1.0
     spread: float = 0.0
 
     def pull(self, path: RealArray, normal: RealArray, stiffness: RealArray, friction: float) -> RealArray:
-        """Pull (n, 2), N, on the gel; see `slide`."""
-        told = np.column_stack([path, normal, stiffness])
-        changes = np.append(True, (np.diff(told, axis=0) != 0).any(axis=1))
-        x, y, force, spring = told[changes].T
-        way, areas = np.column_stack([x, y]), np.ones(len(x))  # areas matter only to friction by pressure
-        pull = slide(way, force, self.factor * spring, areas, friction, CONTACT_RATE, (), self.spread)[0]
+        """Return the pull (n, 2), N, of the indenter on the gel, as `slide` gives it.
+
+        Parameters
+        ----------
+        path : (n, 2), m
+            Places of the indenter along the gel.
+        normal : (n,), N
+            Normal force.
+        stiffness : (n,), N/m
+            The closed form's stiffness along the gel.
+        friction : float
+            Coulomb's coefficient.
+        """
+        # moments at which nothing changes are left out, since the result is the same
+        rows = np.column_stack([path, normal, stiffness])
+        changes = np.append(True, (np.diff(rows, axis=0) != 0).any(axis=1))
+        x, y, force, spring = rows[changes].T
+        places, areas = np.column_stack([x, y]), np.ones(len(x))  # areas matter only to friction by pressure
+        pull = slide(places, force, self.factor * spring, areas, friction, CONTACT_RATE, (), self.spread)[0]
         return pull[np.cumsum(changes) - 1]
 
 
 def own_springs(
     path: RealArray, normal: RealArray, stiffness: RealArray, friction: float, pull: RealArray
 ) -> OwnSprings:
-    """Those nearest to a contact's own pull (n, 2), N; those of the closed form where it hardly pulls.
+    """Return the springs whose pull is nearest to a solved contact's; the closed form's where it hardly pulls.
 
     Parameters
     ----------
     path : (n, 3), m
-        x, y and depth.
+        Positions of the indenter: x, y and depth.
     normal : (n,), N
+        Normal force of the solved contact.
     stiffness : (n,), N/m
-        The closed form's.
+        The closed form's stiffness along the gel.
     friction : float
+        Coulomb's coefficient.
+    pull : (n, 2), N
+        The solved contact's pull on the gel.
     """
+    # compare at moments evenly spaced along the path
     travelled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    rows = np.unique(np.searchsorted(travelled, np.arange(0.0, travelled[-1], WAY)))
+    rows = np.unique(np.searchsorted(travelled, np.arange(0.0, travelled[-1], COMPARED_EVERY)))
     limit = friction * normal[rows]
     if np.linalg.norm(pull[rows], axis=1).max(initial=0.0) < 0.1 * limit.max(initial=0.0):
         return OwnSprings()
@@ -67,10 +85,10 @@ def own_springs(
 
     def missing(values: RealArray) -> RealArray:
         springs = OwnSprings(float(np.exp(values[0])), float(values[1]))
-        found = springs.pull(path[rows, :2], reached, stiffness[rows], friction)
-        return (found - pull[rows]).ravel()
+        return (springs.pull(path[rows, :2], reached, stiffness[rows], friction) - pull[rows]).ravel()
 
+    # fit the logarithm of the factor and the spread
     most = float(np.log(LARGEST_FACTOR))
-    start = min(([0.0, spread] for spread in STARTS), key=lambda one: float(np.sum(missing(np.array(one)) ** 2)))
-    found = least_squares(missing, start, bounds=([-most, -1e-9], [most, 1.0]), diff_step=1e-2, max_nfev=8)
-    return OwnSprings(float(np.exp(found.x[0])), float(max(found.x[1], 0.0)))
+    start = min(([0.0, spread] for spread in STARTS), key=lambda pair: float(np.sum(missing(np.array(pair)) ** 2)))
+    fit = least_squares(missing, start, bounds=([-most, -1e-9], [most, 1.0]), diff_step=1e-2, max_nfev=8)
+    return OwnSprings(float(np.exp(fit.x[0])), float(max(fit.x[1], 0.0)))

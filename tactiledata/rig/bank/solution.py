@@ -1,4 +1,4 @@
-"""Solutions of a bank of contacts: what each depends on, and their files."""
+"""Solutions of a bank of contacts: the key of everything that a solution depends on, and its file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,17 @@ from tactiledata.rig.scenario.scenario import Gel, Material
 
 @dataclass(frozen=True)
 class Solution:
-    """A touch at `CONTACT_RATE`: wrench (n, 6) over the modulus, m² and m³, whether all slides, steps not solved."""
+    """The solved contact of one touch at `CONTACT_RATE`, for a modulus of 1.
+
+    Parameters
+    ----------
+    wrench : (n, 6), m² and m³
+        Wrench on the indenter over Young's modulus, gel frame.
+    slipping : (n,) bool
+        Whether all that touches slides.
+    unsettled : int
+        Number of the solver's steps that did not converge.
+    """
 
     wrench: RealArray
     slipping: NDArray[np.bool_]
@@ -31,12 +41,28 @@ class Solution:
 
 
 def key_of(pitch: float, gel: Gel, setup: TouchSetup, material: Material, path: Path, offset: float) -> str:
-    """Of everything that a solution hangs on: the solver's programs too."""
+    """Return the SHA-256 digest of everything that a solution depends on, the solver's source files included.
+
+    Parameters
+    ----------
+    pitch : metres
+        Spacing of the layer's grid.
+    gel : Gel
+        Its outline counts; the thickness is that of ``setup``.
+    setup : TouchSetup
+        Thickness, indenter, rotation and, on a dome, curvature and place.
+    material : Material
+        Poisson's ratio and friction count; forces are proportional to the modulus.
+    path : Path
+        Where the indenter moves.
+    offset : metres
+        Depth offset, positive is deeper.
+    """
     whole = hashlib.sha256()
-    told = [pitch, gel.outline, setup.thickness, material.poisson_ratio, material.friction, offset]
+    numbers = [pitch, gel.outline, setup.thickness, material.poisson_ratio, material.friction, offset]
     if setup.cap.curvature:
-        told += [setup.cap.curvature, setup.touch.position]
-    whole.update(json.dumps([*told, setup.indenter.document, _solver_digest()], sort_keys=True).encode())
+        numbers += [setup.cap.curvature, setup.touch.position]
+    whole.update(json.dumps([*numbers, setup.indenter.document, _solver_digest()], sort_keys=True).encode())
     for part in (setup.rotation, path.times, path.positions):
         whole.update(np.ascontiguousarray(part, dtype=float).tobytes())
     return whole.hexdigest()
@@ -44,7 +70,7 @@ def key_of(pitch: float, gel: Gel, setup: TouchSetup, material: Material, path: 
 
 @cache
 def _solver_digest() -> str:
-    """Of the programs that a solution depends on."""
+    """Return the digest of the source files that a solution depends on: a changed solver gives new solutions."""
     whole = hashlib.sha256()
     layer = sorted(resources.files("tactiledata.rig.layer").iterdir(), key=lambda entry: entry.name)
     contact = resources.files("tactiledata.rig.contact")
@@ -55,17 +81,17 @@ def _solver_digest() -> str:
 
 
 def load_solution(file: FilePath, count: int) -> Solution | None:
-    """Of so many moments; ``None`` where the file is missing, broken or another's."""
+    """Return the solution in a file, of ``count`` moments; ``None`` where the file is missing, broken or foreign."""
     try:
         with np.load(io.BytesIO(file.read_bytes()), allow_pickle=False) as kept:
-            found = Solution(kept["wrench"].astype(float), kept["slipping"], int(kept["unsettled"]))
+            solution = Solution(kept["wrench"].astype(float), kept["slipping"], int(kept["unsettled"]))
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
-    return found if found.wrench.shape == (count, 6) else None
+    return solution if solution.wrench.shape == (count, 6) else None
 
 
 def keep_solution(file: FilePath, solution: Solution) -> None:
-    """Whole or not at all."""
+    """Write a solution to a file, whole or not at all; the wrench is kept in single precision."""
     content = io.BytesIO()
     np.savez_compressed(
         content, wrench=solution.wrench.astype(np.float32), slipping=solution.slipping, unsettled=solution.unsettled

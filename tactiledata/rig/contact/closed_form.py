@@ -1,4 +1,4 @@
-"""Quasi-static contact of a rigid indenter with a flat elastic layer bonded to a rigid base, first form.
+"""Closed forms of the quasi-static contact of a rigid indenter with a flat elastic layer bonded to a rigid base.
 
 Normal force: the stiffness of a touch at depth d is that of a flat punch on the layer, whose area is that of the
 contact; for a ball the closed form of Dimitriadis et al. serves instead. Pressure is shared as by an elastic
@@ -25,13 +25,13 @@ from tactiledata.rig.contact.footprint import CEILING, Footprint
 from tactiledata.rig.scenario.scenario import Material
 
 TABLE = 601
-"""Depths at which the law of one contact is tabulated, from 0 to ``CEILING``: every 5 µm."""
+"""Number of depths at which the law of one contact is tabulated, from 0 to ``CEILING``: every 5 µm."""
 WIDEST = 2.0
-"""Contact size over thickness up to which the series are used."""
+"""Largest contact size over thickness at which the series are used; beyond it their tangent is."""
 
 
 def _bonded_coefficients(poisson_ratio: float) -> tuple[float, float]:
-    """Coefficients (alpha_0, beta_0) of Dimitriadis et al. for a layer bonded to its base."""
+    """Return the coefficients (alpha_0, beta_0) of Dimitriadis et al. for a layer bonded to its base."""
     nu = poisson_ratio
     alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu**2) / (1 - nu)
     beta = (0.6387 - 1.0277 * nu + 1.5164 * nu**2) / (1 - nu)
@@ -39,7 +39,7 @@ def _bonded_coefficients(poisson_ratio: float) -> tuple[float, float]:
 
 
 def _thickness_factor(chi: RealArray, alpha: float, beta: float, third: float, fourth: float) -> RealArray:
-    """How much stiffer a layer is than a half-space, at contact size over thickness ``chi`` (n,).
+    """Return the stiffness (n,) of a layer relative to a half-space, at contact size over thickness ``chi`` (n,).
 
     A series of fourth order, whose last two terms differ by shape in the weights of ``beta``; beyond ``WIDEST``, where
     it would turn down, its tangent.
@@ -58,7 +58,19 @@ def _thickness_factor(chi: RealArray, alpha: float, beta: float, third: float, f
 
 
 def sphere_force(depth: RealArray, radius: float, thickness: float, material: Material) -> RealArray:
-    """Normal force (n,), N, of a ball on a bonded layer; Hertz's law times a series in sqrt(R d) / h."""
+    """Return the normal force (n,), N, of a ball on a bonded layer: Hertz's law times a series in sqrt(R d) / h.
+
+    Parameters
+    ----------
+    depth : (n,), m
+        Indentation depth, at least 0.
+    radius : m
+        Radius R of the ball.
+    thickness : m
+        Thickness h of the layer.
+    material : Material
+        Young's modulus and Poisson's ratio.
+    """
     alpha, beta = _bonded_coefficients(material.poisson_ratio)
     chi = np.sqrt(radius * depth) / thickness
     factor = _thickness_factor(chi, alpha, beta, 4 * np.pi**2 / 15, 3 * np.pi**2 / 5)
@@ -67,14 +79,34 @@ def sphere_force(depth: RealArray, radius: float, thickness: float, material: Ma
 
 
 def punch_stiffness(radius: RealArray, thickness: float, material: Material) -> RealArray:
-    """Normal stiffness (n,), N/m, of a flat round punch of radius (n,) on a bonded layer."""
+    """Return the normal stiffness (n,), N/m, of a flat round punch on a bonded layer.
+
+    Parameters
+    ----------
+    radius : (n,), m
+        Radius of the punch.
+    thickness : m
+        Thickness of the layer.
+    material : Material
+        Young's modulus and Poisson's ratio.
+    """
     alpha, beta = _bonded_coefficients(material.poisson_ratio)
     factor = _thickness_factor(radius / thickness, alpha, beta, np.pi**2 / 3, 2 * np.pi**2 / 3)
     return 2 * material.youngs_modulus / (1 - material.poisson_ratio**2) * radius * factor
 
 
 def shear_stiffness(radius: RealArray, thickness: float, material: Material) -> RealArray:
-    """Tangential stiffness (n,), N/m: half-space and thin layer side by side, each right in its own limit."""
+    """Return the tangential stiffness (n,), N/m: the sum of a half-space and a thin layer, each exact in its limit.
+
+    Parameters
+    ----------
+    radius : (n,), m
+        Radius of the round contact.
+    thickness : m
+        Thickness of the layer.
+    material : Material
+        Young's modulus and Poisson's ratio.
+    """
     shear_modulus = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
     half_space = 8 * shear_modulus * radius / (2 - material.poisson_ratio)
     return half_space + shear_modulus * np.pi * radius**2 / thickness
@@ -82,17 +114,22 @@ def shear_stiffness(radius: RealArray, thickness: float, material: Material) -> 
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """What one indenter at one angle and place does to the gel at each depth: columns over ``depth`` (k,).
+    """The contact law of one indenter at one angle and place: columns over ``depth`` (k,).
 
     Parameters
     ----------
     depth : (k,) m
-    force : (k,) N, normal
-    stiffness : (k,) N/m, tangential
+        Depth of the lowest point, from 0.
+    force : (k,) N
+        Normal force.
+    stiffness : (k,) N/m
+        Tangential stiffness.
     centre : (k, 3) m
         Centre of pressure relative to the tip (x, y) and the undeformed surface (z), gel axes.
+    friction : float
+        Coulomb's coefficient.
     radius : (k,) m
-        Of the round contact of equal area.
+        Radius of the round contact of equal area.
     """
 
     depth: RealArray
@@ -103,28 +140,41 @@ class ContactLaw:
     radius: RealArray
 
     def depth_at(self, force: float) -> float:
-        """The depth at which the normal force reaches a value; the deepest tabulated one where it never does."""
+        """Return the depth, m, at which the normal force reaches a value, N; the deepest tabulated one otherwise."""
         return float(np.interp(force, self.force, self.depth))
 
     def columns_at(self, depth: RealArray) -> tuple[RealArray, RealArray, RealArray]:
-        """Force (n,), tangential stiffness (n,) and centre (n, 3) at depths (n,); zero without contact."""
+        """Return force (n,), N, tangential stiffness (n,), N/m, and centre (n, 3), m, at depths (n,); 0 in air."""
         inside = np.clip(depth, 0.0, self.depth[-1])
         centre = np.stack([np.interp(inside, self.depth, self.centre[:, axis]) for axis in range(3)], axis=1)
         return np.interp(inside, self.depth, self.force), np.interp(inside, self.depth, self.stiffness), centre
 
 
-def contact_law(indenter: Indenter, indenter_footprint: Footprint, thickness: float, material: Material) -> ContactLaw:
-    """The law of one contact, tabulated."""
+def contact_law(indenter: Indenter, footprint: Footprint, thickness: float, material: Material) -> ContactLaw:
+    """Return the tabulated law of one contact.
+
+    Parameters
+    ----------
+    indenter : Indenter
+        A sphere has a force law of its own; of other shapes the stiffness is that of a punch of equal area.
+    footprint : Footprint
+        The indenter over the gel, turned and not yet pressed.
+    thickness : m
+        Thickness of the gel.
+    material : Material
+        The gel's material.
+    """
     depth = np.linspace(0.0, CEILING, TABLE)
-    volume, square, first_moments = _foundation(indenter_footprint, depth)
+    volume, square, first_moments = _foundation(footprint, depth)
     # volume over depth is the area of a flat punch, and pi R d for a ball, whose Hertzian radius is sqrt(R d)
-    area = np.append(_face_area(indenter_footprint), volume[1:] / depth[1:])
+    area = np.append(_face_area(footprint), volume[1:] / depth[1:])
     radius = np.sqrt(area / np.pi)
     if indenter.shape == "sphere":
         force = sphere_force(depth, indenter.sizes["radius"], thickness, material)
     else:
         rate = punch_stiffness(radius, thickness, material)
         force = np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(depth))])
+    # centre of pressure: that of an elastic foundation
     touching = volume > 0
     centre = np.zeros((TABLE, 3))
     for axis, moment in enumerate(first_moments):
@@ -135,24 +185,26 @@ def contact_law(indenter: Indenter, indenter_footprint: Footprint, thickness: fl
     return ContactLaw(depth, force, shear_stiffness(radius, thickness, material), centre, material.friction, radius)
 
 
-def _face_area(indenter_footprint: Footprint) -> float:
-    """Area, m², that touches at depth zero: that of a flat face, nothing for a point."""
-    grid = indenter_footprint.grid
-    face = grid.on_pad & (indenter_footprint.heights < 1e-9)
+def _face_area(footprint: Footprint) -> float:
+    """Return the area, m², that touches at depth zero: that of a flat face, 0 for a point."""
+    grid = footprint.grid
+    face = grid.on_pad & (footprint.heights < 1e-9)
     return float(np.count_nonzero(face) * (grid.x[1] - grid.x[0]) * (grid.y[1] - grid.y[0]))
 
 
-def _foundation(indenter_footprint: Footprint, depth: RealArray) -> tuple[RealArray, RealArray, list[RealArray]]:
-    """Sums over the pad of s = max(d - height, 0): of s, of s², and of s x and s y about the tip, each (k,).
+def _foundation(footprint: Footprint, depth: RealArray) -> tuple[RealArray, RealArray, list[RealArray]]:
+    """Return integrals over the pad of s = max(d - height, 0): of s, of s², and of s x and s y, each (k,).
+
+    ``depth`` (k,), m, are the depths d; x and y, m, count from the tip.
 
     Sorted heights and running sums give every depth at once.
     """
-    grid = indenter_footprint.grid
-    near = grid.on_pad & (indenter_footprint.heights < depth[-1])
-    heights = indenter_footprint.heights[near]
+    grid = footprint.grid
+    near = grid.on_pad & (footprint.heights < depth[-1])
+    heights = footprint.heights[near]
     order = np.argsort(heights, kind="stable")
     heights = heights[order]
-    x, y = np.meshgrid(grid.x - indenter_footprint.position[0], grid.y - indenter_footprint.position[1])
+    x, y = np.meshgrid(grid.x - footprint.position[0], grid.y - footprint.position[1])
     cell = float(grid.x[1] - grid.x[0]) * float(grid.y[1] - grid.y[0])
     count = np.searchsorted(heights, depth, side="left")
 
@@ -170,15 +222,16 @@ def _foundation(indenter_footprint: Footprint, depth: RealArray) -> tuple[RealAr
 
 @dataclass(frozen=True)
 class ContactHistory:
-    """What happened over one trajectory, at n moments.
+    """The contact over one trajectory, at n moments.
 
     Parameters
     ----------
-    wrench : (n, 6)
-        What the gel exerts on the indenter, gel frame, torque about the gel's origin: N, N m.
+    wrench : (n, 6), N, N m
+        Wrench on the indenter, gel frame, torque about the gel's origin.
     drag : (n, 2) m
-        How far friction has pulled the gel's surface along in the contact.
+        Displacement of the gel's surface in the contact by friction.
     slipping : (n,) bool
+        Whether the contact slides.
     """
 
     wrench: RealArray
@@ -187,11 +240,12 @@ class ContactHistory:
 
 
 def press_along(law: ContactLaw, positions: RealArray) -> ContactHistory:
-    """The contact along a path of the indenter.
+    """Return the contact along a path of the indenter.
 
     Parameters
     ----------
     law : ContactLaw
+        The tabulated law of this contact.
     positions : (n, 3), metres
         x, y of the tip and depth of the lowest point, close enough in time that each step is small.
     """
@@ -209,7 +263,7 @@ def press_along(law: ContactLaw, positions: RealArray) -> ContactHistory:
 def stick_slip(
     path: RealArray, normal: RealArray, stiffness: RealArray, friction: float
 ) -> tuple[RealArray, NDArray[np.bool_]]:
-    """Pull (n, 2), N, of a moving indenter on the gel, and whether it slips (n,).
+    """Return the pull (n, 2), N, of a moving indenter on the gel, and whether it slips (n,).
 
     The spring is loaded by increments, so that area gained under load starts free of stress (Mindlin); the pull never
     exceeds ``friction`` times the normal force.
@@ -217,8 +271,13 @@ def stick_slip(
     Parameters
     ----------
     path : (n, 2), metres
+        Places of the indenter along the gel.
     normal : (n,), N
+        Normal force.
     stiffness : (n,), N/m
+        Tangential stiffness.
+    friction : float
+        Coulomb's coefficient.
     """
     count = len(path)
     pull = np.zeros((count, 2))

@@ -1,4 +1,4 @@
-"""The rigid side of a contact: how high a turned indenter stands over each point of the gel."""
+"""The rigid side of a contact: the height of a turned indenter over each point of the gel."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from tactiledata.indenters.base import Indenter
 from tactiledata.rig.scenario.scenario import Gel
 
 PITCH = 8e-5
-"""m between points of the grid; about a pixel and a half of the picture."""
+"""Spacing of the grid, m; about a pixel and a half of the picture."""
 MARGIN = 2e-3
-"""m of grid beyond the pad on each side, so that a sheared footprint has something to slide in from."""
+"""Width of the grid beyond the pad on each side, m: a sheared footprint slides in from there."""
 CEILING = 3e-3
-"""m above the lowest point beyond which a body is not looked at: no press is that deep."""
+"""Largest height over the lowest point that is computed, m: no press is that deep."""
 HIT = 1e-6
-"""m: a ray this close to the body has met it."""
+"""Distance to the body, m, below which a ray has met it."""
 MAX_MARCHES = 60
+"""Largest number of steps of a ray."""
 BELOW = 5e-5
-"""m below the lowest corner of the mesh at which rays start: meshes of round bodies lie inside them."""
+"""Distance below the lowest corner of the mesh at which rays start, m: meshes of round bodies lie inside them."""
 COARSE = 4
-"""Every how many rays one is led ahead."""
+"""Stride of the rays that are traced first, to give their neighbours a start."""
 
 
 @dataclass(frozen=True)
 class GelGrid:
-    """Points of the pad's undeformed surface: x (n_x,) and y (n_y,), metres, gel frame; maps are (n_y, n_x)."""
+    """The points of the pad's undeformed surface: x (n_x,) and y (n_y,), metres, gel frame; maps are (n_y, n_x)."""
 
     x: RealArray
     y: RealArray
@@ -38,13 +39,13 @@ class GelGrid:
 
     @classmethod
     def of(cls, gel: Gel) -> GelGrid:
-        """The grid of a pad, symmetric about the gel's origin."""
+        """Return the grid of a pad, symmetric about the gel's origin."""
         half = [round((side / 2 + MARGIN) / PITCH) for side in gel.outline]
         return cls(np.arange(-half[0], half[0] + 1) * PITCH, np.arange(-half[1], half[1] + 1) * PITCH, gel.outline)
 
     @property
     def on_pad(self) -> NDArray[np.bool_]:
-        """(n_y, n_x): which points belong to the pad."""
+        """Mask (n_y, n_x) of the points that belong to the pad."""
         return (np.abs(self.y) <= self.outline[1] / 2)[:, None] & (np.abs(self.x) <= self.outline[0] / 2)
 
 
@@ -55,10 +56,11 @@ class Footprint:
     Parameters
     ----------
     grid : GelGrid
+        Points of the gel.
     heights : (n_y, n_x), metres
         Gap between the body and a plane through its lowest point, at ``position``; at most ``CEILING``.
     position : (2,), metres
-        Of the indenter's tip over the gel.
+        Place of the indenter's tip over the gel.
     lowest : metres
         Height of the lowest point over the tip, along gel z; at most 0.
     """
@@ -69,8 +71,20 @@ class Footprint:
     lowest: float
 
 
-def footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, float], grid: GelGrid) -> Footprint:
-    """The footprint of an indenter with ``rotation`` (3, 3), gel_from_indenter, its tip over ``position``."""
+def make_footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, float], grid: GelGrid) -> Footprint:
+    """Return the footprint of a turned indenter over the gel.
+
+    Parameters
+    ----------
+    indenter : Indenter
+        The body.
+    rotation : (3, 3)
+        Orientation of the indenter, gel_from_indenter.
+    position : (2,), metres
+        Place of the indenter's tip over the gel.
+    grid : GelGrid
+        Points of the gel.
+    """
     x, y = np.meshgrid(grid.x - position[0], grid.y - position[1])
     heights: RealArray
     if rotation[2, 2] > 1.0 - 1e-12:
@@ -85,17 +99,27 @@ def footprint(indenter: Indenter, rotation: RealArray, position: tuple[float, fl
     return Footprint(grid, np.clip(heights - lowest, 0.0, CEILING), position, lowest)
 
 
-def moved_heights(indenter_footprint: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
-    """Heights (n_y, n_x), m, with the indenter moved by ``offset`` (2,), m, over the gel."""
+def moved_heights(footprint: Footprint, offset: tuple[float, float]) -> NDArray[np.float32]:
+    """Return the heights (n_y, n_x), m, with the indenter moved by ``offset`` (2,), m, over the gel."""
     return shifted(
-        indenter_footprint.heights.astype(np.float32),
+        footprint.heights.astype(np.float32),
         offset,
-        float(indenter_footprint.grid.x[1] - indenter_footprint.grid.x[0]),
+        float(footprint.grid.x[1] - footprint.grid.x[0]),
     )
 
 
 def shifted(values: NDArray[Any], offset: tuple[float, float], pitch: float) -> NDArray[Any]:
-    """A map (n_y, n_x), float32, moved by ``offset`` (2,), m; its edge values fill what comes in."""
+    """Return a map moved over its grid; its edge values fill the rim that comes in.
+
+    Parameters
+    ----------
+    values : (n_y, n_x), float32
+        The map.
+    offset : (2,), metres
+        Move along x and y.
+    pitch : metres
+        Spacing of the grid.
+    """
     if not any(offset):
         return values
     move = np.array([[1, 0, offset[0] / pitch], [0, 1, offset[1] / pitch]], dtype=np.float32)
@@ -104,9 +128,9 @@ def shifted(values: NDArray[Any], offset: tuple[float, float], pitch: float) -> 
 
 
 def _march(indenter: Indenter, rotation: RealArray, x: RealArray, y: RealArray, lowest: float) -> RealArray:
-    """Lowest z (n_y, n_x) of the turned body above each point, by sphere tracing along gel z; ``inf`` where none.
+    """Return the lowest z (n_y, n_x), m, of the turned body above each point, by sphere tracing; ``inf`` where none.
 
-    Every ``COARSE``-th ray is first led to where its neighbours could meet the body; they start from there.
+    Every ``COARSE``-th ray is first traced to where its neighbours could meet the body; they start from there.
     """
     reach = COARSE * PITCH / np.sqrt(2.0)
     rows, columns = (np.append(np.arange(0, size, COARSE), size - 1) for size in x.shape)
@@ -125,7 +149,10 @@ def _march(indenter: Indenter, rotation: RealArray, x: RealArray, y: RealArray, 
 def _trace(
     indenter: Indenter, rotation: RealArray, x: RealArray, y: RealArray, start: RealArray, lowest: float, reach: float
 ) -> RealArray:
-    """Height (n,) from ``start`` (n,) at which each ray is first within ``reach`` of the body; ``inf`` where never."""
+    """Return the height (n,), m, at which each ray is first within ``reach`` of the body; ``inf`` where it never is.
+
+    Rays run along gel z from heights ``start`` (n,) over places x, y (n,), m.
+    """
     heights = np.full(len(x), np.inf)
     alive = np.arange(len(x))
     points = np.stack([x, y, start], axis=1)
@@ -139,6 +166,6 @@ def _trace(
         alive, points = alive[keep], points[keep]
         if not len(alive):
             break
-    # rays that still graze the body run along a wall: they are as good as there
+    # rays that still graze the body run along a wall: where they are is close enough
     heights[alive] = points[:, 2]
     return heights

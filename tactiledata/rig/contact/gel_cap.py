@@ -1,4 +1,4 @@
-"""The outer surface of a domed gel: a cap of a ball over the middle of the pad."""
+"""The outer surface of a domed gel: a spherical cap over the middle of the pad."""
 
 from __future__ import annotations
 
@@ -9,38 +9,46 @@ import numpy as np
 from tactiledata.arrays import RealArray
 
 STEEPEST = 0.9
-"""Square of the ball's radius beyond which the surface falls no further, relative."""
+"""Largest r² / R² at which the surface still falls; beyond it the height stays."""
 
 
 @dataclass(frozen=True)
 class Cap:
-    """A surface that falls by R - sqrt(R² - r²) at r from the middle.
+    """A spherical cap: at a distance r from the middle it lies lower by R - sqrt(R² - r²).
 
     Parameters
     ----------
     curvature : 1/m
-        1 / R; 0 is flat.
+        Reciprocal of the sphere's radius R; 0 is flat.
     """
 
     curvature: float = 0.0
 
     def fall(self, x: RealArray | float, y: RealArray | float) -> RealArray:
-        """Metres below the middle at places x, y, m, of one shape."""
+        """Return the depth, m, of the surface below its middle at places x, y, m, of one shape."""
         if self.curvature == 0:
             return np.zeros(np.broadcast(x, y).shape)
         return np.asarray(1 / self.curvature - self._height(x, y))
 
     def fall_from(self, place: tuple[float, float], x: RealArray | float, y: RealArray | float) -> RealArray:
-        """Metres below the surface at ``place`` (2,), m."""
+        """Return the depth, m, of the surface at x, y below its height at another place.
+
+        Parameters
+        ----------
+        place : (2,), m
+            The place to compare with.
+        x, y : arrays or numbers of one shape, m
+            Places on the gel.
+        """
         return self.fall(x, y) - self.fall(*place)
 
     def downhill(self, place: tuple[float, float]) -> RealArray:
-        """How much the surface falls along x and y (2,) at a place (2,), m; m/m."""
+        """Return the slope (2,), m/m, by which the surface falls along x and y at a place (2,), m."""
         if self.curvature == 0:
             return np.zeros(2)
         return np.asarray(place) / self._height(*place)
 
     def _height(self, x: RealArray | float, y: RealArray | float) -> RealArray:
-        """Over the ball's centre, m."""
+        """Return the height of the surface over the sphere's centre, m."""
         radius = 1 / self.curvature
         return np.sqrt(radius**2 - np.minimum(np.square(x) + np.square(y), STEEPEST * radius**2))

@@ -1,4 +1,4 @@
-"""The surface that a camera sees: the layer solver's, on the picture's finer points."""
+"""The surface that a camera sees: the layer solver's surface, interpolated to the picture's finer points."""
 
 from __future__ import annotations
 
@@ -12,36 +12,42 @@ from tactiledata.rig.contact.footprint import Footprint, moved_heights
 from tactiledata.rig.layer.grid import LayerGrid
 
 Map = NDArray[Any]
-"""float32; OpenCV's annotations say less."""
+"""A float32 map; OpenCV's annotations do not state the type."""
 
 CLOSED = 0.1
-"""Gaps below this share of the layer's pitch are less than the layer can tell."""
+"""Gap, as a share of the layer's pitch, below which the layer cannot resolve it: such gaps are closed."""
 SMOOTH = 0.5
-"""Standard deviation, in pitches, of the bell that takes the cells out of the bed; the indenter stays sharp."""
+"""Standard deviation, in pitches, of the Gaussian that smooths the cells of the bed; the indenter stays sharp."""
 ROUNDS = 3
-"""Rounds in which it is found which point of the gel has come to lie where."""
+"""Fixed-point iterations that find which point of the gel has moved to a place."""
 
 
 def drawn_surface(
     displacement: Map,
     grid: LayerGrid,
-    indenter_footprint: Footprint,
+    footprint: Footprint,
     moved: tuple[float, float],
     depth: float,
     fall: Map,
 ) -> Map:
-    """Height (n_y, n_x), m, of the deformed surface over that at rest, at the points of the footprint's grid.
+    """Return the height (n_y, n_x), m, of the deformed surface over that at rest, on the footprint's grid.
 
     Parameters
     ----------
     displacement : (3, rows, columns), m, float32
-        Of the layer's surface, on its own grid.
+        Displacement of the layer's surface, on its own grid.
+    grid : LayerGrid
+        Grid of the layer.
+    footprint : Footprint
+        The turned indenter over the gel.
     moved : (2,), metres
-        How far the indenter has moved over the gel since the footprint was taken.
+        Move of the indenter over the gel since the footprint was taken.
     depth : metres
-        Of the indenter's lowest point below the undeformed surface, which lies lower by ``fall`` (n_y, n_x), m.
+        Depth of the indenter's lowest point below the undeformed surface at the touch's position.
+    fall : (n_y, n_x), m
+        Depth of a dome's undeformed surface below that at the touch's position; zero for a flat gel.
     """
-    fine = indenter_footprint.grid
+    fine = footprint.grid
     if not displacement.any():
         return np.zeros((len(fine.y), len(fine.x)), np.float32)
     column, row = (
@@ -60,11 +66,12 @@ def drawn_surface(
     if depth <= fall.min():
         return -bed
     # on the coarse surface a touching face is only nearly touched: small gaps are closed, and none is pierced
-    sink = np.float32(depth) - moved_heights(indenter_footprint, moved) - fall
+    sink = np.float32(depth) - moved_heights(footprint, moved) - fall
     gap = np.maximum(bed - sink, 0.0)
-    told = np.clip(gap / np.float32(CLOSED * grid.pitch), 0.0, 1.0)
-    return -(sink + gap * told * told * (3.0 - 2.0 * told))
+    openness = np.clip(gap / np.float32(CLOSED * grid.pitch), 0.0, 1.0)
+    return -(sink + gap * openness * openness * (3.0 - 2.0 * openness))
 
 
 def _read(values: Map, columns: Map, rows: Map) -> Map:
+    """Return a map, interpolated by cubics at fractional columns and rows."""
     return cv2.remap(values, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)

@@ -1,4 +1,4 @@
-"""The shape of the gel's outer surface in a contact: the indenter's inside it, a smooth bed around it."""
+"""The shape of the gel's outer surface in a contact: the indenter's shape inside it, a smooth bed around it."""
 
 from __future__ import annotations
 
@@ -11,46 +11,49 @@ from numpy.typing import NDArray
 from tactiledata.rig.contact.footprint import Footprint, moved_heights, shifted
 
 Map = NDArray[Any]
-"""float32; OpenCV's annotations say less."""
+"""A float32 map; OpenCV's annotations do not state the type."""
 
 COARSE = 2
-"""The smooth parts are computed on every second point of the grid."""
+"""Stride of the grid's points on which the smooth parts are computed."""
 REACH = (4.5e-4, 1.4e-3)
-"""m: standard deviations of the two bells that stand in for the decay of the bed around a contact."""
+"""Standard deviations, m, of the two Gaussians that model the decay of the bed around a contact."""
 REACH_SHARE = (0.62, 0.34)
-"""Their shares; below 1 together, so that the bed stays under a flat face."""
+"""Weights of the two Gaussians; their sum is below 1, so that the bed stays under a flat face."""
 PILE_UP_REACH = 2.8e-3
+"""Standard deviation, m, of the wide Gaussian by which displaced gel piles up around a contact."""
 PILE_UP = 0.3
-"""What is pushed away comes up around: a wide bell that takes back this share of the volume."""
+"""Share of the displaced volume that piles up."""
 DRAG_LIFT = 0.3
-"""Bulge before and hollow behind a dragged contact, relative to thickness times divergence of the drag."""
+"""Height of the bulge before and the hollow behind a dragged contact, over thickness times divergence of the drag."""
 CREASE = 1.2e-5
-"""m over which the bed joins the indenter."""
+"""Length, m, over which the bed joins the indenter."""
 
 
 def surface(
-    indenter_footprint: Footprint, offset: tuple[float, float], depth: float, drag: tuple[float, float], h: float
+    footprint: Footprint, offset: tuple[float, float], depth: float, drag: tuple[float, float], h: float
 ) -> Map:
-    """Height (n_y, n_x), metres, gel z, of the deformed surface; zero where the gel is at rest.
+    """Return the height (n_y, n_x), metres, gel z, of the deformed surface; zero where the gel is at rest.
 
     Parameters
     ----------
-    indenter_footprint : Footprint
+    footprint : Footprint
+        The turned indenter over the gel.
     offset : (2,), metres
-        How far the indenter has moved over the gel since the footprint was taken.
+        Move of the indenter over the gel since the footprint was taken.
     depth : metres
-        Of the indenter's lowest point below the undeformed surface; zero or less gives a flat surface.
+        Depth of the indenter's lowest point below the undeformed surface; zero or less gives a flat surface.
     drag : (2,), metres
-        How far friction has pulled the surface along.
+        Displacement of the surface by friction.
     h : metres
         The gel's thickness.
     """
-    grid = indenter_footprint.grid
+    grid = footprint.grid
     shape = (len(grid.y), len(grid.x))
     if depth <= 0:
         return np.zeros(shape, np.float32)
     pitch = float(grid.x[1] - grid.x[0])
-    sink = np.float32(depth) - moved_heights(indenter_footprint, offset)
+    sink = np.float32(depth) - moved_heights(footprint, offset)
+    # the bed around the contact, on a coarser grid
     small = (shape[1] // COARSE, shape[0] // COARSE)
     pressed = cv2.resize(np.maximum(sink, 0.0), small, interpolation=cv2.INTER_AREA)
     bells = [cv2.GaussianBlur(pressed, (0, 0), reach / (pitch * COARSE)) for reach in REACH]
@@ -65,13 +68,13 @@ def surface(
 
 
 def _wide_bell(pressed: Map, sigma: float) -> Map:
-    """A wide blur, on a quarter of the points: nothing in it is fine."""
+    """Return a map blurred by a wide Gaussian; on every fourth point, since the result has no fine detail."""
     tiny = cv2.resize(pressed, (pressed.shape[1] // 4, pressed.shape[0] // 4), interpolation=cv2.INTER_AREA)
     return cv2.resize(cv2.GaussianBlur(tiny, (0, 0), sigma / 4), pressed.shape[::-1], interpolation=cv2.INTER_LINEAR)
 
 
 def _dragged(bed: Map, bell: Map, drag: tuple[float, float], depth: float, h: float, pitch: float) -> Map:
-    """The bed carried along by friction, raised before the contact and hollow behind it."""
+    """Return the bed, moved along by friction, raised before the contact and hollow behind it."""
     share = bell / max(float(bell.max()), 1e-12)
     moved = shifted(bed, drag, pitch)
     carried = bed + share * (moved - bed)

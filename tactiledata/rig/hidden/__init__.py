@@ -1,1 +1,9 @@
-"""Effects that only the rig knows."""
+"""Hidden effects: how the physics of a recording differs from what its log states.
+
+`base` lists the places at which an effect may act; `effects` is the table by which scenarios name effects. The members
+lie by subject: `pose`, `geometry`, `material`, `history`, `time`, `adhesion`, `friction`, `load`, `sensor`, `clock`.
+`contact` plays a touch with effects, by the sliders of `slider` and the limit of `coulomb_limit`; `sensing` applies
+effects to force readings and stamps.
+
+Of the toolkit, only the rig imports this room. It shares no code with `tactiledata.effects`.
+"""

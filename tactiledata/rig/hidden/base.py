@@ -1,4 +1,4 @@
-"""What an effect that only the rig knows may do to a recording: one method for each place where it can act."""
+"""The interface of hidden effects: one method for each place at which an effect may change a recording."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.contact.closed_form import ContactLaw
 from tactiledata.rig.contact.contact import CONTACT_RATE, TouchSetup
 from tactiledata.rig.motion.motion import Path
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.scenario.scenario import Scenario
 from tactiledata.transforms import Transform
 
@@ -22,20 +22,21 @@ if TYPE_CHECKING:
 Parameters = Mapping[str, float]
 
 HIDDEN = 11
-"""Number of the random streams."""
+"""Number of the random streams of hidden effects."""
 
 
 @dataclass(frozen=True)
-class Visit:
-    """An earlier touch of the same gel.
+class EarlierTouch:
+    """An earlier touch of the same gel in the same log.
 
     Parameters
     ----------
     position : (2,), m
+        Place on the gel.
     seconds : float
-        Since the log's start.
+        Time from the log's start to that touch.
     work : J
-        Greatest elastic work that it put into the gel.
+        Largest elastic work that the touch put into the gel.
     """
 
     position: tuple[float, float]
@@ -45,50 +46,56 @@ class Visit:
 
 @dataclass(frozen=True)
 class TouchFacts:
-    """All that an effect may ask about the touch that is played.
+    """The facts about the touch that is played, beside its setup.
 
     Parameters
     ----------
-    touch : Touch
+    touch : TouchPlan
+        What the arm was commanded to do.
     scenario : Scenario
+        The world that is recorded.
     seconds : float
-        From the log's start to the touch's.
+        Time from the log's start to the touch's start.
     mount : int
-        How often indenters have been mounted in this log before.
+        Number of times that indenters have been mounted in this log, this one included.
     log_index : int
+        Place of the log in the scenario.
     mounted : Transform
-        base_from_indenter, as the log states it.
-    visits : list of Visit
-        Earlier touches of this gel in this log; it grows as they are played.
+        Pose base_from_indenter, as the log states it.
+    earlier_touches : list of EarlierTouch
+        Earlier touches of this gel in this log; the list grows as they are played.
     """
 
-    touch: Touch
+    touch: TouchPlan
     scenario: Scenario
     seconds: float
     mount: int
     log_index: int
     mounted: Transform
-    visits: list[Visit]
+    earlier_touches: list[EarlierTouch]
 
     @property
     def seconds_on(self) -> float:
-        """Since the sensor was switched on."""
+        """Time in seconds from power-on of the sensor to the touch's start."""
         return self.seconds + self.scenario.recordings.powered
 
 
 @dataclass(frozen=True)
-class Felt:
-    """A touch as the gel feels it before an effect, at ``CONTACT_RATE``.
+class RealTouch:
+    """A touch at the indenter's real positions, at ``CONTACT_RATE``: the input of effects on forces.
 
     Parameters
     ----------
     facts : TouchFacts
+        Time, mounting and earlier touches.
     setup : TouchSetup
+        The touch as it really is.
     law : ContactLaw
         Closed forms for this indenter, place and gel; also in worlds whose contact is the layer solver's.
     path : Path
+        The commanded path.
     positions : (n, 3), m
-        Where the indenter really is: x, y, depth.
+        Real positions of the indenter: x, y, depth.
     """
 
     facts: TouchFacts
@@ -99,12 +106,12 @@ class Felt:
 
     @property
     def times(self) -> RealArray:
-        """Seconds (n,) from the touch's start."""
+        """Times (n,) of the positions, s from the touch's start."""
         return np.arange(len(self.positions)) / CONTACT_RATE
 
     @property
     def depth(self) -> RealArray:
-        """Metres (n,), at least 0."""
+        """Depth (n,) of the indenter's lowest point, m; 0 in air."""
         return np.maximum(self.positions[:, 2], 0.0)
 
     @property
@@ -114,7 +121,19 @@ class Felt:
 
 
 class Slide(NamedTuple):
-    """How a contact slides at one moment: speed m/s, pressure Pa, age s, direction of the pull rad, gel frame."""
+    """The state of sliding of a contact at one moment.
+
+    Parameters
+    ----------
+    speed : m/s
+        Speed of sliding.
+    pressure : Pa
+        Mean pressure.
+    age : s
+        Age of the contact in the ageing law of friction.
+    direction : rad
+        Direction of the pull over the gel, from x.
+    """
 
     speed: float
     pressure: float
@@ -123,80 +142,134 @@ class Slide(NamedTuple):
 
 
 FrictionFactor = Callable[[Slide], float]
+"""Function that gives the factor on Coulomb's limit in a state of sliding."""
 
 
 class HiddenEffect:
-    """One effect; a subclass is a frozen dataclass of its parameters, whose defaults are the null, and overrides the
-    places where it acts.
+    """Base class of hidden effects.
+
+    A subclass is a frozen dataclass of its parameters, whose defaults are those of no effect. It overrides the methods
+    of the places where it acts; every method of this class leaves the recording unchanged.
     """
 
     NUMBER: ClassVar[str]
-    """Of the row in the catalogue of missing physics that it stands for; ``outside`` where the catalogue has none."""
+    """Number of its row in the catalogue of missing physics; ``outside`` where the catalogue has none."""
     ACTS: ClassVar[str]
-    """``pose``, ``contact``, ``force``, ``load``, ``sensor`` or ``clock``."""
+    """Place where it acts: ``pose``, ``contact``, ``force``, ``load``, ``sensor`` or ``clock``."""
     SOURCE: ClassVar[str]
+    """Publication, or the assumption, that its formula is from."""
     STRENGTHS: ClassVar[Mapping[str, Parameters]]
-    """Parameters of ``weak``, ``medium`` and ``strong``; SI units."""
+    """Parameters of the strengths ``weak``, ``medium`` and ``strong``; SI units."""
     RANGES: ClassVar[Mapping[str, tuple[float, float]]]
-    """Least and greatest value of each parameter."""
+    """Least and largest allowed value of each parameter."""
     STIFFENS: ClassVar[bool] = False
-    """Whether what multiplies the normal force multiplies the tangential stiffness too."""
+    """Whether its factor on the normal force also multiplies the tangential stiffness."""
     PER_LOG: ClassVar[bool] = True
-    """Whether what it draws for the sensor differs from log to log."""
+    """Whether its random draws for the sensor differ from log to log."""
 
     def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
-        """The touch as it really is: geometry and offsets."""
+        """Return the touch with its real geometry and offsets."""
         return setup
 
     def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
-        """What the path really misses (n, 3) at ``CONTACT_RATE``: x, y, depth, m."""
+        """Return the deviation from the path (n, 3), m, at ``CONTACT_RATE``, x, y, depth; None for none.
+
+        Parameters
+        ----------
+        path : Path
+            The commanded path.
+        setup : TouchSetup
+            The touch as it really is.
+        facts : TouchFacts
+            Time, mounting and earlier touches.
+        """
         return None
 
     def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
-        """Move (3, 3), m/N, of the indenter over the gel by the force on it: gel frame."""
+        """Return the compliance (3, 3), m/N, gel frame, of the indenter over the gel; None for none.
+
+        Parameters
+        ----------
+        path : Path
+            The commanded path.
+        setup : TouchSetup
+            The touch as it really is.
+        facts : TouchFacts
+            Time, mounting and earlier touches.
+        """
         return None
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
-        """Normal force (n,), N, from that without the effect."""
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the normal force (n,), N, from that without the effect."""
         return force
 
-    def tangential_stiffness(self, stiffness: RealArray, felt: Felt) -> RealArray:
-        """Stiffness (n,), N/m, from that without the effect."""
+    def tangential_stiffness(self, stiffness: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the tangential stiffness (n,), N/m, from that without the effect."""
         return stiffness
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
-        """What multiplies the limit of friction."""
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
+        """Return the factor on Coulomb's limit as a function of the state of sliding; None for none."""
         return None
 
     def spread(self) -> float:
-        """Spread of the limits of parts of the contact, relative: 0 for one slider."""
+        """Return the relative spread of the limits of parts of the contact: 0 for one slider."""
         return 0.0
 
-    def memory(self, felt: Felt) -> RealArray | None:
-        """Share (n,) of a tangential pull that the gel still holds after so many samples, 1 at once."""
+    def memory(self, real_touch: RealTouch) -> RealArray | None:
+        """Return the share (n,) of a tangential pull that is left k samples later, 1 at k = 0; None for no decay."""
         return None
 
     def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
-        """A further load (n, 6) on the force sensor, in its frame, at sorted moments of the host clock."""
+        """Return a further load (n, 6), N and N m, on the force sensor, in its frame; None for none.
+
+        Parameters
+        ----------
+        moments : (n,), ns
+            Sorted moments of the host clock.
+        played_log : PlayedLog
+            Motion of the arm.
+        scenario : Scenario
+            Mounting of the sensors, mass of the tool.
+        """
         return None
 
     def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
-        """What the sensor makes of loads (n, 6) at sorted seconds (n,) since the log's start, before it is tared."""
+        """Return the loads (n, 6) that the sensor measures, before its zero is set.
+
+        Parameters
+        ----------
+        values : (n, 6), N, N m
+            Loads on the sensor, in its frame.
+        seconds : (n,)
+            Sorted times since the log's start.
+        rng : Generator
+            Random numbers of this effect, and of this log where ``PER_LOG`` holds.
+        """
         return values
 
     def delayed(self, values: RealArray, rate: float) -> RealArray | None:
-        """What a slow sensor shows of evenly sampled loads (n, 6); None where it is not slow."""
+        """Return loads (n, 6), sampled evenly at a rate in Hz, as a slow sensor shows them; None for no delay."""
         return None
 
-    def told(self, reading: RealArray) -> RealArray:
-        """The numbers (n, 6) that leave the sensor."""
+    def reported(self, reading: RealArray) -> RealArray:
+        """Return the numbers (n, 6), N and N m, that the sensor sends for a reading, its zero subtracted."""
         return reading
 
     def stamped(self, stream: str, stamps: Times, seconds: RealArray) -> Times:
-        """Stamps (n,) of a stream, ns, from those without the effect; seconds (n,) since the log's start."""
+        """Return the time stamps (n,), ns, of a stream, from those without the effect.
+
+        Parameters
+        ----------
+        stream : str
+            Name of the stream.
+        stamps : (n,), ns
+            Stamps without the effect.
+        seconds : (n,)
+            Times of the samples since the log's start.
+        """
         return stamps
 
 
 def touch_random(facts: TouchFacts, purpose: str) -> np.random.Generator:
-    """Random numbers of a scenario for one purpose, the same in every log."""
+    """Return the random numbers of a scenario for one purpose, the same in every log."""
     return np.random.default_rng([facts.scenario.seed, HIDDEN, int.from_bytes(purpose.encode()[:64], "big")])

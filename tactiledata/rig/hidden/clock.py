@@ -1,4 +1,4 @@
-"""Hidden faults of a clock: it runs at another rate, and jumps."""
+"""Hidden faults of a clock: a wrong rate, and jumps."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from tactiledata.rig.hidden.base import HiddenEffect, Parameters, Times
 
 
 @dataclass(frozen=True)
-class ClockSkew(HiddenEffect):
-    """The force sensor's clock runs fast, and every so often a sample is lost from its counter, so that it falls back.
+class HiddenClockSkew(HiddenEffect):
+    """The force sensor's clock runs fast, and jumps back at regular times, as its counter loses samples.
 
     stamp = true stamp + skew t - jump floor(t / every), t since the log's start; stamps never fall.
 
     Parameters
     ----------
     skew : float
-        Relative; 1e-5 is 10 ppm.
+        Relative error of the rate; 1e-5 is 10 ppm.
     jump, every : s
+        Size of a jump, and time between two of them.
     """
 
     NUMBER: ClassVar[str] = "19"
@@ -43,11 +44,21 @@ class ClockSkew(HiddenEffect):
     every: float = 60.0
 
     def stamped(self, stream: str, stamps: Times, seconds: RealArray) -> Times:
-        """See `HiddenEffect.stamped`."""
+        """Return the stamps (n,), ns, of the force sensor with skew and jumps; those of other streams unchanged.
+
+        Parameters
+        ----------
+        stream : str
+            Name of the stream.
+        stamps : (n,), ns
+            Stamps without the effect.
+        seconds : (n,)
+            Times of the samples since the log's start.
+        """
         if stream != "wrench":
             return stamps
         off = self.skew * seconds - self.jump * np.floor(seconds / self.every)
-        told = stamps + np.rint(off * 1e9).astype(np.int64)
+        skewed = stamps + np.rint(off * 1e9).astype(np.int64)
         # a later sample is at least a nanosecond later
-        order = np.arange(len(told))
-        return np.maximum.accumulate(told - order) + order
+        order = np.arange(len(skewed))
+        return np.maximum.accumulate(skewed - order) + order

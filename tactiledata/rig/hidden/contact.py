@@ -1,4 +1,4 @@
-"""One touch with hidden effects: the plain contact, led where the arm really goes, and what becomes of its forces."""
+"""One touch with hidden effects: the plain contact where the arm really goes, and its forces changed by the effects."""
 
 from __future__ import annotations
 
@@ -12,173 +12,204 @@ from numpy.typing import NDArray
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.analytic import touch_analytic
 from tactiledata.rig.contact.closed_form import contact_law, stick_slip
-from tactiledata.rig.contact.contact import CONTACT_RATE, Contact, Played, TouchSetup, contact_times
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, TouchFacts, Visit
+from tactiledata.rig.contact.contact import CONTACT_RATE, PlayTouch, RigContact, TouchSetup, contact_times
+from tactiledata.rig.hidden.base import EarlierTouch, HiddenEffect, RealTouch, TouchFacts
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden.history import elastic_work
 from tactiledata.rig.hidden.slider import areas_of, slide
 from tactiledata.rig.motion.motion import Path
 
 ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 3
-"""How often force and yielding are brought together: in closed form, then in the contact that is asked for."""
+"""Rounds in which force and compliance are made to agree: by closed forms, then by the scenario's form of contact."""
 
 
 @dataclass(frozen=True)
 class HiddenContact:
-    """See `Contact`; ``inner`` is the contact without what became of its forces.
+    """A `RigContact` whose forces are changed by hidden effects.
 
     Parameters
     ----------
+    inner : RigContact
+        The contact along the real path, before effects change its forces.
+    wrench : (n, 6), N, N m
+        The changed wrench on the indenter, gel frame.
+    slipping : (n,) bool
+        Whether all that touches slides.
     unbalanced : m
-        Greatest difference between what the arm yields and what its forces ask for.
+        Largest difference between the arm's deflection and that which its compliance gives for the forces.
     """
 
-    inner: Contact
+    inner: RigContact
     wrench: RealArray
     slipping: NDArray[np.bool_]
     unbalanced: float
 
     @property
     def path(self) -> Path:
-        """See `Contact.path`."""
+        """Commanded path of the indenter over the gel."""
         return self.inner.path
 
     @property
-    def missed(self) -> RealArray | None:
-        """See `Contact.missed`."""
-        return self.inner.missed
+    def deviation(self) -> RealArray | None:
+        """Error of the arm that adds to path and offset, (n, 3), m, at ``CONTACT_RATE``: x, y, depth."""
+        return self.inner.deviation
 
     @property
     def unsettled(self) -> int:
-        """See `Contact.unsettled`."""
+        """Number of the solver's steps that did not converge."""
         return self.inner.unsettled
 
     def surface(self, seconds: float) -> NDArray[np.float32]:
-        """See `Contact.surface`."""
+        """Return the height (n_y, n_x), m, of the gel's surface at seconds from the start."""
         return self.inner.surface(seconds)
 
 
 def touch_hidden(
-    setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], play: Played
-) -> tuple[TouchSetup, HiddenContact, Visit]:
-    """The touch as it really is, what the gel does, and what is left of it for later touches."""
+    setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], play: PlayTouch
+) -> tuple[TouchSetup, HiddenContact, EarlierTouch]:
+    """Play a touch with hidden effects: return its real setup, its contact, and the record of it for later touches.
+
+    Parameters
+    ----------
+    setup : TouchSetup
+        The touch as the scenario states it.
+    facts : TouchFacts
+        Time, mounting and earlier touches.
+    effects : sequence of HiddenEffect
+        Effects, in the order in which they act.
+    play : callable
+        Plays a touch without effects: the scenario's form of contact.
+    """
     for effect in effects:
         setup = effect.prepared(setup, facts)
     plain = play(setup, None, None)
-    touch = _Touch(setup, facts, effects, plain.path)
-    found = touch.yielding(plain, play)
-    felt = touch.felt(found.inner)
-    visit = Visit(facts.touch.position, facts.seconds, float(elastic_work(felt).max()))
-    return setup, found, visit
+    touch = _EffectsOnTouch(setup, facts, effects, plain.path)
+    contact = touch.balanced(plain, play)
+    real_touch = touch.real_touch(contact.inner)
+    earlier = EarlierTouch(facts.touch.position, facts.seconds, float(elastic_work(real_touch).max()))
+    return setup, contact, earlier
 
 
-class _Touch:
+class _EffectsOnTouch:
+    """The hidden effects on one touch along a planned path."""
+
     def __init__(self, setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], path: Path) -> None:
         self._setup, self._facts, self._effects, self._path = setup, facts, effects, path
-        self._law = contact_law(setup.indenter, setup.indenter_footprint, setup.thickness, setup.material)
+        self._law = contact_law(setup.indenter, setup.footprint, setup.thickness, setup.material)
 
-    def felt(self, contact: Contact) -> Felt:
+    def real_touch(self, contact: RigContact) -> RealTouch:
+        """Return the touch at the real positions of a contact."""
         positions = self._path.at(contact_times(self._path)) + self._setup.offset
-        if contact.missed is not None:
-            positions = positions + contact.missed
-        return Felt(self._facts, self._setup, self._law, self._path, positions)
+        if contact.deviation is not None:
+            positions = positions + contact.deviation
+        return RealTouch(self._facts, self._setup, self._law, self._path, positions)
 
-    def yielding(self, plain: Contact, play: Played) -> HiddenContact:
-        """The contact where forces and what yields to them agree."""
+    def balanced(self, plain: RigContact, play: PlayTouch) -> HiddenContact:
+        """Return the contact whose forces agree with the deflections by compliance that they cause."""
+        # deviations that do not depend on forces, and compliances
         args = (self._path, self._setup, self._facts)
         shifts = [shift for effect in self._effects if (shift := effect.shift(*args)) is not None]
-        gives = [give for effect in self._effects if (give := effect.compliance(*args)) is not None]
-        if not shifts and not gives:
+        compliances = [matrix for effect in self._effects if (matrix := effect.compliance(*args)) is not None]
+        if not shifts and not compliances:
             return self._changed(plain)
         fixed: RealArray = sum(shifts, np.zeros((len(contact_times(self._path)), 3)))
-        if not gives:
+        if not compliances:
             return self._changed(play(self._setup, self._path, fixed))
-        give, given = np.sum(gives, axis=0), np.zeros_like(fixed)
+        # closed forms come near the balance in little time, the scenario's form of contact ends it
+        compliance, deflection = np.sum(compliances, axis=0), np.zeros_like(fixed)
         rounds = [_analytic] * ANALYTIC_ROUNDS + [play] * (OTHER_ROUNDS if play is not _analytic else 0)
-        for one in rounds:
-            found = self._changed(one(self._setup, self._path, fixed + given))
-            missing = _as_miss(found.wrench[:, :3] @ give.T) - given
-            given = given + self._damped(missing, give, found)
-        return HiddenContact(found.inner, found.wrench, found.slipping, float(np.abs(missing).max()))
+        for play_round in rounds:
+            contact = self._changed(play_round(self._setup, self._path, fixed + deflection))
+            missing = _as_deviation(contact.wrench[:, :3] @ compliance.T) - deflection
+            deflection = deflection + self._damped(missing, compliance, contact)
+        return HiddenContact(contact.inner, contact.wrench, contact.slipping, float(np.abs(missing).max()))
 
-    def _damped(self, missing: RealArray, give: RealArray, found: HiddenContact) -> RealArray:
-        """Newton's step (n, 3) with the stiffness of the closed forms."""
-        felt = self.felt(found.inner)
-        normal = np.interp(felt.depth, self._law.depth, np.gradient(self._law.force, self._law.depth))
-        sideways = np.interp(felt.depth, self._law.depth, self._law.stiffness) * ~found.slipping
-        touching = felt.positions[:, 2] > 0
+    def _damped(self, missing: RealArray, compliance: RealArray, contact: HiddenContact) -> RealArray:
+        """Return Newton's step (n, 3), m, for a missing deflection, with the stiffness of the closed forms."""
+        real_touch = self.real_touch(contact.inner)
+        normal = np.interp(real_touch.depth, self._law.depth, np.gradient(self._law.force, self._law.depth))
+        sideways = np.interp(real_touch.depth, self._law.depth, self._law.stiffness) * ~contact.slipping
+        touching = real_touch.positions[:, 2] > 0
         stiffness = np.stack([sideways, sideways, normal], axis=1) * touching[:, None]
-        return missing / (1 + stiffness * np.diag(give))
+        return missing / (1 + stiffness * np.diag(compliance))
 
-    def _changed(self, contact: Contact) -> HiddenContact:
-        """The contact's forces, changed by every effect in turn."""
-        felt = self.felt(contact)
+    def _changed(self, contact: RigContact) -> HiddenContact:
+        """Return a contact whose forces every effect has changed in turn."""
+        real_touch = self.real_touch(contact)
         before, pull_before = contact.wrench[:, 2], -contact.wrench[:, :2]
         normal = before
-        plain: RealArray = np.interp(felt.depth, self._law.depth, self._law.stiffness)
+        plain: RealArray = np.interp(real_touch.depth, self._law.depth, self._law.stiffness)
         stiff = plain
         for effect in self._effects:
-            force = effect.normal(normal, felt)
+            force = effect.normal(normal, real_touch)
             if effect.STIFFENS:
                 stiff = stiff * np.divide(force, normal, out=np.ones_like(force), where=normal > 0)
             normal = force
-            stiff = effect.tangential_stiffness(stiff, felt)
-        pull, slipping = self._pull(felt, pull_before, contact.slipping, (before, plain), (normal, stiff))
+            stiff = effect.tangential_stiffness(stiff, real_touch)
+        pull, slipping = self._pull(real_touch, pull_before, contact.slipping, (before, plain), (normal, stiff))
         if normal is before and pull is pull_before:
             return HiddenContact(contact, contact.wrench, contact.slipping, 0.0)
-        return HiddenContact(contact, self._wrench(felt, contact.wrench, normal, pull), slipping, 0.0)
+        return HiddenContact(contact, self._wrench(real_touch, contact.wrench, normal, pull), slipping, 0.0)
 
     def _pull(
         self,
-        felt: Felt,
+        real_touch: RealTouch,
         pull: RealArray,
         slipping: NDArray[np.bool_],
         before: tuple[RealArray, RealArray],
         after: tuple[RealArray, RealArray],
     ) -> tuple[RealArray, NDArray[np.bool_]]:
-        """Pull (n, 2) and slipping (n,): the contact's own, plus what sliders on springs say that effects change."""
-        factors = [factor for effect in self._effects if (factor := effect.friction(felt)) is not None]
+        """Return pull (n, 2), N, and sliding (n,): the contact's own pull, plus the change that the effects cause.
+
+        The change is that of sliders on springs. ``before`` and ``after`` are normal force (n,), N, and tangential
+        stiffness (n,), N/m, without and with the effects.
+        """
+        factors = [factor for effect in self._effects if (factor := effect.friction(real_touch)) is not None]
         spread = max((effect.spread() for effect in self._effects), default=0.0)
-        memories = [memory for effect in self._effects if (memory := effect.memory(felt)) is not None]
+        memories = [memory for effect in self._effects if (memory := effect.memory(real_touch)) is not None]
         same = all(new is old for new, old in zip(after, before, strict=True))
         if same and not factors and not spread and not memories:
             return pull, slipping
+        # sliders with the effects less sliders without
         coefficient = self._setup.material.friction
-        path, areas = felt.positions[:, :2], areas_of(felt.radius)
+        path, areas = real_touch.positions[:, :2], areas_of(real_touch.radius)
         plain = stick_slip(path, before[0], before[1], coefficient)[0]
         memory = np.prod(memories, axis=0) if memories else None
         changed, limit, slipping = slide(path, *after, areas, coefficient, CONTACT_RATE, factors, spread, memory)
         out: RealArray = pull + (changed - plain)
+        # within the changed limit of friction
         limit = limit * beyond_coulomb(pull, coefficient * before[0])
         size = np.linalg.norm(out, axis=1)
         over = size > limit
         out[over] *= (limit[over] / size[over])[:, None]
         return out, slipping
 
-    def _wrench(self, felt: Felt, wrench: RealArray, normal: RealArray, pull: RealArray) -> RealArray:
-        """Forces changed; torques so that each change acts at the centre of pressure of the closed forms."""
+    def _wrench(self, real_touch: RealTouch, wrench: RealArray, normal: RealArray, pull: RealArray) -> RealArray:
+        """Return the wrench (n, 6) with changed forces; each change acts at the closed forms' centre of pressure."""
         share = np.divide(normal, wrench[:, 2], out=np.zeros_like(normal), where=wrench[:, 2] > 0)[:, None]
         scaled = wrench * share
         force = np.concatenate([-pull, normal[:, None]], axis=1)
-        point = self._law.columns_at(felt.positions[:, 2])[2]
-        point[:, :2] += felt.positions[:, :2]
+        point = self._law.columns_at(real_touch.positions[:, 2])[2]
+        point[:, :2] += real_touch.positions[:, :2]
         return np.concatenate([force, scaled[:, 3:] + np.cross(point, force - scaled[:, :3])], axis=1)
 
 
-def _as_miss(move: RealArray) -> RealArray:
-    """Moves (n, 3) along gel x, y, z as x, y, depth."""
+def _as_deviation(move: RealArray) -> RealArray:
+    """Return moves (n, 3), m, along gel x, y, z as moves along x, y, depth."""
     return move * np.array([1.0, 1.0, -1.0])
 
 
-def _analytic(setup: TouchSetup, path: Path | None, missed: RealArray | None) -> Contact:
-    return touch_analytic(setup, path, missed)
+def _analytic(setup: TouchSetup, path: Path | None, deviation: RealArray | None) -> RigContact:
+    """Play a touch by closed forms; one function object, by which the balance knows this form of contact."""
+    return touch_analytic(setup, path, deviation)
 
 
-analytic: Played = _analytic
+analytic: PlayTouch = _analytic
+"""The closed forms as a form of contact."""
 
 
 def hidden_entries(effects: Sequence[HiddenEffect]) -> list[dict[str, Any]]:
-    """What the truth says of hidden effects."""
+    """Return the entries of hidden effects in a log's truth: name, number, place of action and parameters."""
     from dataclasses import asdict
 
     from tactiledata.rig.hidden.effects import name_of

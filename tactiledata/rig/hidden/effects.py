@@ -1,4 +1,4 @@
-"""The table of hidden effects, and how a scenario's `hidden` section names them."""
+"""The table of hidden effects, and the reading of a scenario's `hidden` section."""
 
 from __future__ import annotations
 
@@ -16,67 +16,68 @@ _RIG = "tactiledata.rig.hidden"
 HIDDEN_EFFECTS = Registry(
     "hidden effect",
     {
-        "relaxation": f"{_RIG}.time:Springpot",
-        "mullins": f"{_RIG}.history:WorkSoftening",
-        "stiffening": f"{_RIG}.material:OgdenShear",
-        "thickness": f"{_RIG}.geometry:Thickness",
-        "dome": f"{_RIG}.geometry:Dome",
-        "adhesion": f"{_RIG}.adhesion:PinnedEdge",
-        "shear_strength": f"{_RIG}.friction:ShearStrength",
-        "rate_friction": f"{_RIG}.friction:RateFriction",
-        "ageing_friction": f"{_RIG}.friction:AgeingFriction",
-        "partial_slip": f"{_RIG}.friction:ManySliders",
-        "arm_compliance": f"{_RIG}.pose:JointCompliance",
-        "stem_bending": f"{_RIG}.pose:StemBending",
-        "ft_drift": f"{_RIG}.sensor:WanderingZero",
-        "cross_talk": f"{_RIG}.sensor:CrossTalk",
-        "tool_weight": f"{_RIG}.load:ToolWeight",
-        "cable_drag": f"{_RIG}.load:CableDrag",
-        "frame_rotation": f"{_RIG}.sensor:FrameRotation",
-        "lag": f"{_RIG}.sensor:SlowSensor",
-        "clock_skew": f"{_RIG}.clock:ClockSkew",
-        "indenter_mount": f"{_RIG}.geometry:IndenterMount",
-        "warm_up": f"{_RIG}.history:WarmUp",
-        "wear": f"{_RIG}.history:Wear",
-        "delamination": f"{_RIG}.material:Delamination",
-        "pad_edge": f"{_RIG}.material:PadEdge",
-        "skin": f"{_RIG}.material:Skin",
-        "dead_band": f"{_RIG}.sensor:DeadBand",
-        "saturation": f"{_RIG}.sensor:Saturation",
-        "inertia": f"{_RIG}.load:Inertia",
-        "joint_backlash": f"{_RIG}.pose:JointBacklash",
-        "drainage": f"{_RIG}.time:Drainage",
-        "anisotropy": f"{_RIG}.friction:Anisotropy",
-        "warm_relaxation": f"{_RIG}.time:WarmSpringpot",
+        "relaxation": f"{_RIG}.time:HiddenSpringpot",
+        "mullins": f"{_RIG}.history:HiddenWorkSoftening",
+        "stiffening": f"{_RIG}.material:HiddenOgdenShear",
+        "thickness": f"{_RIG}.geometry:HiddenThickness",
+        "dome": f"{_RIG}.geometry:HiddenDome",
+        "adhesion": f"{_RIG}.adhesion:HiddenPinnedEdge",
+        "shear_strength": f"{_RIG}.friction:HiddenShearStrength",
+        "rate_friction": f"{_RIG}.friction:HiddenRateFriction",
+        "ageing_friction": f"{_RIG}.friction:HiddenAgeingFriction",
+        "partial_slip": f"{_RIG}.friction:HiddenManySliders",
+        "arm_compliance": f"{_RIG}.pose:HiddenJointCompliance",
+        "stem_bending": f"{_RIG}.pose:HiddenStemBending",
+        "ft_drift": f"{_RIG}.sensor:HiddenWanderingZero",
+        "cross_talk": f"{_RIG}.sensor:HiddenCrossTalk",
+        "tool_weight": f"{_RIG}.load:HiddenToolWeight",
+        "cable_drag": f"{_RIG}.load:HiddenCableDrag",
+        "frame_rotation": f"{_RIG}.sensor:HiddenFrameRotation",
+        "lag": f"{_RIG}.sensor:HiddenSlowSensor",
+        "clock_skew": f"{_RIG}.clock:HiddenClockSkew",
+        "indenter_mount": f"{_RIG}.geometry:HiddenIndenterMount",
+        "warm_up": f"{_RIG}.history:HiddenWarmUp",
+        "wear": f"{_RIG}.history:HiddenWear",
+        "delamination": f"{_RIG}.material:HiddenDelamination",
+        "pad_edge": f"{_RIG}.material:HiddenPadEdge",
+        "skin": f"{_RIG}.material:HiddenSkin",
+        "dead_band": f"{_RIG}.sensor:HiddenDeadBand",
+        "saturation": f"{_RIG}.sensor:HiddenSaturation",
+        "inertia": f"{_RIG}.load:HiddenInertia",
+        "joint_backlash": f"{_RIG}.pose:HiddenJointBacklash",
+        "drainage": f"{_RIG}.time:HiddenDrainage",
+        "anisotropy": f"{_RIG}.friction:HiddenAnisotropy",
+        "warm_relaxation": f"{_RIG}.time:HiddenWarmSpringpot",
     },
 )
 
 
 def name_of(effect: HiddenEffect) -> str:
-    """The name under which the table holds an effect's class."""
+    """Return the name under which the table holds an effect's class."""
     return next(name for name in HIDDEN_EFFECTS if HIDDEN_EFFECTS[name] is type(effect))
 
 
 def hidden_effect(entry: Mapping[str, Any], path: str, where: str) -> HiddenEffect:
-    """The effect that one entry of a scenario's `hidden` section names.
+    """Return the effect that one entry of a scenario's `hidden` section names.
 
     Parameters
     ----------
     entry : dict
-        ``effect``; ``strength`` or ``parameters`` or both: stated parameters go before those of the strength, and what
-        neither says is as without the effect.
+        ``effect``, and ``strength`` or ``parameters`` or both: stated parameters win over those of the strength, and
+        all others keep the value of no effect.
     path, where : str
-        Of the entry in the document, and the document, for errors.
+        Place of the entry in the document, and the document's name, for error messages.
 
     Raises
     ------
     SchemaError
-        No such effect or parameter, a value out of its range, neither strength nor parameters.
+        The effect or a parameter is unknown, a value is out of its range, or the entry states neither strength nor
+        parameters.
     """
     name = entry["effect"]
     if name not in HIDDEN_EFFECTS:
         raise _fault(
-            where, f"{path}.effect", f"no hidden effect is called {name!r}", f"one of: {_told(HIDDEN_EFFECTS)}"
+            where, f"{path}.effect", f"no hidden effect is called {name!r}", f"one of: {_listed(HIDDEN_EFFECTS)}"
         )
     kind: type[HiddenEffect] = HIDDEN_EFFECTS[name]
     if "strength" not in entry and "parameters" not in entry:
@@ -85,7 +86,7 @@ def hidden_effect(entry: Mapping[str, Any], path: str, where: str) -> HiddenEffe
     for key, value in stated.items():
         if key not in kind.RANGES:
             raise _fault(
-                where, f"{path}.parameters.{key}", f"{name} has no parameter {key!r}", f"of {_told(kind.RANGES)}"
+                where, f"{path}.parameters.{key}", f"{name} has no parameter {key!r}", f"of {_listed(kind.RANGES)}"
             )
         least, most = kind.RANGES[key]
         if not least <= value <= most:
@@ -95,15 +96,17 @@ def hidden_effect(entry: Mapping[str, Any], path: str, where: str) -> HiddenEffe
 
 
 def is_null(effect: HiddenEffect) -> bool:
-    """Whether an effect's strength is none: those parameters that its strengths set have their defaults."""
+    """Return whether an effect has no strength: the parameters that its strengths set have their defaults."""
     nulls = {item.name: item.default for item in fields(effect)}  # type: ignore[arg-type]
     scaled = {key for strength in type(effect).STRENGTHS.values() for key in strength}
     return all(getattr(effect, key) == nulls[key] for key in scaled)
 
 
-def _told(names: Any) -> str:
+def _listed(names: Any) -> str:
+    """Return names, sorted, with commas between."""
     return ", ".join(sorted(names))
 
 
 def _fault(where: str, path: str, found: str, expected: str) -> SchemaError:
+    """Return the error for a fault at a path inside a scenario file."""
     return SchemaError(f"{where}, at {path}: {found}", expected, "Mend the scenario file.", path=path, file=where)

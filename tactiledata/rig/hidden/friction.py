@@ -1,4 +1,4 @@
-"""Hidden friction: what the limit of friction depends on besides the load."""
+"""Hidden friction: limits of friction that depend on more than the load."""
 
 from __future__ import annotations
 
@@ -7,23 +7,24 @@ from dataclasses import dataclass
 from math import asinh, cos, exp, log, log1p, tanh
 from typing import ClassVar
 
-from tactiledata.rig.hidden.base import Felt, FrictionFactor, HiddenEffect, Parameters, Slide
+from tactiledata.rig.hidden.base import FrictionFactor, HiddenEffect, Parameters, RealTouch, Slide
 
 AGEING_ONSET = 0.03
-"""s of rest from which on it counts."""
+"""Time of rest, s, from which on a contact ages."""
 
 
 @dataclass(frozen=True)
-class RateFriction(HiddenEffect):
-    """Rate-and-state friction, its rate part regularised at rest:
-    limit = N A asinh[v / (2 v0) exp(mu / A)], A = per_decade mu / ln 10, mu Coulomb's at the speed v0.
+class HiddenRateFriction(HiddenEffect):
+    """Friction depends on the speed: the rate part of rate-and-state friction, regularised at rest.
+
+    limit = N A asinh[v / (2 v0) exp(mu / A)], A = per_decade mu / ln 10, with mu Coulomb's coefficient at the speed v0.
 
     Parameters
     ----------
     per_decade : float
         Relative rise of friction per factor ten of the speed.
     speed : m/s
-        v0.
+        The reference speed v0.
     """
 
     NUMBER: ClassVar[str] = "8"
@@ -38,8 +39,8 @@ class RateFriction(HiddenEffect):
     per_decade: float = 0.0
     speed: float = 1e-3
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
+        """Return the factor on Coulomb's limit at a speed; None without effect."""
         if self.per_decade == 0:
             return None
         share = self.per_decade / log(10.0)
@@ -48,7 +49,7 @@ class RateFriction(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class AgeingFriction(HiddenEffect):
+class HiddenAgeingFriction(HiddenEffect):
     """A contact that rests grows stronger: limit (1 + b ln(1 + age / 0.03 s)); it forgets its age in 30 µm of sliding.
 
     Rate-and-state friction's state part in the ageing law, d age / dt = 1 - v age / 30 µm.
@@ -56,7 +57,7 @@ class AgeingFriction(HiddenEffect):
     Parameters
     ----------
     growth : float
-        b; after 1 s of rest the limit is 1 + 3.5 b times that of a fresh contact.
+        The factor b; after 1 s of rest the limit is 1 + 3.5 b times that of a fresh contact.
     """
 
     NUMBER: ClassVar[str] = "9"
@@ -72,19 +73,19 @@ class AgeingFriction(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"growth": (0.0, 0.5)}
     growth: float = 0.0
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
+        """Return the factor on Coulomb's limit at an age of the contact."""
         return lambda slide: 1 + self.growth * log1p(slide.age / AGEING_ONSET)
 
 
 @dataclass(frozen=True)
-class ShearStrength(HiddenEffect):
-    """The interface carries no more than a shear strength: limit = A tau tanh[mu N / (A tau)].
+class HiddenShearStrength(HiddenEffect):
+    """The interface carries no more shear stress than its strength tau: limit = A tau tanh[mu N / (A tau)].
 
     Parameters
     ----------
     softness : 1/Pa
-        1 / tau.
+        Reciprocal of the shear strength, 1 / tau.
     """
 
     NUMBER: ClassVar[str] = "7"
@@ -98,9 +99,9 @@ class ShearStrength(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"softness": (0.0, 1e-4)}
     softness: float = 0.0
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
-        coefficient = felt.setup.material.friction
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
+        """Return the factor on Coulomb's limit at a pressure."""
+        coefficient = real_touch.setup.material.friction
 
         def factor(slide: Slide) -> float:
             load = coefficient * slide.pressure * self.softness
@@ -110,13 +111,13 @@ class ShearStrength(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class ManySliders(HiddenEffect):
-    """Iwan's model: the contact is twelve sliders side by side whose limits lie evenly within ``1 -/+ width`` of their
-    mean, so that it gives way part by part.
+class HiddenManySliders(HiddenEffect):
+    """The contact slides part by part (Iwan's model): it is twelve sliders side by side with different limits.
 
     Parameters
     ----------
     width : float
+        Relative half-width of the limits, which lie evenly within ``1 -/+ width`` of their mean.
     """
 
     NUMBER: ClassVar[str] = "10"
@@ -131,19 +132,20 @@ class ManySliders(HiddenEffect):
     width: float = 0.0
 
     def spread(self) -> float:
-        """See `HiddenEffect.spread`."""
+        """Return the relative half-width of the sliders' limits."""
         return self.width
 
 
 @dataclass(frozen=True)
-class Anisotropy(HiddenEffect):
+class HiddenAnisotropy(HiddenEffect):
     """Friction depends on the direction over the gel: limit [1 + share cos 2 (direction - angle)].
 
     Parameters
     ----------
     share : float
+        Relative amplitude.
     angle : rad
-        Gel frame, from x: where friction is greatest.
+        Direction of the largest friction, gel frame, from x.
     """
 
     NUMBER: ClassVar[str] = "outside"
@@ -158,6 +160,6 @@ class Anisotropy(HiddenEffect):
     share: float = 0.0
     angle: float = 0.0
 
-    def friction(self, felt: Felt) -> FrictionFactor | None:
-        """See `HiddenEffect.friction`."""
+    def friction(self, real_touch: RealTouch) -> FrictionFactor | None:
+        """Return the factor on Coulomb's limit at a direction of the pull."""
         return lambda slide: 1 + self.share * cos(2 * (slide.direction - self.angle))

@@ -1,4 +1,4 @@
-"""Hidden geometry: a gel of another thickness, a dome, an indenter that is not where and what the log says."""
+"""Hidden geometry: a gel of another thickness, a dome, an indenter of another place and size than the log states."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 
 from tactiledata.indenters import make_indenter
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.contact.footprint import GelGrid, footprint
+from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.contact.gel_cap import Cap
 from tactiledata.rig.hidden.base import HiddenEffect, Parameters, TouchFacts, touch_random
 
 
 @dataclass(frozen=True)
-class Thickness(HiddenEffect):
-    """The gel is ``(1 + error)`` times as thick as stated, and either contact is solved on that gel.
+class HiddenThickness(HiddenEffect):
+    """The gel is ``(1 + error)`` times as thick as stated; every form of contact is solved on that gel.
 
     Parameters
     ----------
     error : float
-        Relative.
+        Relative error of the stated thickness.
     """
 
     NUMBER: ClassVar[str] = "4"
@@ -37,19 +37,21 @@ class Thickness(HiddenEffect):
     error: float = 0.0
 
     def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
-        """See `HiddenEffect.prepared`."""
+        """Return the touch on a gel of the real thickness."""
         return replace(setup, thickness=setup.thickness * (1 + self.error))
 
 
 @dataclass(frozen=True)
-class Dome(HiddenEffect):
-    """The outer surface is a cap of a ball over a flat base: away from the middle by r the gel is lower, and thinner,
-    by R - sqrt(R² - r²), and inclined. The gel is as thin everywhere as it is at the place of the touch.
+class HiddenDome(HiddenEffect):
+    """The outer surface is a spherical cap over a flat base, so that the gel is lower, thinner and inclined off centre.
+
+    At a distance r from the middle it is lower and thinner by R - sqrt(R² - r²). In a touch the gel is everywhere as
+    thin as it is at the touch's position.
 
     Parameters
     ----------
     curvature : 1/m
-        1 / R.
+        Reciprocal of the sphere's radius, 1 / R.
     """
 
     NUMBER: ClassVar[str] = "5"
@@ -64,27 +66,28 @@ class Dome(HiddenEffect):
     curvature: float = 0.0
 
     def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
-        """See `HiddenEffect.prepared`."""
+        """Return the touch on a dome: thinner and lower by the dome's sag at its position."""
         if self.curvature == 0:
             return setup
         cap = Cap(self.curvature)
-        # never thinner than a third
+        # at least a third of the gel's thickness is left
         sag = min(float(cap.fall(*facts.touch.position)), 2 * setup.thickness / 3)
         offset = setup.offset - np.array([0.0, 0.0, sag])
         return replace(setup, thickness=setup.thickness - sag, offset=offset, cap=cap)
 
 
 @dataclass(frozen=True)
-class IndenterMount(HiddenEffect):
-    """Each indenter stands elsewhere than the log says and has another radius, the same in every log.
+class HiddenIndenterMount(HiddenEffect):
+    """Each indenter stands elsewhere than the log states and has another radius, the same in every log.
 
     The offsets have the stated sizes; signs and the direction in the plane are drawn per indenter.
 
     Parameters
     ----------
     height, aside : m
+        Sizes of the offsets along and across the indenter's axis.
     radius : float
-        Relative; of shapes that have one.
+        Relative error of the radius, of shapes that have one.
     """
 
     NUMBER: ClassVar[str] = "20"
@@ -105,7 +108,7 @@ class IndenterMount(HiddenEffect):
     radius: float = 0.0
 
     def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
-        """See `HiddenEffect.prepared`."""
+        """Return the touch with the indenter's real place and size."""
         rng = touch_random(facts, f"mount of {facts.touch.indenter}")
         signs = rng.choice([-1.0, 1.0], 2)
         angle = rng.uniform(0.0, 2 * np.pi)
@@ -119,5 +122,5 @@ class IndenterMount(HiddenEffect):
         real = {**entry, "radius": setup.indenter.sizes["radius"] * (1 + signs[1] * self.radius)}
         indenter = make_indenter(real, facts.scenario.folder, f"indenters.{facts.touch.indenter}")
         grid = GelGrid.of(facts.scenario.sensors[facts.touch.sensor].gel)
-        indenter_footprint = footprint(indenter, setup.rotation, facts.touch.position, grid)
-        return replace(setup, indenter=indenter, indenter_footprint=indenter_footprint)
+        footprint = make_footprint(indenter, setup.rotation, facts.touch.position, grid)
+        return replace(setup, indenter=indenter, footprint=footprint)

@@ -1,4 +1,4 @@
-"""Hidden changes of the gel with what happened before: softening by work, wear, warming up."""
+"""Hidden changes of the gel over time: softening by work, wear, warming up."""
 
 from __future__ import annotations
 
@@ -10,39 +10,43 @@ import numpy as np
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import TouchSetup
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters, TouchFacts
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch, TouchFacts
 
 SPOT = 1.5e-3
-"""m: standard deviation of the bell by which an earlier touch counts at another place."""
+"""Standard deviation, m, of the Gaussian weight of an earlier touch at another place."""
 RECOVERY = 7200.0
-"""s in which softening by work heals by a factor e."""
+"""Time, s, in which softening by work heals by a factor e."""
 FAST, SLOW, FAST_SHARE = 240.0, 1500.0, 0.35
-"""s: time constants of chip and housing, and the share of the first."""
+"""Time constants, s, of chip and housing, and the share of the warming by the first."""
 EXPANSION = 3e-4
-"""1/K, of silicone."""
+"""Coefficient of thermal expansion of silicone, 1/K."""
 
 
-def elastic_work(felt: Felt) -> RealArray:
-    """Work (n,), J, that the gel holds at each depth on its first loading."""
-    table = felt.law.depth
-    work = np.concatenate([[0.0], np.cumsum((felt.law.force[1:] + felt.law.force[:-1]) / 2 * np.diff(table))])
-    return np.interp(felt.depth, table, work)
+def elastic_work(real_touch: RealTouch) -> RealArray:
+    """Return the elastic work (n,), J, that the gel holds at each depth on its first loading."""
+    table = real_touch.law.depth
+    work = np.concatenate(
+        [[0.0], np.cumsum((real_touch.law.force[1:] + real_touch.law.force[:-1]) / 2 * np.diff(table))]
+    )
+    return np.interp(real_touch.depth, table, work)
 
 
 def _nearness(position: tuple[float, float], other: tuple[float, float]) -> float:
+    """Return the weight, 0 to 1, of an earlier touch at one position, m, for another position, m."""
     square = (position[0] - other[0]) ** 2 + (position[1] - other[1]) ** 2
     return float(np.exp(-square / (2 * SPOT**2)))
 
 
 @dataclass(frozen=True)
-class WorkSoftening(HiddenEffect):
-    """Below the greatest work W_m that this place has ever held the gel is softer, at any speed:
-    F = F0 [1 - s x / (x + 0.3)], x = 1 - W / W_m. Earlier touches count by nearness and heal slowly.
+class HiddenWorkSoftening(HiddenEffect):
+    """The gel is softer, at any speed, below the largest work W_m that its place has ever held.
+
+    F = F0 [1 - s x / (x + 0.3)], x = 1 - W / W_m. Earlier touches count by nearness, and their effect heals slowly.
 
     Parameters
     ----------
     loss : float
-        s; at nearly no work, 77 % of it is lost.
+        The factor s; at nearly no work the force is lower by 77 % of s.
     """
 
     NUMBER: ClassVar[str] = "2"
@@ -57,15 +61,15 @@ class WorkSoftening(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     loss: float = 0.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
-        """See `HiddenEffect.normal`."""
-        work, facts = elastic_work(felt), felt.facts
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the normal force (n,), N, with softening by the largest earlier work."""
+        work, facts = elastic_work(real_touch), real_touch.facts
         before = max(
             (
-                visit.work
-                * _nearness(visit.position, facts.touch.position)
-                * np.exp(-(facts.seconds - visit.seconds) / RECOVERY)
-                for visit in facts.visits
+                earlier.work
+                * _nearness(earlier.position, facts.touch.position)
+                * np.exp(-(facts.seconds - earlier.seconds) / RECOVERY)
+                for earlier in facts.earlier_touches
             ),
             default=0.0,
         )
@@ -75,13 +79,13 @@ class WorkSoftening(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class Wear(HiddenEffect):
+class HiddenWear(HiddenEffect):
     """A worn place is softer: F = F0 [1 - loss n / (n + 10)], n the earlier touches of this log, by nearness.
 
     Parameters
     ----------
     loss : float
-        After very many touches.
+        Relative loss of force after very many touches.
     """
 
     NUMBER: ClassVar[str] = "22"
@@ -96,29 +100,32 @@ class Wear(HiddenEffect):
     STIFFENS: ClassVar[bool] = True
     loss: float = 0.0
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
-        """See `HiddenEffect.normal`."""
-        count = sum(_nearness(visit.position, felt.facts.touch.position) for visit in felt.facts.visits)
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the normal force (n,), N, of the worn place."""
+        count = sum(
+            _nearness(earlier.position, real_touch.facts.touch.position) for earlier in real_touch.facts.earlier_touches
+        )
         return force * (1 - self.loss * count / (count + 10))
 
 
 def warmth(seconds_on: float, rise: float) -> float:
-    """Temperature over that at power-on, K, of a sensor that in the end gets ``rise`` K warmer."""
+    """Return the warming, K, since power-on of a sensor that in the end gets ``rise`` K warmer."""
     left = FAST_SHARE * np.exp(-seconds_on / FAST) + (1 - FAST_SHARE) * np.exp(-seconds_on / SLOW)
     return float(rise * (1 - left))
 
 
 @dataclass(frozen=True)
-class WarmUp(HiddenEffect):
+class HiddenWarmUp(HiddenEffect):
     """The sensor warms up after power-on, with two time constants (4 and 25 min): the gel softens and grows.
 
-    F = F0 (1 - softening T), and its surface comes nearer by 3e-4 /K h T.
+    F = F0 (1 - softening T), and its surface rises by 3e-4 /K h T, with T the warming and h the thickness.
 
     Parameters
     ----------
     rise : K
-        In the end.
+        Final warming.
     softening : 1/K
+        Relative loss of stiffness per kelvin.
     """
 
     NUMBER: ClassVar[str] = "21"
@@ -135,10 +142,10 @@ class WarmUp(HiddenEffect):
     softening: float = 0.006
 
     def prepared(self, setup: TouchSetup, facts: TouchFacts) -> TouchSetup:
-        """See `HiddenEffect.prepared`."""
+        """Return the touch on the gel that has grown."""
         growth = EXPANSION * setup.thickness * warmth(facts.seconds_on, self.rise)
         return replace(setup, offset=setup.offset + np.array([0.0, 0.0, growth]))
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
-        """See `HiddenEffect.normal`."""
-        return force * (1 - self.softening * warmth(felt.facts.seconds_on, self.rise))
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the normal force (n,), N, of the gel that has softened."""
+        return force * (1 - self.softening * warmth(real_touch.facts.seconds_on, self.rise))

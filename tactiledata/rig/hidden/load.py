@@ -1,4 +1,4 @@
-"""Hidden loads on the force sensor: another tool, a dragging cable, inertia."""
+"""Hidden loads on the force sensor: another weight of the tool, a cable, inertia."""
 
 from __future__ import annotations
 
@@ -19,28 +19,29 @@ if TYPE_CHECKING:
     from tactiledata.rig.play import PlayedLog
 
 GRAVITY = 9.81
-"""m/s²."""
+"""Acceleration of gravity, m/s²."""
 CABLE_RATE = 50.0
-"""Hz at which the cable is followed."""
+"""Rate, Hz, at which the cable's friction is integrated."""
 CABLE_SLIP = 0.02
-"""rad of the wrist in which the cable's friction turns over."""
+"""Angle of the wrist, rad, over which the cable's friction changes its sign."""
 CABLE_FORCE = (0.6, 0.64, 0.48)
 """Direction of the cable's pull, tool frame; a unit vector."""
 CABLE_ARM = (0.0, 0.03, -0.06)
-"""m, tool frame: where it pulls."""
+"""Point at which the cable pulls, m, tool frame."""
 SHAKE_RATE = 500.0
-"""Hz at which accelerations are taken."""
+"""Rate, Hz, at which accelerations are computed."""
 
 
 @dataclass(frozen=True)
-class ToolWeight(HiddenEffect):
-    """The tool is heavier than the log says, and its centre of gravity lies further along its axis.
+class HiddenToolWeight(HiddenEffect):
+    """The tool is heavier than the log states, and its centre of gravity lies further along its axis.
 
     Parameters
     ----------
     mass : kg
+        Mass beyond the stated one.
     lever : m
-        Along the tool's z, and half of it along x.
+        Offset of the centre of gravity along the tool's z, and half of it along x.
     """
 
     NUMBER: ClassVar[str] = "15"
@@ -56,7 +57,17 @@ class ToolWeight(HiddenEffect):
     lever: float = 0.0
 
     def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
-        """See `HiddenEffect.load`."""
+        """Return the weight (n, 6), N and N m, beyond the stated one, sensor frame.
+
+        Parameters
+        ----------
+        moments : (n,), ns
+            Sorted moments of the host clock.
+        played_log : PlayedLog
+            Motion of the arm.
+        scenario : Scenario
+            Mounting of the sensors, stated mass of the tool.
+        """
         robot = scenario.robot
         down = -played_log.tcp(moments)[:, 2, :3]
         stated = np.asarray(robot.centre_of_gravity)
@@ -67,9 +78,8 @@ class ToolWeight(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class CableDrag(HiddenEffect):
-    """A cable pulls at the tool: smoothly with the angles of the last two joints, and with Bouc-Wen's friction of the
-    last one.
+class HiddenCableDrag(HiddenEffect):
+    """A cable pulls at the tool: with the angles of the last two joints, and with hysteretic friction of the last one.
 
     F = force [0.5 sin q6 + 0.3 (q5 - pi / 2) + 0.7 z],
     dz = (dq6 / 0.02 rad) {1 - z² [0.5 + 0.5 sgn(z dq6)]}.
@@ -77,6 +87,7 @@ class CableDrag(HiddenEffect):
     Parameters
     ----------
     force : N
+        Scale of the pull.
     """
 
     NUMBER: ClassVar[str] = "16"
@@ -91,7 +102,17 @@ class CableDrag(HiddenEffect):
     force: float = 0.0
 
     def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
-        """See `HiddenEffect.load`."""
+        """Return the cable's pull (n, 6), N and N m, sensor frame.
+
+        Parameters
+        ----------
+        moments : (n,), ns
+            Sorted moments of the host clock.
+        played_log : PlayedLog
+            Motion of the arm.
+        scenario : Scenario
+            Mounting of the sensors.
+        """
         grid = _grid(played_log, CABLE_RATE)
         robot = scenario.robot
         joints = ur5e.inverse(played_log.tcp(grid) @ robot.flange_from_tcp.inverse().matrix)
@@ -102,12 +123,15 @@ class CableDrag(HiddenEffect):
         return move_wrench(wrench, robot.tcp_from_ft.inverse().matrix)
 
 
-def bouc_wen(way: RealArray) -> RealArray:
-    """Hysteretic variable (n,) within -1 and 1 of a way (n,) measured in slips; 0 at the start."""
-    out = np.zeros(len(way))
+def bouc_wen(displacement: RealArray) -> RealArray:
+    """Return the hysteretic variable (n,), -1 to 1, of the Bouc-Wen model; 0 at the start.
+
+    ``displacement`` (n,) counts in lengths over which friction changes its sign.
+    """
+    out = np.zeros(len(displacement))
     value = 0.0
-    for moment, step in enumerate(np.diff(way).tolist(), start=1):
-        # in pieces so short that none oversteps the bound
+    for moment, step in enumerate(np.diff(displacement).tolist(), start=1):
+        # in pieces so short that none exceeds the bound
         pieces = min(max(1, int(abs(step) / 0.1)), 200)
         for _ in range(pieces):
             value += step / pieces * (1 - value * value * (1.0 if value * step > 0 else 0.0))
@@ -117,17 +141,17 @@ def bouc_wen(way: RealArray) -> RealArray:
 
 
 @dataclass(frozen=True)
-class Inertia(HiddenEffect):
-    """The tool's mass resists accelerations, which the arm's own vibration follows and overshoots.
+class HiddenInertia(HiddenEffect):
+    """The tool's mass resists accelerations, and the arm vibrates in response to the commanded ones.
 
     F = -mass R^T y, y'' + 2 zeta w y' + w² y = w² a, a the acceleration of the commanded tool centre.
 
     Parameters
     ----------
     mass : kg
-        Beyond the force sensor.
+        Mass beyond the force sensor.
     frequency : Hz
-        w / (2 pi), with zeta = 0.08.
+        Frequency w / (2 pi) of the vibration, with zeta = 0.08.
     """
 
     NUMBER: ClassVar[str] = "29"
@@ -143,7 +167,18 @@ class Inertia(HiddenEffect):
     frequency: float = 18.0
 
     def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
-        """See `HiddenEffect.load`."""
+        """Return the force and torque of inertia (n, 6), N and N m, sensor frame.
+
+        Parameters
+        ----------
+        moments : (n,), ns
+            Sorted moments of the host clock.
+        played_log : PlayedLog
+            Motion of the arm.
+        scenario : Scenario
+            Mounting of the sensors, centre of gravity of the tool.
+        """
+        # acceleration of the arm, vibration included
         grid = _grid(played_log, SHAKE_RATE)
         places = played_log.tcp(grid)[:, :3, 3]
         acceleration = np.zeros_like(places)
@@ -151,6 +186,7 @@ class Inertia(HiddenEffect):
         shaken = second_order(acceleration, self.frequency, 0.08, SHAKE_RATE)
         ticks = grid - grid[0]
         at = np.stack([np.interp(moments - grid[0], ticks, column) for column in shaken.T], axis=1)
+        # in the frame of the turning tool, at its centre of gravity
         turned = np.einsum("nji,nj->ni", played_log.tcp(moments)[:, :3, :3], at)
         push = -self.mass * turned
         cog = np.asarray(scenario.robot.centre_of_gravity)
@@ -159,7 +195,19 @@ class Inertia(HiddenEffect):
 
 
 def second_order(values: RealArray, frequency: float, damping: float, rate: float) -> RealArray:
-    """Values (n, k) at ``rate`` Hz through w² / (s² + 2 zeta w s + w²), at rest in the first of them."""
+    """Return values (n, k), filtered by w² / (s² + 2 zeta w s + w²) and at rest in the first of them.
+
+    Parameters
+    ----------
+    values : (n, k)
+        Evenly sampled values.
+    frequency : Hz
+        Corner frequency w / (2 pi).
+    damping : float
+        Damping ratio zeta.
+    rate : Hz
+        Rate of the samples.
+    """
     w = 2 * np.pi * frequency
     top, bottom, _ = cont2discrete(([w * w], [1.0, 2 * damping * w, w * w]), 1 / rate, method="foh")
     top, bottom = np.ravel(top), np.ravel(bottom)
@@ -168,5 +216,6 @@ def second_order(values: RealArray, frequency: float, damping: float, rate: floa
 
 
 def _grid(played_log: PlayedLog, rate: float) -> Times:
+    """Return evenly spaced moments, ns of the host clock, at a rate in Hz, over a whole log."""
     count = int((played_log.end_ns - played_log.start_ns) * 1e-9 * rate) + 2
     return played_log.start_ns + np.rint(np.arange(count) * 1e9 / rate).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Hidden moves of the arm and the indenter under load, and play in the joints."""
+"""Hidden deflections of the arm and the indenter under load, and backlash in the joints."""
 
 from __future__ import annotations
 
@@ -15,36 +15,49 @@ from tactiledata.rig.motion import motion, ur5e
 from tactiledata.rig.motion.motion import Path
 
 PARTS_OF_STIFFNESS = (1.0, 1.0, 1.0, 0.4, 0.4, 0.4)
-"""Of shoulder, elbow and the smaller wrist joints."""
+"""Relative stiffness of the six joints: shoulder and elbow, and the smaller wrist joints."""
 
 
 def sensor_poses(positions: RealArray, setup: TouchSetup, facts: TouchFacts) -> RealArray:
-    """base_from_gel (n, 4, 4) of positions (n, 3) over the gel."""
+    """Return base_from_gel (n, 4, 4), metres, at positions over the gel.
+
+    Parameters
+    ----------
+    positions : (n, 3), m
+        Positions of the indenter: x, y of the tip, depth.
+    setup : TouchSetup
+        The touch as it really is.
+    facts : TouchFacts
+        Mounting of sensor and indenter.
+    """
     tcp_from_gel = facts.scenario.robot.tcp_from_gel
-    tcp = motion.base_from_tcp(positions, setup.rotation, setup.indenter_footprint.lowest, facts.mounted, tcp_from_gel)
+    tcp = motion.base_from_tcp(positions, setup.rotation, setup.footprint.lowest, facts.mounted, tcp_from_gel)
     return tcp @ tcp_from_gel.matrix
 
 
 def joint_angles(poses: RealArray, facts: TouchFacts) -> RealArray:
-    """Angles (n, 6), rad, of base_from_gel (n, 4, 4)."""
+    """Return the joint angles (n, 6), rad, at poses base_from_gel (n, 4, 4)."""
     robot = facts.scenario.robot
     return ur5e.inverse(poses @ (robot.flange_from_tcp @ robot.tcp_from_gel).inverse().matrix)
 
 
 def _moves_over_gel(poses: RealArray, joints: RealArray) -> RealArray:
-    """Move (n, 3, 6) of the indenter over the gel, gel axes, m, per rad of each joint (n, 6): minus the gel's own."""
+    """Return the move of the indenter over the gel per joint angle (n, 3, 6), m/rad, gel axes: minus the gel's own.
+
+    ``poses`` (n, 4, 4) are base_from_gel, ``joints`` (n, 6) the angles there, rad.
+    """
     jacobian = ur5e.jacobian(joints, poses[:, :3, 3])[:, :3]
     return -np.swapaxes(poses[:, :3, :3], 1, 2) @ jacobian
 
 
 @dataclass(frozen=True)
-class JointCompliance(HiddenEffect):
-    """Joints yield behind their encoders: C = J K⁻¹ Jᵀ with the arm's Jacobian J at the gel, so it changes with pose.
+class HiddenJointCompliance(HiddenEffect):
+    """The joints deflect behind their encoders: C = J K⁻¹ Jᵀ with the arm's Jacobian J at the gel.
 
     Parameters
     ----------
     softness : rad/(N m)
-        Of shoulder and elbow; wrist joints are 2.5 times as soft.
+        Compliance of shoulder and elbow; wrist joints are 2.5 times as soft.
     """
 
     NUMBER: ClassVar[str] = "11"
@@ -59,7 +72,17 @@ class JointCompliance(HiddenEffect):
     softness: float = 0.0
 
     def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
-        """See `HiddenEffect.compliance`; at the path's deepest point, since it is much smaller than the arm."""
+        """Return the compliance (3, 3), m/N, gel frame, at the deepest point: the path is much smaller than the arm.
+
+        Parameters
+        ----------
+        path : Path
+            The commanded path.
+        setup : TouchSetup
+            The touch as it really is.
+        facts : TouchFacts
+            Mounting of sensor and indenter.
+        """
         poses = sensor_poses(path.positions[[int(np.argmax(path.positions[:, 2]))]], setup, facts)
         moves = _moves_over_gel(poses, joint_angles(poses, facts))[0]
         answer: RealArray = moves @ np.diag(self.softness / np.array(PARTS_OF_STIFFNESS)) @ moves.T
@@ -67,16 +90,17 @@ class JointCompliance(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class StemBending(HiddenEffect):
-    """The indenter's stem is a beam clamped at its foot: it gives L³ / (3 E I), I = pi d⁴ / 64, across its axis.
+class HiddenStemBending(HiddenEffect):
+    """The indenter's stem bends like a beam clamped at its foot: by L³ / (3 E I), I = pi d⁴ / 64, across its axis.
 
     Parameters
     ----------
     softness : 1/m
-        1 / d.
+        Reciprocal of the stem's diameter, 1 / d.
     length : m
+        Length L of the stem.
     modulus : Pa
-        Of a printed part.
+        Young's modulus E of the stem; the default is that of a printed part.
     """
 
     NUMBER: ClassVar[str] = "12"
@@ -97,21 +121,31 @@ class StemBending(HiddenEffect):
     modulus: float = 2.5e9
 
     def compliance(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
-        """See `HiddenEffect.compliance`."""
-        give = self.length**3 / (3 * self.modulus * np.pi / 64) * self.softness**4
+        """Return the compliance (3, 3), m/N, gel frame, across the stem.
+
+        Parameters
+        ----------
+        path : Path
+            The commanded path; without influence.
+        setup : TouchSetup
+            The indenter's orientation counts.
+        facts : TouchFacts
+            Without influence.
+        """
+        bending = self.length**3 / (3 * self.modulus * np.pi / 64) * self.softness**4
         axis = setup.rotation[:, 2]
-        answer: RealArray = give * (np.eye(3) - np.outer(axis, axis))
+        answer: RealArray = bending * (np.eye(3) - np.outer(axis, axis))
         return answer
 
 
 @dataclass(frozen=True)
-class JointBacklash(HiddenEffect):
-    """Each joint follows its encoder with play: it stays until the encoder has moved half the play away from it.
+class HiddenJointBacklash(HiddenEffect):
+    """Each joint follows its encoder with play: it rests until the encoder has moved half the play away from it.
 
     Parameters
     ----------
     play : rad
-        Whole width, the same in every joint.
+        Whole width of the play, the same in every joint.
     """
 
     NUMBER: ClassVar[str] = "outside"
@@ -126,7 +160,17 @@ class JointBacklash(HiddenEffect):
     play: float = 0.0
 
     def shift(self, path: Path, setup: TouchSetup, facts: TouchFacts) -> RealArray | None:
-        """See `HiddenEffect.shift`; measured from where the joints hang at the start."""
+        """Return the deviation from the path (n, 3), m, x, y, depth; at the start every joint is in mid-play.
+
+        Parameters
+        ----------
+        path : Path
+            The commanded path.
+        setup : TouchSetup
+            The touch as it really is.
+        facts : TouchFacts
+            Mounting of sensor and indenter.
+        """
         poses = sensor_poses(path.at(contact_times(path)), setup, facts)
         angles = joint_angles(poses, facts)
         lost = followed(angles, self.play) - angles
@@ -136,7 +180,7 @@ class JointBacklash(HiddenEffect):
 
 
 def followed(angles: RealArray, play: float) -> RealArray:
-    """What follows angles (n, 6) with a play, from the middle of it."""
+    """Return the angles (n, 6), rad, that follow given ones with a play, rad, and begin in the middle of it."""
     out = angles.copy()
     for moment in range(1, len(angles)):
         out[moment] = np.clip(out[moment - 1], angles[moment] - play / 2, angles[moment] + play / 2)

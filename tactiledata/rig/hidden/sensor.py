@@ -1,4 +1,4 @@
-"""Hidden faults of the force sensor: zero, gains, frame, slowness, dead band, range."""
+"""Hidden faults of the force sensor: its zero, gains, frame, delay, dead band and range."""
 
 from __future__ import annotations
 
@@ -14,24 +14,27 @@ from tactiledata.rig.hidden.base import HiddenEffect, Parameters
 from tactiledata.rig.hidden.load import second_order
 
 ARM = 0.02
-"""m: torques relative to forces, for zeros; gains take ``GAIN_ARM``."""
+"""Ratio of torques to forces, m, in zeros, bands and quanta."""
 GAIN_ARM = 0.05
+"""Ratio of torques to forces, m, in gains."""
 FULL_SCALE = 15.0
-"""N at which the quadratic part of the gain has its stated share."""
+"""Force, N, at which the quadratic part of the gain has its stated size."""
 
 
 @dataclass(frozen=True)
-class WanderingZero(HiddenEffect):
-    """The zero creeps to its end and wanders: b(t) = size (1 - exp(-t / T)) n + a random walk, each axis its own.
+class HiddenWanderingZero(HiddenEffect):
+    """The zero of the sensor drifts: b(t) = size (1 - exp(-t / T)) n + a random walk of each axis.
 
-    n is a direction drawn per log; torques drift 0.02 m times as far.
+    The direction n is drawn per log; torques drift by 0.02 m times as much.
 
     Parameters
     ----------
     size : N
+        Final drift without the walk.
     walk : N/sqrt(s)
+        Standard deviation of the random walk after 1 s.
     time : s
-        T, from the start of the log.
+        Time constant T, from the start of the log.
     """
 
     NUMBER: ClassVar[str] = "13"
@@ -52,12 +55,22 @@ class WanderingZero(HiddenEffect):
     time: float = 600.0
 
     def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
-        """See `HiddenEffect.sensed`."""
+        """Return loads (n, 6), N and N m, with the drifting zero.
+
+        Parameters
+        ----------
+        values : (n, 6), N, N m
+            Loads on the sensor.
+        seconds : (n,)
+            Sorted times since the log's start.
+        rng : Generator
+            Random numbers of this effect and log.
+        """
         scale = np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
-        ways = rng.normal(size=(2, 3))
-        ways /= np.linalg.norm(ways, axis=1)[:, None]
-        creep = self.size * (1 - np.exp(-seconds / self.time))[:, None] * ways.ravel()
-        # on a fixed grid, so that the walk does not depend on when it is looked at
+        directions = rng.normal(size=(2, 3))
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        creep = self.size * (1 - np.exp(-seconds / self.time))[:, None] * directions.ravel()
+        # on a fixed grid, so that the walk does not depend on the moments of sampling
         grid = np.arange(int(seconds[-1]) + 2.0)
         steps = rng.normal(0.0, 1.0, (len(grid), 6))
         steps[0] = 0.0
@@ -67,13 +80,13 @@ class WanderingZero(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class CrossTalk(HiddenEffect):
-    """The calibration is off: w' = (1 + C) w + Q w |F| / 15 N, all 36 numbers of C, and of Q, drawn per scenario.
+class HiddenCrossTalk(HiddenEffect):
+    """The calibration is wrong: w' = (1 + C) w + Q w |F| / 15 N, with C (6, 6) and diagonal Q drawn per scenario.
 
     Parameters
     ----------
     gain : float
-        Size of C's diagonal; signs are drawn.
+        Size of the diagonal of C; signs are drawn.
     cross : float
         Standard deviation of the rest of C; between forces and torques with an arm of 0.05 m.
     quadratic : float
@@ -99,7 +112,17 @@ class CrossTalk(HiddenEffect):
     quadratic: float = 0.0
 
     def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
-        """See `HiddenEffect.sensed`."""
+        """Return loads (n, 6), N and N m, as a wrong calibration gives them.
+
+        Parameters
+        ----------
+        values : (n, 6), N, N m
+            Loads on the sensor.
+        seconds : (n,)
+            Sorted times since the log's start; without influence.
+        rng : Generator
+            Random numbers of this effect, the same in every log.
+        """
         matrix = self.cross * rng.normal(size=(6, 6))
         matrix[:3, 3:] /= GAIN_ARM
         matrix[3:, :3] *= GAIN_ARM
@@ -111,13 +134,13 @@ class CrossTalk(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class FrameRotation(HiddenEffect):
-    """The sensor's frame is turned against the stated one: forces and torques by one rotation exp(yaw z + tilt x').
+class HiddenFrameRotation(HiddenEffect):
+    """The sensor's frame is turned against the stated one, by the rotation exp(yaw z + tilt x').
 
     Parameters
     ----------
     yaw, tilt : rad
-        About the sensor's z, and about an axis across it at 0.7 rad from x.
+        Angles about the sensor's z, and about an axis x' across it at 0.7 rad from x.
     """
 
     NUMBER: ClassVar[str] = "17"
@@ -133,22 +156,34 @@ class FrameRotation(HiddenEffect):
     tilt: float = 0.0
 
     def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
-        """See `HiddenEffect.sensed`."""
+        """Return loads (n, 6), N and N m, in the turned frame.
+
+        Parameters
+        ----------
+        values : (n, 6), N, N m
+            Loads on the sensor, stated frame.
+        seconds : (n,)
+            Sorted times since the log's start; without influence.
+        rng : Generator
+            Random numbers; without influence.
+        """
         vector = [self.tilt * np.cos(0.7), self.tilt * np.sin(0.7), self.yaw]
         turn = Rotation.from_rotvec(vector).as_matrix()
         return np.concatenate([values[:, :3] @ turn.T, values[:, 3:] @ turn.T], axis=1)
 
 
 @dataclass(frozen=True)
-class SlowSensor(HiddenEffect):
-    """The sensor is late: a pure delay, then a low pass of second order (zeta 0.8). In all late by
-    ``delay + 1.6 / (2 pi / period)``.
+class HiddenSlowSensor(HiddenEffect):
+    """The sensor is late: a pure delay, then a low pass of second order (zeta 0.8).
+
+    In all it is late by ``delay + 1.6 / (2 pi / period)``.
 
     Parameters
     ----------
     delay : s
+        The pure delay.
     period : s
-        Of the low pass's corner; 0 for none.
+        Reciprocal of the low pass's corner frequency; 0 for no low pass.
     """
 
     NUMBER: ClassVar[str] = "18"
@@ -164,7 +199,7 @@ class SlowSensor(HiddenEffect):
     period: float = 0.0
 
     def delayed(self, values: RealArray, rate: float) -> RealArray | None:
-        """See `HiddenEffect.delayed`."""
+        """Return evenly sampled loads (n, 6), delayed and filtered; None without effect."""
         if self.delay == 0 and self.period == 0:
             return None
         ticks = np.arange(len(values))
@@ -173,13 +208,13 @@ class SlowSensor(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class DeadBand(HiddenEffect):
-    """Small forces are not told: each axis that is below the band reads 0, and the rest comes in coarse quanta.
+class HiddenDeadBand(HiddenEffect):
+    """The sensor does not show small forces: each axis below the band reads 0, and the rest has coarse quanta.
 
     Parameters
     ----------
     band, quantum : N
-        Torques: 0.02 m times as much.
+        Width of the band and size of the quanta; for torques 0.02 m times as much.
     """
 
     NUMBER: ClassVar[str] = "26"
@@ -194,8 +229,8 @@ class DeadBand(HiddenEffect):
     band: float = 0.0
     quantum: float = 0.0
 
-    def told(self, reading: RealArray) -> RealArray:
-        """See `HiddenEffect.told`."""
+    def reported(self, reading: RealArray) -> RealArray:
+        """Return the reading (n, 6), N and N m, with dead band and quanta."""
         scale = np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
         out = reading
         if self.quantum > 0:
@@ -204,13 +239,13 @@ class DeadBand(HiddenEffect):
 
 
 @dataclass(frozen=True)
-class Saturation(HiddenEffect):
+class HiddenSaturation(HiddenEffect):
     """The sensor's range ends softly: each force f reads f / [1 + (|f| / limit)⁸]^(1/8); torques stay.
 
     Parameters
     ----------
     bound : 1/N
-        1 / limit.
+        Reciprocal of the limit, 1 / limit.
     """
 
     NUMBER: ClassVar[str] = "27"
@@ -224,8 +259,8 @@ class Saturation(HiddenEffect):
     RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {"bound": (0.0, 1.0)}
     bound: float = 0.0
 
-    def told(self, reading: RealArray) -> RealArray:
-        """See `HiddenEffect.told`."""
+    def reported(self, reading: RealArray) -> RealArray:
+        """Return the reading (n, 6), N and N m, with forces that saturate."""
         out = reading.copy()
         out[:, :3] /= (1 + (np.abs(reading[:, :3]) * self.bound) ** 8) ** (1 / 8)
         return out

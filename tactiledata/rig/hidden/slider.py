@@ -1,4 +1,4 @@
-"""A contact as sliders on springs whose limit of friction depends on speed, age, pressure and direction."""
+"""The pull of sliders on springs, whose limit of friction depends on speed, age, pressure and direction."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from tactiledata.arrays import RealArray
 from tactiledata.rig.hidden.base import FrictionFactor, Slide
 
 SLIDERS = 12
-"""Parts of a contact whose limits are spread."""
+"""Number of parts of a contact whose limits are spread."""
 CRITICAL_SLIP = 3e-5
-"""m of sliding in which a contact forgets its age."""
+"""Length of sliding, m, in which a contact loses its age."""
 HALVINGS = 30
-"""Of the logarithm of the sliding speed, from ``SLOWEST`` to ``FASTEST`` m/s."""
+"""Bisections of the logarithm of the sliding speed."""
 SLOWEST, FASTEST = 1e-9, 1.0
+"""Sliding speeds, m/s, between which the speed is sought."""
 CREEP = 1e-5
-"""m/s: slower, a contact creeps under whatever pull it is under, and no pull is beyond its limit."""
+"""Speed, m/s, below which a contact creeps under any pull: the limit returned is that of this speed at least."""
 
 
 def slide(
@@ -33,27 +34,32 @@ def slide(
     spread: float = 0.0,
     memory: RealArray | None = None,
 ) -> tuple[RealArray, RealArray, NDArray[np.bool_]]:
-    """Pull (n, 2), N, on the gel; its limit (n,), N; whether all slides (n,).
+    """Return the pull on the gel (n, 2), N, its limit (n,), N, and whether all of the contact slides (n,).
 
-    The speed of sliding is found so that springs, path and limit agree in each step. The limit that is returned is that
-    of sliding at ``CREEP`` at least: a law that falls with the logarithm of speed has none at rest.
+    The speed of sliding is sought at which springs, path and limit agree in each step. The limit that is returned is
+    that of sliding at ``CREEP`` at least: a law that falls with the logarithm of speed has none at rest.
 
     Parameters
     ----------
     path : (n, 2), m
+        Places of the indenter along the gel.
     normal : (n,), N
+        Normal force.
     stiffness : (n,), N/m
-    areas : (n,), m², of the contact
+        Tangential stiffness.
+    areas : (n,), m²
+        Area of the contact.
     friction : float
-        Coulomb's.
-    rate : Hz, of the samples
+        Coulomb's coefficient.
+    rate : Hz
+        Rate of the samples.
     factors : sequence of callables
-        Each takes a `Slide` and gives what the limit is multiplied by; none may fall with the speed at constant age.
+        Each takes a `Slide` and gives a factor on the limit; none may fall with the speed at constant age.
     spread : float
-        Limits of the parts lie evenly within 1 - spread and 1 + spread of the mean.
+        Relative half-width of the limits of the parts, which lie evenly within 1 - spread and 1 + spread of the mean.
     memory : (n,), optional
-        Share of a pull that a spring still holds after so many samples, 1 at once (Boltzmann's superposition): what
-        slides is at its limit at each moment, what sticks relaxes. ``None``: springs forget nothing.
+        Share of a pull that a spring still holds k samples later, 1 at k = 0 (Boltzmann's superposition): parts that
+        slide are at their limit at each moment, parts that stick relax. ``None``: the springs do not relax.
     """
     count = len(path)
     parts = np.ones(1) if spread == 0 else 1 + spread * (2 * (np.arange(SLIDERS) + 0.5) / SLIDERS - 1)
@@ -66,17 +72,20 @@ def slide(
         if force == 0:
             held, age, began = np.zeros_like(held), 0.0, moment + 1
             continue
+        # the springs before they slide
         if memory is None:
             held = held + steps[moment] / len(parts)
         else:
             given[moment] = steps[moment] / len(parts)
             held = np.tensordot(memory[moment - began :: -1], given[began : moment + 1], axes=1)
+        # the limit at the speed of sliding
         x, y = held.sum(axis=0).tolist()
         trial, direction = float(np.hypot(x, y)), float(np.arctan2(y, x))
         pressure = force / max(float(areas[moment]), 1e-9)
         limit, speed, most = _limit(
             trial, float(stiffness[moment]) * dt, friction * force, Slide(0.0, pressure, age, direction), factors
         )
+        # parts beyond their share of the limit slide back to it
         shares = limit * parts / len(parts)
         sizes = np.hypot(held[:, 0], held[:, 1])
         over = sizes > shares
@@ -91,12 +100,24 @@ def slide(
 def _limit(
     trial: float, give: float, coulomb: float, state: Slide, factors: Sequence[FrictionFactor]
 ) -> tuple[float, float, float]:
-    """Limit, N, the speed of sliding, m/s, at which a pull falls to it, and the limit at ``CREEP`` at least.
+    """Return the limit, N, the speed of sliding, m/s, at which a pull falls to it, and the limit at ``CREEP`` at least.
 
-    ``trial``: N, before it slides; ``give``: N s/m.
+    Parameters
+    ----------
+    trial : N
+        Pull before sliding.
+    give : N s/m
+        Loss of pull per speed of sliding in one step.
+    coulomb : N
+        Coulomb's limit.
+    state : Slide
+        State of sliding at speed 0.
+    factors : sequence of callables
+        Factors on the limit.
     """
 
     def limit_at(speed: float) -> float:
+        """Return the limit, N, at a speed of sliding, m/s."""
         slid = state._replace(speed=speed)
         limit = coulomb
         for factor in factors:
@@ -119,6 +140,6 @@ def _limit(
 
 
 def areas_of(radius: Any) -> RealArray:
-    """Areas (n,), m², of round contacts."""
+    """Return the areas (n,), m², of round contacts of given radii (n,), m."""
     areas: RealArray = np.pi * np.asarray(radius) ** 2
     return areas

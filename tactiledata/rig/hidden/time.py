@@ -1,4 +1,4 @@
-"""Hidden relaxation: a power law without time constant of its own, and the draining of a sponge."""
+"""Hidden relaxation: a power law without a time constant, and the drainage of a poroelastic gel."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from scipy.signal import fftconvolve
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import CONTACT_RATE
-from tactiledata.rig.hidden.base import Felt, HiddenEffect, Parameters
+from tactiledata.rig.hidden.base import HiddenEffect, Parameters, RealTouch
 from tactiledata.rig.hidden.history import warmth
 
 Kernel = Callable[[RealArray], RealArray]
-"""Relaxation modulus relative to the instantaneous one, of seconds (n,)."""
+"""Function that gives the relaxation modulus (n,), relative to the instantaneous one, at seconds (n,)."""
 
 
 def relaxed(force: RealArray, kernel: Kernel) -> RealArray:
-    """Boltzmann's superposition: forces (n, ...) at ``CONTACT_RATE`` of a gel whose instant answer they are."""
+    """Return relaxed forces (n, ...), by Boltzmann's superposition of instantaneous ones at ``CONTACT_RATE``."""
     weights = kernel(np.arange(len(force)) / CONTACT_RATE)
     steps = np.diff(force, axis=0, prepend=np.zeros_like(force[:1]))
     shape = (len(weights),) + (1,) * (force.ndim - 1)
@@ -28,15 +28,17 @@ def relaxed(force: RealArray, kernel: Kernel) -> RealArray:
 
 
 @dataclass(frozen=True)
-class Springpot(HiddenEffect):
-    """A fractional element: every change of force decays as (1 + t / onset)^-alpha, over all decades alike.
+class HiddenSpringpot(HiddenEffect):
+    """The gel relaxes by a power law: every change of force decays as (1 + t / onset)^-alpha.
 
-    A surface that has left the indenter does not pull it back: the force stays at or above 0.
+    The surface does not pull an indenter that leaves it: the force stays at or above 0.
 
     Parameters
     ----------
     alpha : float
+        Exponent.
     onset : s
+        Time at which the decay begins.
     """
 
     NUMBER: ClassVar[str] = "1"
@@ -51,51 +53,58 @@ class Springpot(HiddenEffect):
     alpha: float = 0.0
     onset: float = 0.02
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
-        """See `HiddenEffect.normal`."""
-        return _pressing(relaxed(force, self._kernel(felt)), force)
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the relaxed normal force (n,), N."""
+        return _pressing(relaxed(force, self._kernel(real_touch)), force)
 
-    def memory(self, felt: Felt) -> RealArray:
-        """See `HiddenEffect.memory`."""
-        return self._kernel(felt)(np.arange(len(felt.positions)) / CONTACT_RATE)
+    def memory(self, real_touch: RealTouch) -> RealArray:
+        """Return the share (n,) of a tangential pull that is left k samples later."""
+        return self._kernel(real_touch)(np.arange(len(real_touch.positions)) / CONTACT_RATE)
 
-    def _kernel(self, felt: Felt) -> Kernel:
-        exponent = self._exponent(felt)
+    def _kernel(self, real_touch: RealTouch) -> Kernel:
+        """Return the relaxation function of a touch."""
+        exponent = self._exponent(real_touch)
         return lambda seconds: (1 + seconds / self.onset) ** -exponent
 
-    def _exponent(self, felt: Felt) -> float:
+    def _exponent(self, real_touch: RealTouch) -> float:
+        """Return the exponent of a touch."""
         return self.alpha
 
 
 @dataclass(frozen=True)
-class WarmSpringpot(Springpot):
-    """The same, faster when warm: alpha (1 + per_kelvin T), T the sensor's warmth after power-on (12 K in the end).
+class HiddenWarmSpringpot(HiddenSpringpot):
+    """The gel relaxes by a power law, faster when warm: its exponent is alpha (1 + per_kelvin T).
+
+    The warming T since power-on is 12 K in the end.
 
     Parameters
     ----------
     per_kelvin : 1/K
+        Relative rise of the exponent per kelvin.
     """
 
     NUMBER: ClassVar[str] = "outside"
     SOURCE: ClassVar[str] = "springpot with a linear temperature coefficient, assumed"
-    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {**Springpot.RANGES, "per_kelvin": (-0.05, 1.0)}
+    RANGES: ClassVar[Mapping[str, tuple[float, float]]] = {**HiddenSpringpot.RANGES, "per_kelvin": (-0.05, 1.0)}
     per_kelvin: float = 0.1
 
-    def _exponent(self, felt: Felt) -> float:
-        return self.alpha * (1 + self.per_kelvin * warmth(felt.facts.seconds_on, 12.0))
+    def _exponent(self, real_touch: RealTouch) -> float:
+        return self.alpha * (1 + self.per_kelvin * warmth(real_touch.facts.seconds_on, 12.0))
 
 
 @dataclass(frozen=True)
-class Drainage(HiddenEffect):
-    """Fluid drains from under the contact: a share p of each change of force decays with x = D t / a², a the contact's
-    greatest radius in the touch, as 0.491 exp(-0.908 sqrt x) + 0.509 exp(-1.679 x). Larger contacts drain slower.
+class HiddenDrainage(HiddenEffect):
+    """Fluid drains from under the contact, so that a share p of each change of force decays.
+
+    It decays as 0.491 exp(-0.908 sqrt x) + 0.509 exp(-1.679 x), x = D t / a², with a the largest radius of the contact
+    in the touch: larger contacts drain slower.
 
     Parameters
     ----------
     share : float
-        p.
+        The share p.
     diffusivity : m²/s
-        D.
+        The diffusivity D of the fluid.
     """
 
     NUMBER: ClassVar[str] = "outside"
@@ -110,9 +119,9 @@ class Drainage(HiddenEffect):
     share: float = 0.0
     diffusivity: float = 2e-6
 
-    def normal(self, force: RealArray, felt: Felt) -> RealArray:
-        """See `HiddenEffect.normal`."""
-        widest = float(felt.radius.max())
+    def normal(self, force: RealArray, real_touch: RealTouch) -> RealArray:
+        """Return the normal force (n,), N, of the draining gel."""
+        widest = float(real_touch.radius.max())
         if widest == 0:
             return force
 
@@ -125,5 +134,5 @@ class Drainage(HiddenEffect):
 
 
 def _pressing(force: RealArray, instant: RealArray) -> RealArray:
-    """Forces (n,) that do not pull, and only while there is contact."""
+    """Return forces (n,), N, at least 0, and 0 where the instantaneous force is not positive."""
     return np.where(instant > 0, np.maximum(force, 0.0), 0.0)

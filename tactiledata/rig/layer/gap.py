@@ -1,4 +1,4 @@
-"""Where the gel's surface can be touched, and how far the indenter is from it there."""
+"""The points at which the gel's surface can be touched, and their distances from the indenter."""
 
 from __future__ import annotations
 
@@ -13,23 +13,25 @@ from tactiledata.indenters.base import Indenter
 from tactiledata.rig.layer.grid import LayerGrid
 
 PER_SIDE = 2
-"""Touch points along each side of a cell: the rim of a punch lies between the points of the grid."""
+"""Number of touch points along each side of a cell: the rim of a punch lies between the points of the grid."""
 BACK = 4e-6
-"""m off the surface at which normals are taken."""
+"""Distance off the surface, m, at which normals are taken."""
 PROBE = 1e-6
-"""m of the differences that give a normal."""
+"""Length, m, of the finite differences that give a normal."""
 
 
 @dataclass(frozen=True)
 class TouchPoints:
-    """Points of the undeformed surface at which contact is looked for, several to a cell.
+    """The points of the undeformed surface at which contact is looked for, several to a cell.
 
     Parameters
     ----------
     places : (n, 3), metres, gel frame
+        Places of the points on the undeformed surface.
     share : sparse (n, rows * columns)
-        Interpolates the grid's values to the points; transposed, hands forces to the grid.
+        Weights that interpolate the grid's values to the points; transposed, they distribute forces to the grid.
     areas : (n,), m²
+        Area of the gel that each point stands for.
     """
 
     places: RealArray
@@ -38,7 +40,7 @@ class TouchPoints:
 
     @classmethod
     def of(cls, grid: LayerGrid) -> TouchPoints:
-        """All touch points of a pad that is flat."""
+        """Return all touch points of a flat pad."""
         rows, columns = grid.shape
         inside = (np.arange(PER_SIDE) + 0.5) / PER_SIDE
         i, j, s, t = (
@@ -56,24 +58,43 @@ class TouchPoints:
         return cls(places, share, filling * (grid.pitch / PER_SIDE) ** 2)
 
     def lowered(self, fall: RealArray) -> TouchPoints:
-        """The points of a surface that lies lower by (n,), m."""
+        """Return the points of a surface that lies lower by (n,), m."""
         return replace(self, places=self.places - fall[:, None] * np.array([0.0, 0.0, 1.0]))
 
     def chosen(self, index: NDArray[np.intp]) -> TouchPoints:
-        """Some of the points."""
+        """Return the points of given indices."""
         return TouchPoints(self.places[index], self.share[index], self.areas[index])
 
 
 def gaps(indenter: Indenter, pose: RealArray, points: RealArray) -> RealArray:
-    """Signed distances (n,), m, of points (n, 3) in the gel frame from an indenter at ``pose`` (4, 4)."""
+    """Return the signed distances (n,), m, of points from an indenter.
+
+    Parameters
+    ----------
+    indenter : Indenter
+        The body.
+    pose : (4, 4), metres
+        Pose of the indenter, gel_from_indenter.
+    points : (n, 3), metres, gel frame
+        Points to measure from.
+    """
     return np.asarray(indenter.signed_distance((points - pose[:3, 3]) @ pose[:3, :3]))
 
 
 def gaps_and_normals(indenter: Indenter, pose: RealArray, points: RealArray) -> tuple[RealArray, RealArray]:
-    """Signed distances (n,), m, and unit normals (n, 3) out of the indenter, gel frame.
+    """Return the signed distances (n,), m, of points, and the unit normals (n, 3) out of the indenter, gel frame.
 
-    A point inside the body is first taken back down, out of it, and the distance led on from there as a plane: a deep
-    first guess beside an edge belongs to the face above it, not to the wall beside it.
+    A point inside the body is first moved down, out of it, and the distance is extrapolated from there as a plane: a
+    deep first guess beside an edge belongs to the face above it, not to the wall beside it.
+
+    Parameters
+    ----------
+    indenter : Indenter
+        The body.
+    pose : (4, 4), metres
+        Pose of the indenter, gel_from_indenter.
+    points : (n, 3), metres, gel frame
+        Points to measure from.
     """
     local = (points - pose[:3, 3]) @ pose[:3, :3]
     up = pose[2, :3]
@@ -82,6 +103,7 @@ def gaps_and_normals(indenter: Indenter, pose: RealArray, points: RealArray) -> 
     # an oblique body is left less quickly than its distance says: once more
     again = np.maximum(BACK / 2 - np.asarray(indenter.signed_distance(lowered)), 0.0)
     lowered -= again[:, None] * up
+    # normals by finite differences over the corners of a small tetrahedron
     tetrahedron = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     probes = lowered[:, None, :] + PROBE * tetrahedron
     values = np.asarray(indenter.signed_distance(probes.reshape(-1, 3))).reshape(-1, 4)

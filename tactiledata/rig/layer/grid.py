@@ -1,4 +1,4 @@
-"""The points on which the layer solver knows displacements: a square grid in the plane, columns of nodes through it.
+"""The nodes of the layer solver: a square grid in the plane, and columns of nodes through the thickness.
 
 In the plane: bilinear cells, the window repeated periodically. Through the thickness: spectral elements, finer towards
 the surface, on Gauss-Lobatto points that serve as quadrature too. The lowest node is bonded and left out.
@@ -16,13 +16,13 @@ from scipy.fft import next_fast_len
 from tactiledata.arrays import RealArray
 
 MARGIN = 8e-4
-"""m of empty window beyond the pad, so that its sides are free."""
+"""Width of the empty window beyond the pad, m, so that its sides are free."""
 UPPER_CELLS, UPPER_SHARE = 12, 0.36
-"""Height of the uppermost element: so many pitches, at most this share of the thickness."""
+"""Height of the uppermost element in pitches, and its largest share of the thickness."""
 GROWTH = 3.0
-"""How much higher each next element is."""
+"""Ratio of the heights of neighbouring elements, lower over upper."""
 DEGREE = 4
-"""Of the polynomials through each element."""
+"""Degree of the polynomials through each element."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,7 @@ class Column:
     share : (n_points,)
         Height of the quadrature points over the base, as a share of the thickness.
     weights : (n_points,) metres
+        Weights of the quadrature over the thickness.
     pick, slope : (n_points, n_levels), 1 and 1/m
         Value and derivative at the quadrature points from the values at the levels, lowest first, the base left out.
     """
@@ -45,7 +46,17 @@ class Column:
 
     @classmethod
     def of(cls, thickness: float, pitch: float, degree: int = DEGREE) -> Column:
-        """Elements of one degree over a thickness (m), the upper ones fit for a grid of a pitch (m)."""
+        """Return the column of a layer.
+
+        Parameters
+        ----------
+        thickness : metres
+            Thickness of the layer.
+        pitch : metres
+            Spacing of the grid in the plane, which decides the height of the upper elements.
+        degree : int
+            Degree of the polynomials in each element.
+        """
         nodes, weights, derivative = gauss_lobatto(degree)
         borders = _borders(thickness, pitch)
         levels = degree * (len(borders) - 1)
@@ -61,7 +72,7 @@ class Column:
 
 
 def _borders(thickness: float, pitch: float) -> list[float]:
-    """Heights, m, at which elements meet, from the base to the surface."""
+    """Return the heights, m, at which elements meet, from the base to the surface."""
     height = min(UPPER_CELLS * pitch, UPPER_SHARE * thickness)
     borders = [thickness, thickness - height]
     while borders[-1] > 1.5 * GROWTH * height:
@@ -71,7 +82,10 @@ def _borders(thickness: float, pitch: float) -> list[float]:
 
 
 def gauss_lobatto(degree: int) -> tuple[RealArray, RealArray, RealArray]:
-    """Points (d + 1,), weights (d + 1,) on [0, 1], and the matrix (d + 1, d + 1) of the interpolant's derivatives."""
+    """Return the Gauss-Lobatto rule of a degree d on [0, 1]: points, weights and differentiation matrix.
+
+    Points and weights are (d + 1,); the matrix (d + 1, d + 1) gives the interpolant's derivatives at the points.
+    """
     legendre = np.polynomial.legendre.Legendre.basis(degree)
     x = np.concatenate([[-1.0], np.sort(legendre.deriv().roots().real), [1.0]])
     value = legendre(x)
@@ -85,13 +99,14 @@ def gauss_lobatto(degree: int) -> tuple[RealArray, RealArray, RealArray]:
 
 @dataclass(frozen=True)
 class LayerGrid:
-    """The grid of one pad.
+    """The grid of one pad in the plane.
 
     Parameters
     ----------
     pitch : metres
+        Spacing of the points.
     shape : (rows, columns)
-        Points of the window along y and x.
+        Numbers of points of the window along y and x.
     outline : (2,), metres, optional
         Sides of the pad along x and y, in the middle of the window; without it the layer fills the window and goes on
         periodically.
@@ -103,23 +118,23 @@ class LayerGrid:
 
     @classmethod
     def of(cls, outline: tuple[float, float], pitch: float) -> LayerGrid:
-        """The grid of a pad with free sides."""
+        """Return the grid of a pad with free sides (2,), m, and a spacing, m."""
         columns, rows = (next_fast_len(int(np.ceil((side + 2 * MARGIN) / pitch)), real=True) for side in outline)
         return cls(pitch, (rows, columns), outline)
 
     @cached_property
     def x(self) -> RealArray:
-        """(columns,) metres, gel frame."""
+        """Coordinates x (columns,) of the points, metres, gel frame."""
         return (np.arange(self.shape[1]) - self.shape[1] // 2) * self.pitch
 
     @cached_property
     def y(self) -> RealArray:
-        """(rows,) metres, gel frame."""
+        """Coordinates y (rows,) of the points, metres, gel frame."""
         return (np.arange(self.shape[0]) - self.shape[0] // 2) * self.pitch
 
     @cached_property
     def filling(self) -> RealArray:
-        """(rows, columns): share of each cell that is gel; cell (i, j) lies between points (i, j) and (i+1, j+1)."""
+        """Share of each cell that is gel (rows, columns); cell (i, j) lies between points (i, j) and (i+1, j+1)."""
         if self.outline is None:
             return np.ones(self.shape)
         shares = []

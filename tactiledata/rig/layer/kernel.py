@@ -1,6 +1,6 @@
 """The linear layer, inverted exactly, wave by wave: the preconditioner of the large strains and the contact's kernel.
 
-Isotropic and linear, bonded below, on the same grid and with the same quadrature as ``layer_strain``: one point per
+Isotropic and linear, bonded below, on the same grid and with the same quadrature as `strain`: one point per
 cell in the plane, and the shear energy of the mode that this point does not see. For each wave vector the components
 along it and upwards are coupled, the one across stands alone; with the upward one a quarter period out of phase all
 matrices are real.
@@ -21,18 +21,20 @@ Spectrum = NDArray[np.complexfloating[Any, Any]]
 
 
 class LayerKernel:
-    """Displacements from forces of the linear layer.
+    """The inverse of the linear layer's stiffness: displacements from forces.
 
     Parameters
     ----------
     grid : LayerGrid
         The window; taken as filled, without sides.
     column : Column
+        Nodes through the thickness.
     shear, lame : Pa
         Lamé's constants mu and lambda.
     """
 
     def __init__(self, grid: LayerGrid, column: Column, shear: float, lame: float) -> None:
+        # wave vectors of the grid's differences, and their directions
         self.shape = grid.shape
         pitch = grid.pitch
         half_y = np.pi * np.fft.fftfreq(grid.shape[0])[:, None]
@@ -43,6 +45,7 @@ class LayerKernel:
         still = wave < 1e-9 / pitch
         self._e_x = np.where(still, 1.0, along_x / np.where(still, 1.0, wave))
         self._e_y = np.where(still, 0.0, along_y / np.where(still, 1.0, wave))
+        # one matrix per wave, inverted once
         mean = (np.cos(half_x) * np.cos(half_y)).ravel()
         twist = 16 * (np.sin(half_x) * np.sin(half_y)).ravel() ** 2
         coupled, across = _stiffness(column, wave, mean, twist * shear, pitch, shear, lame)
@@ -52,7 +55,7 @@ class LayerKernel:
         self._surface = self._surface_symbol()
 
     def _surface_symbol(self) -> Spectrum:
-        """Surface displacement per surface force, (3, 3, waves): x, y, z in the plane's own axes."""
+        """Return the surface displacement per surface force, (3, 3, waves), m/N, in the axes x, y, z."""
         levels = self._across.shape[1]
         top, up = levels - 1, 2 * levels - 1
         along, across, normal = self._coupled[:, top, top], self._across[:, top, top], self._coupled[:, up, up]
@@ -69,7 +72,8 @@ class LayerKernel:
         return symbol
 
     def displace(self, force: RealArray) -> RealArray:
-        """Displacements (3, levels, rows, columns), m, of the whole layer under nodal forces of that shape, N."""
+        """Return the displacements (3, levels, rows, columns), m, of the layer under nodal forces of that shape, N."""
+        # forces along the wave, upwards and across it
         levels = force.shape[1]
         spectrum = fft.rfft2(force).reshape(3, levels, -1)
         x, y = self._e_x, self._e_y
@@ -80,6 +84,7 @@ class LayerKernel:
         both[:, levels:, 0], both[:, levels:, 1] = spectrum[2].imag.T, -spectrum[2].real.T
         across = spectrum[1] * x - spectrum[0] * y
         side[:, :, 0], side[:, :, 1] = across.real.T, across.imag.T
+        # displacements, and back to the axes x, y, z
         both, side = self._coupled @ both, self._across @ side
         along = (both[:, :levels, 0] + 1j * both[:, :levels, 1]).T
         across = (side[:, :, 0] + 1j * side[:, :, 1]).T
@@ -89,7 +94,7 @@ class LayerKernel:
         return fft.irfft2(spectrum.reshape(3, levels, self.shape[0], -1), s=self.shape)
 
     def displace_surface(self, force: RealArray) -> RealArray:
-        """Surface displacements (3, rows, columns), m, under surface forces of that shape, N."""
+        """Return the surface displacements (3, rows, columns), m, under surface forces of that shape, N."""
         spectrum = fft.rfft2(force).reshape(3, -1)
         moved = (self._surface * spectrum[None]).sum(axis=1)
         return fft.irfft2(moved.reshape(3, self.shape[0], -1), s=self.shape)
@@ -98,7 +103,7 @@ class LayerKernel:
 def _stiffness(
     column: Column, wave: RealArray, mean: RealArray, twist: RealArray, pitch: float, shear: float, lame: float
 ) -> tuple[RealArray, RealArray]:
-    """Stiffness per area for each wave: of the coupled pair (waves, 2 levels, 2 levels), of the one across."""
+    """Return the stiffness per area of each wave: of the coupled components (waves, 2 levels, 2 levels), and across."""
     weight = column.weights[:, None]
     mass = column.pick.T @ (weight * column.pick)
     bend = column.slope.T @ (weight * column.slope)
@@ -115,10 +120,11 @@ def _stiffness(
 
 
 def unseen_shape(column: Column, pitch: float) -> RealArray:
-    """Matrix (levels, levels) of the shear energy per cell area and shear modulus in the mode that alternates between
-    the corners of a cell, whose amplitude is the sum of corners with alternating signs.
+    """Return the matrix (levels, levels) of the shear energy in the mode that one point per cell does not see.
 
-    Of bilinear shape functions integrated exactly: 1/6 of the square in the plane, a²/144 for its slope upwards.
+    The mode alternates between the corners of a cell, and its amplitude is the sum of the corners with alternating
+    signs. The energy is per cell area and shear modulus. Bilinear shape functions, integrated exactly, give 1/6 of the
+    square in the plane and a²/144 for its slope upwards.
     """
     weight = column.weights[:, None]
     mass = column.pick.T @ (weight * column.pick) / (6 * pitch**2)

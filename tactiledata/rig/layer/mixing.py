@@ -1,4 +1,4 @@
-"""Anderson's mixing: the next guess of a fixed point from the last few guesses and what became of them."""
+"""Anderson's mixing: the next guess of a fixed point from the last few guesses and their errors."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ import numpy as np
 from tactiledata.arrays import RealArray
 
 MEMORY = 4
-"""Differences that are kept."""
+"""Number of differences that are kept."""
 RIDGE = 1e-9
-"""Of the least squares, relative."""
+"""Ridge of the least squares, relative to the trace."""
 LARGEST = 1.5e-4
-"""m: no guess goes further from the one before."""
+"""Largest change of a displacement from one guess to the next, m."""
 
 
 class Mixing:
-    """Accelerates x -> g(x), where the error g(x) - x is what a linear layer makes of a load.
+    """Accelerates the iteration x -> g(x), whose error g(x) - x is a linear layer's displacement under a load.
 
-    Errors are weighed by the energy of that layer, the product of error and load: small cells at a rim count as they
-    should, which the sum of squares would drown in the bulk.
+    Errors are weighed by the energy of that layer, the product of error and load: in a sum of squares, small cells at
+    a rim would not count beside the bulk.
     """
 
     def __init__(self) -> None:
@@ -29,7 +29,17 @@ class Mixing:
         self._last: tuple[RealArray, RealArray, RealArray] | None = None
 
     def next(self, x: RealArray, error: RealArray, load: RealArray) -> RealArray:
-        """The guess after ``x``."""
+        """Return the guess that follows ``x``.
+
+        Parameters
+        ----------
+        x : (3, levels, rows, columns), m
+            The present guess.
+        error : same shape, m
+            Its error g(x) - x.
+        load : same shape, N
+            The load whose displacement in the linear layer is the error.
+        """
         if self._last is not None:
             self._remember(*(now - then for now, then in zip((x, error, load), self._last, strict=True)))
         self._last = x, error, load
@@ -43,6 +53,7 @@ class Mixing:
         return guess if leap <= 1.0 else x + (guess - x) / leap
 
     def _remember(self, step: RealArray, change: RealArray, load: RealArray) -> None:
+        """Keep the differences of guess, error and load to the ones before, and drop the oldest."""
         self._steps.append(step)
         self._changes.append(change)
         self._loads.append(load)

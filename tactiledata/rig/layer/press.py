@@ -21,13 +21,13 @@ class Press:
     Parameters
     ----------
     wrench : (n, 6), N, N m
-        On the indenter, gel frame, about the gel's origin.
+        Wrench on the indenter, gel frame, about the gel's origin.
     surface : (n, 3, rows, columns), m
         Displacements of the gel's surface at the points of the grid.
     slipping : (n,) bool
         Whether all that touches slides.
     settled : (n,) bool
-        Whether the solver came to rest.
+        Whether the solver converged.
     """
 
     wrench: RealArray
@@ -45,22 +45,25 @@ def solve_press(
     is_linear: bool = False,
     tolerance: float = TOLERANCE,
 ) -> Press:
-    """A body pressed along a path into a layer, for comparisons between solvers.
+    """Press a body along a path into a layer and return the contact, for comparisons between solvers.
 
     Parameters
     ----------
     indenter : Indenter
-    poses : (n, 4, 4)
-        gel_from_indenter: the gel's surface at rest is z = 0, its base at -thickness; about 0.1 mm apart. The first may
-        press already: it is reached from the first touch along gel z, in one step.
-    thickness : m
+        The body.
+    poses : (n, 4, 4), metres
+        Poses gel_from_indenter, about 0.1 mm apart; the gel's surface at rest is z = 0, its base at -thickness. The
+        first may press already: it is reached from the first touch along gel z, in one step.
+    thickness : metres
+        Thickness of the layer.
     material : Material
+        The gel's material.
     grid : LayerGrid
         ``LayerGrid.of(outline, pitch)`` for a pad with free sides.
     is_linear : bool
-        Small strain.
+        Whether strain is taken as small.
     tolerance : float
-        Change of the force from round to round, relative, at which a step is done.
+        Relative change of the force between rounds at which a step is done.
 
     Examples
     --------
@@ -79,7 +82,7 @@ def solve_press(
     states, guess = [], None
     for index, pose in enumerate(poses):
         after = layer.step(indenter, state, pose, guess)
-        guess = led_on(state, after, poses[index + 1]) if index + 1 < len(poses) else None
+        guess = extrapolated(state, after, poses[index + 1]) if index + 1 < len(poses) else None
         state = after
         states.append(after)
     return Press(
@@ -90,8 +93,16 @@ def solve_press(
     )
 
 
-def led_on(before: PressState, now: PressState, pose: RealArray) -> RealArray | None:
-    """Displacements to begin the next step with, where it goes on as the last one went; None where it turns."""
+def extrapolated(before: PressState, now: PressState, pose: RealArray) -> RealArray | None:
+    """Return displacements to begin the next step with, extrapolated from the last one; None where the path turns.
+
+    Parameters
+    ----------
+    before, now : PressState
+        The last two states.
+    pose : (4, 4), metres
+        Pose of the indenter at the end of the next step, gel_from_indenter.
+    """
     last, ahead = now.pose[:3, 3] - before.pose[:3, 3], pose[:3, 3] - now.pose[:3, 3]
     lengths = float(np.linalg.norm(last)), float(np.linalg.norm(ahead))
     if not now.is_touching or min(lengths) < 1e-9 or last @ ahead < 0.9 * lengths[0] * lengths[1]:

@@ -1,4 +1,4 @@
-"""Forces inside the layer at large strain.
+"""The internal forces of the layer at large strain.
 
 Compressible neo-Hookean: W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2.
 """
@@ -12,19 +12,22 @@ from tactiledata.rig.layer.grid import Column, LayerGrid
 from tactiledata.rig.layer.kernel import unseen_shape
 
 FLATTEST = 0.2
-"""Volume ratio below which the logarithm goes on as its parabola, so that a bad guess has a force too."""
+"""Volume ratio below which the logarithm is continued by its tangent, so that a bad guess has a finite force."""
 
 
 class LayerStrain:
-    """Internal forces of a pad.
+    """The elasticity of a pad: internal forces from displacements.
 
     Parameters
     ----------
     grid : LayerGrid
+        Points in the plane.
     column : Column
+        Nodes through the thickness.
     shear, lame : Pa
+        Lamé's constants mu and lambda.
     is_linear : bool
-        Small strain, to compare with.
+        Whether strain is taken as small, for comparison.
     """
 
     def __init__(self, grid: LayerGrid, column: Column, shear: float, lame: float, is_linear: bool = False) -> None:
@@ -35,7 +38,8 @@ class LayerStrain:
         self._is_linear = is_linear
 
     def forces(self, u: RealArray) -> RealArray:
-        """Nodal forces (3, levels, rows, columns), N, that hold the layer at displacements ``u`` of that shape, m."""
+        """Return the nodal forces (3, levels, rows, columns), N, that hold displacements ``u`` of that shape, m."""
+        # gradient of the displacements at the quadrature points
         column = self._column
         flat = (3, u.shape[1], -1)
         mean, along_x, along_y, unseen = (part.reshape(flat) for part in _to_cells(u, self._pitch))
@@ -43,6 +47,7 @@ class LayerStrain:
         np.matmul(column.pick, along_x, out=gradient[:, 0])
         np.matmul(column.pick, along_y, out=gradient[:, 1])
         np.matmul(column.slope, mean, out=gradient[:, 2])
+        # stress there, and the forces of the nodes
         stress = self._linear_stress(gradient) if self._is_linear else self._stress(gradient)
         stress *= column.weights[:, None] * self._areas
         return _to_nodes(
@@ -54,6 +59,7 @@ class LayerStrain:
         )
 
     def _linear_stress(self, gradient: RealArray) -> RealArray:
+        """Return the stress (3, 3, points, cells), Pa, of small strain at gradients of displacement of that shape."""
         stress = self._shear * (gradient + gradient.swapaxes(0, 1))
         pressure = self._lame * (gradient[0, 0] + gradient[1, 1] + gradient[2, 2])
         for axis in range(3):
@@ -61,7 +67,7 @@ class LayerStrain:
         return stress
 
     def _stress(self, gradient: RealArray) -> RealArray:
-        """First Piola-Kirchhoff stress (3, 3, points, cells), Pa, at gradients of displacement of that shape."""
+        """Return the first Piola-Kirchhoff stress (3, 3, points, cells), Pa, at gradients of displacement."""
         f = gradient
         for axis in range(3):
             f[axis, axis] += 1.0
@@ -81,12 +87,13 @@ class LayerStrain:
 
 
 def _log(volume: RealArray) -> RealArray:
+    """Return the logarithm of the volume ratio, continued by its tangent below ``FLATTEST``."""
     inside = np.maximum(volume, FLATTEST)
     return np.log(inside) + (volume - inside) / FLATTEST
 
 
 def _to_cells(u: RealArray, pitch: float) -> tuple[RealArray, RealArray, RealArray, RealArray]:
-    """Mean, slopes along x and y and the alternating sum of the corners of each cell, each of the shape of ``u``."""
+    """Return mean, slopes along x and y and alternating sum of the corners of each cell, each of the shape of ``u``."""
     wrapped = np.concatenate([u, u[:, :, :1]], axis=2)
     wrapped = np.concatenate([wrapped, wrapped[:, :, :, :1]], axis=3)
     sums = wrapped[:, :, :, 1:] + wrapped[:, :, :, :-1]
@@ -98,7 +105,7 @@ def _to_cells(u: RealArray, pitch: float) -> tuple[RealArray, RealArray, RealArr
 
 
 def _to_nodes(mean: RealArray, along_x: RealArray, along_y: RealArray, unseen: RealArray, pitch: float) -> RealArray:
-    """The transpose of ``_to_cells``."""
+    """Return nodal values from cell values, by the transpose of ``_to_cells``."""
     flat = mean * 0.25
     x = along_x * (0.5 / pitch)
     y = along_y * (0.5 / pitch)

@@ -1,4 +1,4 @@
-"""Contact of a rigid body with a surface that yields linearly: the inner problem of each round of the layer solver."""
+"""Contact of a rigid body with a linearly elastic surface: the inner problem of each round of the layer solver."""
 
 from __future__ import annotations
 
@@ -8,34 +8,36 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import RealArray
-from tactiledata.rig.layer.friction import Grip, Tractions, linearised
+from tactiledata.rig.layer.friction import FrictionState, Tractions, linearised
 from tactiledata.rig.layer.gap import TouchPoints
 
 Yield = Callable[[RealArray], RealArray]
-"""Surface displacements (3, rows, columns) under surface forces of that shape."""
+"""Function that gives surface displacements (3, rows, columns), m, under surface forces of that shape, N."""
 Body = Callable[[RealArray], tuple[RealArray, RealArray]]
-"""Gaps (n,) and normals (n, 3) at points (n, 3)."""
+"""Function that gives gaps (n,), m, and normals (n, 3) at points (n, 3), m."""
 
 ROUNDS = 6
-"""Newton's steps a call: the outer rounds go on where these end."""
+"""Largest number of Newton steps in a call; the outer rounds continue from where they end."""
 KRYLOV_STEPS = 60
+"""Largest number of GMRES steps in a Newton step."""
 TOLERANCE = 3e-2
-"""Of GMRES, relative to what is left to correct."""
+"""Relative tolerance of GMRES."""
 
 
 @dataclass(frozen=True)
-class Touching:
-    """Contact found.
+class SurfaceContact:
+    """The contact of a surface with a body, as the Newton steps found it.
 
     Parameters
     ----------
     tractions : (n, 3), Pa
-        On the gel.
+        Tractions on the gel at the touch points.
     force : (3, rows, columns), N
-        The same, handed to the grid.
+        Forces of these tractions on the grid.
     gap : (n,), m
+        Signed distances of the touch points from the body.
     points : (n, 3), m
-        Where the touch points are now.
+        Present places of the touch points.
     is_slipping : bool
         Whether all that touches slides.
     """
@@ -48,45 +50,68 @@ class Touching:
 
 
 class Surface:
-    """Touch points of a yielding surface."""
+    """The touch points of a linearly elastic surface.
+
+    Parameters
+    ----------
+    points : TouchPoints
+        The points, on the undeformed surface.
+    yields : callable
+        Gives the surface's displacements under forces on the grid.
+    shape : (rows, columns)
+        Shape of the grid.
+    """
 
     def __init__(self, points: TouchPoints, yields: Yield, shape: tuple[int, int]) -> None:
         self.points, self._yields, self._shape = points, yields, shape
         self._gather = points.share.T.tocsr()
 
     def on_grid(self, values: RealArray) -> RealArray:
-        """Forces (3, rows, columns), N, of tractions (n, 3)."""
+        """Return the forces on the grid (3, rows, columns), N, of tractions (n, 3), Pa."""
         return (self._gather @ (values * self.points.areas[:, None])).T.reshape(3, *self._shape)
 
     def at_points(self, displacement: RealArray) -> RealArray:
-        """Displacements (n, 3) of the points from those of the grid (3, rows, columns)."""
+        """Return the displacements of the points (n, 3), m, from those of the grid (3, rows, columns)."""
         return self.points.share @ displacement.reshape(3, -1).T
 
-    def settle(self, offset: RealArray, values: RealArray, force: RealArray, grip: Grip, body: Body) -> Touching:
-        """Contact where the surface, left alone, would be displaced by ``offset`` (3, rows, columns).
+    def settle(
+        self, offset: RealArray, values: RealArray, force: RealArray, friction_state: FrictionState, body: Body
+    ) -> SurfaceContact:
+        """Return the contact of the surface with a body, by Newton steps on the contact law.
 
-        Newton's steps from tractions ``values`` (n, 3) that are handed to the grid as ``force`` (3, rows, columns).
+        Parameters
+        ----------
+        offset : (3, rows, columns), m
+            Displacements of the surface without contact.
+        values : (n, 3), Pa
+            Tractions to begin with.
+        force : (3, rows, columns), N
+            Forces of these tractions on the grid.
+        friction_state : FrictionState
+            Constants of the contact law, and the step before.
+        body : callable
+            Gives gaps and normals of the body at points.
         """
         before = None
         points = self.points.places + self.at_points(offset + self._yields(force))
         for left in range(ROUNDS, -1, -1):
             gap, normal = body(points)
-            state = linearised(grip, points, gap, normal, values)
+            state = linearised(friction_state, points, gap, normal, values)
             if left == 0 or (before is not None and state.is_like(before) and _is_near(values, state.values)):
                 break
             before = state
             more, move = self._correction(state, self.on_grid(state.values) - force)
             step = self.at_points(move)
-            # the grid's forces are not those of the springs: these multiply what the iteration leaves open
+            # the grid keeps the forces of GMRES: the stiff springs would multiply its remaining error
             values, force, points = state.values - state.springs @ step, force + more, points + step
         slipping = bool(state.touching.any() and (state.slipping | ~state.touching).all())
-        return Touching(values, force, gap, points, slipping)
+        return SurfaceContact(values, force, gap, points, slipping)
 
     def _correction(self, state: Tractions, missing: RealArray) -> tuple[RealArray, RealArray]:
-        """Forces, and the moves they make, both (3, rows, columns), that bring law and surface together.
+        """Return forces, N, and their displacements, m, both (3, rows, columns), that correct a missing force.
 
         Forces f on the grid obey f + G C f = ``missing``, with C the surface's compliance and G the springs, seen from
-        the grid: GMRES in the product weighed by C, which needs one C a step.
+        the grid. GMRES uses the inner product of C, so that each step evaluates C once.
         """
         move = self._yields(missing)
         size = np.sqrt(np.sum(missing * move))
@@ -102,18 +127,18 @@ class Surface:
             move = self._yields(image)
             left = np.sqrt(max(np.sum(image * move), 0.0))
             shares[step + 1, step] = left
-            weights, missed = _least(shares[: step + 2, : step + 1], size)
-            if missed <= TOLERANCE * size or left == 0.0:
+            weights, remainder = _least(shares[: step + 2, : step + 1], size)
+            if remainder <= TOLERANCE * size or left == 0.0:
                 break
             forces.append(image / left)
             moves.append(move / left)
         # not a library product: those differ with the number of threads
-        found, made = (np.einsum("k,kcij->cij", weights, np.stack(parts[: len(weights)])) for parts in (forces, moves))
-        return found, made
+        force, move = (np.einsum("k,kcij->cij", weights, np.stack(parts[: len(weights)])) for parts in (forces, moves))
+        return force, move
 
 
 def _least(shares: RealArray, size: float) -> tuple[RealArray, float]:
-    """Weights of GMRES's basis, and what they miss."""
+    """Return the least-squares weights (k,) of GMRES's basis, and the norm of the remainder."""
     goal = np.zeros(len(shares))
     goal[0] = size
     weights = np.linalg.lstsq(shares, goal, rcond=None)[0]
@@ -121,4 +146,5 @@ def _least(shares: RealArray, size: float) -> tuple[RealArray, float]:
 
 
 def _is_near(values: RealArray, others: RealArray) -> bool:
+    """Return whether tractions differ by at most 1 % of the largest."""
     return bool(np.abs(others - values).max(initial=0.0) <= 1e-2 * np.abs(values).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""What a log says of itself: the description of ``schemas/log.json``, without anything that only the rig knows."""
+"""The description of a log (``schemas/log.json``), without anything that only the rig knows."""
 
 from __future__ import annotations
 
@@ -12,13 +12,25 @@ from tactiledata.rig.play import PlayedLog, PlayedTrajectory, RigSetup
 from tactiledata.rig.scenario.scenario import Scenario, SensorSetup
 
 DECIMALS = 12
-"""Of numbers in descriptions: a picometre, and no digits of arithmetic."""
+"""Decimal places of numbers in descriptions: a picometre, which drops rounding errors of arithmetic."""
 
 
 def describe(
     rig_setup: RigSetup, played_log: PlayedLog, serials: Sequence[str], tares: Sequence[int]
 ) -> dict[str, Any]:
-    """The description of one log, checked."""
+    """Return the description of one log, checked against its schema.
+
+    Parameters
+    ----------
+    rig_setup : RigSetup
+        The scenario and its indenters.
+    played_log : PlayedLog
+        The log, which decides the indenters that are described.
+    serials : sequence of str
+        Sensors of the log.
+    tares : sequence of int
+        Moments at which the force sensor was set to zero, ns of the host clock.
+    """
     scenario = rig_setup.scenario
     robot = scenario.robot
     used = dict.fromkeys(play.touch.indenter for play in played_log.plays)
@@ -51,6 +63,7 @@ def describe(
 
 
 def _sensor(setup: SensorSetup, power_on_ns: int) -> dict[str, Any]:
+    """Return the description of one sensor, as its data sheet and its operator would state it."""
     gel = setup.gel
     return {
         "model": "digit",
@@ -68,6 +81,7 @@ def _sensor(setup: SensorSetup, power_on_ns: int) -> dict[str, Any]:
 
 
 def _indenter(rig_setup: RigSetup, name: str) -> dict[str, Any]:
+    """Return the description of one indenter: its shape, or its mesh file, and where it stands."""
     entry = rig_setup.scenario.indenters[name]
     solid = dict(rig_setup.indenters[name].document)
     if "mesh" in entry:
@@ -76,6 +90,7 @@ def _indenter(rig_setup: RigSetup, name: str) -> dict[str, Any]:
 
 
 def _clocks(scenario: Scenario) -> dict[str, Any]:
+    """Return the offsets of the streams' clocks as far as they are known."""
     clocks = {}
     for stream in ("wrench", "tcp", "joints", "frames"):
         setup = scenario.clock(stream)
@@ -84,11 +99,12 @@ def _clocks(scenario: Scenario) -> dict[str, Any]:
 
 
 def _rounded(document: dict[str, list[float]]) -> dict[str, list[float]]:
+    """Return a document's numbers, rounded, with no negative zero."""
     return {key: [round(value, DECIMALS) + 0.0 for value in values] for key, values in document.items()}
 
 
 def trajectory_rows(played_log: PlayedLog) -> Iterator[dict[str, Any]]:
-    """Rows of trajectories.csv; the free columns are what an operator knows: commands, not outcomes."""
+    """Yield the rows of trajectories.csv; the free columns hold what an operator knows: commands, not outcomes."""
     for play in played_log.plays:
         yield {
             "trajectory": play.touch.name,
@@ -101,6 +117,7 @@ def trajectory_rows(played_log: PlayedLog) -> Iterator[dict[str, Any]]:
 
 
 def _commands(play: PlayedTrajectory) -> dict[str, Any]:
+    """Return the free columns of a trajectory: depth, shear, speed and step time as commanded."""
     press = next((step for step in play.touch.steps if step.kind == "press"), None)
     shear = next((step for step in play.touch.steps if step.kind == "shear"), None)
     by = (0.0, 0.0) if shear is None else shear.by

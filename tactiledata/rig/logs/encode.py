@@ -1,4 +1,4 @@
-"""Pictures as the bytes that a driver sends."""
+"""Encoding of pictures into the bytes that a camera's driver sends."""
 
 from __future__ import annotations
 
@@ -13,12 +13,20 @@ SUFFIX = {"jpeg": "jpg", "png": "png", "raw": "png"}
 
 
 def turned(picture: NDArray[np.uint8], images: Images) -> NDArray[np.uint8]:
-    """The picture with rows and columns as the driver delivers them."""
+    """Return a picture with rows and columns as the driver delivers them: turned where the scenario asks for it."""
     return np.ascontiguousarray(np.rot90(picture)) if images.swapped_size else picture
 
 
 def encoded(picture: NDArray[np.uint8], encoding: str, quality: int) -> bytes:
-    """JPEG or PNG bytes of an RGB picture."""
+    """Return the JPEG or PNG bytes of a picture.
+
+    Parameters
+    ----------
+    picture : (h, w, 3) uint8 RGB
+    encoding : "jpeg" or "png"
+    quality : int
+        Quality of JPEG, 1 to 100; without influence on PNG.
+    """
     bgr = cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
     if encoding == "jpeg":
         return cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
@@ -26,5 +34,5 @@ def encoded(picture: NDArray[np.uint8], encoding: str, quality: int) -> bytes:
 
 
 def raw_bytes(picture: NDArray[np.uint8], channels: str) -> bytes:
-    """Bytes of a raw image with the channels in the stated order."""
+    """Return the bytes of a raw RGB image with the channels in the stated order, ``rgb8`` or ``bgr8``."""
     return (picture if channels == "rgb8" else picture[..., ::-1]).tobytes()

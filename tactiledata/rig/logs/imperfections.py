@@ -1,4 +1,4 @@
-"""What a real rig adds to the truth: noise with memory, bias and drift, quanta, repeated samples, clocks, losses."""
+"""The errors of a real rig: coloured noise, bias and drift, quanta, repeated samples, clocks, losses."""
 
 from __future__ import annotations
 
@@ -10,11 +10,23 @@ from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.scenario.scenario import ClockSetup, Imperfections
 
 TORQUE_PER_FORCE = 0.02
-"""m: bias and drift of torques relative to those of forces."""
+"""Ratio of torques to forces in bias and drift, m."""
 
 
 def sampling_times(start_ns: int, end_ns: int, rate: float, jitter: float, rng: np.random.Generator) -> Times:
-    """Moments of sampling (n,) int64 ns of the host clock: even, with jitter (s), strictly increasing."""
+    """Return the moments of sampling (n,), ns of the host clock: even, with jitter, strictly increasing.
+
+    Parameters
+    ----------
+    start_ns, end_ns : int
+        Half-open interval, ns of the host clock.
+    rate : Hz
+        Rate of the samples.
+    jitter : s
+        Standard deviation of each moment, cut at 0.4 periods.
+    rng : Generator
+        Draws the jitter.
+    """
     period = 1e9 / rate
     # relative to the start: a float cannot hold nanoseconds since 1970
     since = np.arange(0.0, end_ns - start_ns, period)
@@ -24,12 +36,22 @@ def sampling_times(start_ns: int, end_ns: int, rate: float, jitter: float, rng: 
 
 
 def stream_stamps(host_ns: Times, clock: ClockSetup) -> Times:
-    """What a stream's own clock shows at moments of the host clock: host = stream + offset."""
+    """Return the time (n,), ns, on a stream's own clock at moments of the host clock: host = stream + offset."""
     return host_ns - clock.offset_ns
 
 
 def arrival_times(host_ns: Times, clock: ClockSetup, rng: np.random.Generator) -> Times:
-    """When the recorder writes the messages: a latency later, in order, int64 ns of the host clock."""
+    """Return the moments (n,), ns of the host clock, at which messages are written: a random latency later, in order.
+
+    Parameters
+    ----------
+    host_ns : (n,), ns
+        Moments of sampling, host clock.
+    clock : ClockSetup
+        Mean latency.
+    rng : Generator
+        Draws the latencies.
+    """
     if not len(host_ns):
         return host_ns
     delay = clock.latency * rng.gamma(4.0, 0.25, len(host_ns)) * 1e9
@@ -39,7 +61,21 @@ def arrival_times(host_ns: Times, clock: ClockSetup, rng: np.random.Generator) -
 def coloured_noise(
     count: int, scale: RealArray, rate: float, setup: Imperfections, rng: np.random.Generator
 ) -> RealArray:
-    """White noise of standard deviations ``scale`` (k,) plus a first-order autoregressive part, (count, k)."""
+    """Return white noise plus a first-order autoregressive part, (count, k).
+
+    Parameters
+    ----------
+    count : int
+        Number of samples.
+    scale : (k,)
+        Standard deviations of the white part, which decide the unit.
+    rate : Hz
+        Rate of the samples.
+    setup : Imperfections
+        Share and correlation time of the autoregressive part.
+    rng : Generator
+        Draws the noise.
+    """
     white = rng.standard_normal((count, len(scale)))
     memory = float(np.exp(-1.0 / (rate * setup.correlation_time)))
     drive = rng.standard_normal((count, len(scale))) * np.sqrt(1.0 - memory**2)
@@ -48,7 +84,17 @@ def coloured_noise(
 
 
 def bias_over_time(seconds: RealArray, setup: Imperfections, rng: np.random.Generator) -> RealArray:
-    """Bias (n, 6), N and N m, of a force sensor at seconds (n,) since the start: constant plus a linear drift."""
+    """Return the bias (n, 6), N and N m, of a force sensor: a constant plus a linear drift.
+
+    Parameters
+    ----------
+    seconds : (n,)
+        Times since the log's start.
+    setup : Imperfections
+        Standard deviations of bias, N, and drift, N per minute.
+    rng : Generator
+        Draws both.
+    """
     scale = np.array([1.0, 1.0, 1.0, *[TORQUE_PER_FORCE] * 3])
     constant = rng.normal(0.0, setup.force_bias, 6) * scale
     slope = rng.normal(0.0, setup.force_drift, 6) * scale / 60.0
@@ -56,7 +102,7 @@ def bias_over_time(seconds: RealArray, setup: Imperfections, rng: np.random.Gene
 
 
 def quantised(wrench: RealArray, setup: Imperfections) -> RealArray:
-    """Wrenches (n, 6) rounded to the sensor's quanta."""
+    """Return wrenches (n, 6), N and N m, rounded to the sensor's quanta."""
     rounded = wrench.copy()
     for columns, quantum in ((slice(0, 3), setup.force_quantum), (slice(3, 6), setup.torque_quantum)):
         if quantum > 0:
@@ -65,7 +111,17 @@ def quantised(wrench: RealArray, setup: Imperfections) -> RealArray:
 
 
 def held(values: RealArray, seconds: RealArray, rate: float) -> RealArray:
-    """Values (n, k) of which new ones come only at ``rate`` Hz: in between the last one is repeated."""
+    """Return values of which new ones come only at a lower rate: in between, the last one is repeated.
+
+    Parameters
+    ----------
+    values : (n, k)
+        Samples.
+    seconds : (n,)
+        Their times.
+    rate : Hz
+        Rate of new values; 0 leaves the samples as they are.
+    """
     if rate <= 0 or not len(values):
         return values
     tick = np.floor((seconds - seconds[0]) * rate + 1e-9)
@@ -74,5 +130,15 @@ def held(values: RealArray, seconds: RealArray, rate: float) -> RealArray:
 
 
 def chosen(count: int, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """A mask (count,) that picks a share of items at random."""
+    """Return a mask (count,) that picks items at random.
+
+    Parameters
+    ----------
+    count : int
+        Number of items.
+    share : float
+        Probability of each item, 0 to 1.
+    rng : Generator
+        Draws the mask.
+    """
     return rng.random(count) < share

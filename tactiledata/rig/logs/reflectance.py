@@ -1,8 +1,8 @@
 """Pictures of a deformed gel as a DIGIT takes them: three coloured lights, one camera, a real background.
 
-The picture is the real background times the ratio of light that the deformed and the flat gel send back, formed in
-linear light. Each light stands beside the gel, so its direction changes over the pad; each colours every channel a
-little; a bump throws a soft shadow; the camera is a little off, turned and distorted, and sees the gel from behind.
+The picture is the real background times the ratio of light that the deformed and the flat gel reflect, computed in
+linear light. Each light stands beside the gel, so that its direction changes over the pad, and adds to every channel; a
+bump casts a soft shadow; the camera is displaced, turned and distorted a little, and sees the gel from behind.
 """
 
 from __future__ import annotations
@@ -21,32 +21,33 @@ from scipy.special import ndtri
 from tactiledata.rig.contact.footprint import GelGrid
 
 Map = NDArray[Any]
-"""float32; OpenCV's annotations say less."""
+"""A float32 map; OpenCV's annotations do not state the type."""
 
 HEIGHT, WIDTH = 320, 240
+"""Size of a DIGIT's picture, rows and columns."""
 LED_DISTANCE = 0.017
-"""m from the gel's centre to a light."""
+"""Distance from the gel's centre to a light, m."""
 TERMINATOR = 0.06
 """Width of the soft edge between lit and unlit, in the cosine of the angle of incidence."""
 SHADOW_LENGTHS = (6e-4, 1.3e-3)
-"""m towards the light at which something in its way is looked for."""
+"""Distances towards the light, m, at which an obstacle is looked for."""
 SHADOW = 0.45
-"""Share of a light that a shadow takes."""
+"""Share of a light that a full shadow takes."""
 OCCLUSION = 0.5
 """Share of the ambient light that a deep fold takes."""
 SHADOW_DEPTH = 1.5e-4
-"""m by which a light must be missed for a full shadow."""
+"""Height of an obstacle above the ray to the light, m, that gives a full shadow."""
 FOLD_WIDTH, FOLD_DEPTH = 6e-4, 2e-4
-"""m: scale on which a fold is looked for, and how deep one counts fully."""
+"""Length scale of a fold and the depth of a full fold, m."""
 BRIGHTEST = 5.0
-"""Largest ratio: a camera's shoulder."""
+"""Largest ratio of light, since a camera saturates."""
 RIM = 12
-"""Points of the grid around what is seen."""
+"""Width of the rim of the grid around what the camera sees, in points."""
 
 
 @dataclass(frozen=True)
 class Led:
-    """A light: where it stands (rad), and its colour as linear RGB."""
+    """A light: its azimuth and elevation (rad), and its colour as linear RGB."""
 
     azimuth: float
     elevation: float
@@ -55,7 +56,7 @@ class Led:
 
 @dataclass(frozen=True)
 class Optics:
-    """One unit's optics; meaning and units in ``schemas/scenario.json``."""
+    """The optics of one unit; meaning and units in ``schemas/scenario.json``."""
 
     leds: tuple[Led, Led, Led]
     gamma: float
@@ -70,7 +71,17 @@ class Optics:
 
     @classmethod
     def of_unit(cls, serial: str, seed: int, stated: Mapping[str, Any]) -> Optics:
-        """A unit's optics: what is stated, the rest drawn from the seed and the serial."""
+        """Return the optics of a unit: stated values, and the others drawn from the seed and the serial.
+
+        Parameters
+        ----------
+        serial : str
+            Name of the unit.
+        seed : int
+            Seed of the scenario.
+        stated : dict
+            Values that the scenario states.
+        """
         rng = np.random.default_rng([seed, 2, zlib.crc32(serial.encode())])
         drawn = {
             "leds": tuple(_draw_led(rng, azimuth, channel) for channel, azimuth in enumerate((np.pi, 0.0, np.pi / 2))),
@@ -84,6 +95,7 @@ class Optics:
             "softness": float(rng.uniform(0.9e-4, 1.5e-4)),
             "noise": float(rng.uniform(0.8, 1.4)),
         }
+        # stated values win
         given = dict(stated)
         if "leds" in given:
             given["leds"] = tuple(Led(led["azimuth"], led["elevation"], tuple(led["colour"])) for led in given["leds"])
@@ -93,6 +105,7 @@ class Optics:
 
 
 def _draw_led(rng: np.random.Generator, azimuth: float, channel: int) -> Led:
+    """Return a light near an azimuth, rad, that shines mostly in one channel."""
     colour = rng.uniform(0.05, 0.2, 3)
     colour[channel] = 1.0
     return Led(
@@ -104,19 +117,21 @@ def _draw_led(rng: np.random.Generator, azimuth: float, channel: int) -> Led:
 
 @cache
 def normal_deviates() -> Map:
-    """Normal deviates (4096,) by rank: noise for a picture is then 230,000 look-ups."""
+    """Return normal deviates (4096,) by rank, so that the noise of a picture is 230,000 look-ups."""
     return ndtri((np.arange(4096) + 0.5) / 4096).astype(np.float32)
 
 
 class Camera:
-    """Takes pictures of one unit; what does not change from picture to picture is computed once.
+    """Camera of one unit; what is the same for every picture is computed once.
 
     Parameters
     ----------
     optics : Optics
+        The unit's optics.
     background : (320, 240, 3) uint8 RGB
+        Picture without contact.
     grid : GelGrid
-        Of the surfaces that it will take pictures of.
+        Grid of the surfaces that are shown.
     """
 
     def __init__(self, optics: Optics, background: NDArray[np.uint8], grid: GelGrid) -> None:
@@ -138,7 +153,7 @@ class Camera:
         self._base = background.astype(np.float32)
 
     def _radiance(self, height: Map) -> Map:
-        """Linear light (rows, columns, 3) that the seen surface sends to the camera, up to the paint's local colour."""
+        """Return the linear light (rows, columns, 3) of a surface (rows, columns), m, up to the paint's colour."""
         scale = 1.0 / (8 * self._pitch)
         slope_x = cv2.Sobel(height, cv2.CV_32F, 1, 0, ksize=3, scale=scale)
         slope_y = cv2.Sobel(height, cv2.CV_32F, 0, 1, ksize=3, scale=scale)
@@ -154,12 +169,12 @@ class Camera:
         return cv2.transform(cv2.merge(arriving), self._mixing) + ambient[..., None]
 
     def _ambient(self, small: Map) -> Map:
-        """Light from everywhere: less in folds, more where the surface lies nearer to the camera than around it."""
+        """Return the ambient light (rows, columns): less in folds, more where the surface is nearer to the camera."""
         fold = small - cv2.GaussianBlur(small, (0, 0), FOLD_WIDTH / (4 * self._pitch))
         return np.float32(self.optics.ambient) * np.clip(1.0 - OCCLUSION * fold / np.float32(FOLD_DEPTH), 0.3, 1.5)
 
     def _unshadowed(self, small: Map, led: Led) -> Map:
-        """Share of a light that arrives: less behind what stands in its way. Shadows are soft, so few points do."""
+        """Return the share (rows, columns) of a light that arrives; few points suffice, since shadows are soft."""
         pitch, rise = 4 * self._pitch, np.tan(led.elevation)
         blocked = np.zeros_like(small)
         for length in SHADOW_LENGTHS:
@@ -173,7 +188,7 @@ class Camera:
         return 1.0 - SHADOW * cv2.GaussianBlur(np.clip(blocked / SHADOW_DEPTH, 0.0, 1.0), (0, 0), 1.2)
 
     def picture(self, height: Map, rng: np.random.Generator) -> NDArray[np.uint8]:
-        """The picture (320, 240, 3) uint8 RGB of a surface (n_y, n_x), metres, with sensor noise."""
+        """Return the picture (320, 240, 3), uint8 RGB, of a surface (n_y, n_x), metres, with the camera's noise."""
         picture = self._base
         seen = height[self._window]
         if seen.any():
@@ -189,7 +204,7 @@ class Camera:
 
 
 def _seen_points(optics: Optics) -> tuple[Map, Map]:
-    """Gel x and y (320, 240), metres, that each pixel sees."""
+    """Return the places x and y (320, 240) on the gel, metres, that each pixel sees."""
     u, v = np.meshgrid(np.arange(WIDTH) - (WIDTH - 1) / 2, np.arange(HEIGHT) - (HEIGHT - 1) / 2)
     if not optics.mirrored:
         u = -u
@@ -202,12 +217,12 @@ def _seen_points(optics: Optics) -> tuple[Map, Map]:
 
 
 def _span(places: Map, size: int) -> slice:
-    """The part of a grid's axis that holds all these places, with a rim for blurs."""
+    """Return the part of a grid's axis that holds all places, in points, with a rim for blurs."""
     return slice(max(int(places.min()) - RIM, 0), min(int(places.max()) + RIM + 2, size))
 
 
 def _light_field(led: Led, x: Map, y: Map) -> tuple[Map, Map, Map]:
-    """Direction to the light times its strength at gel points, along gel x, y and into the gel."""
+    """Return the direction to a light times its strength at gel points x, y, m: along gel x, y and into the gel."""
     level = np.cos(led.elevation) * LED_DISTANCE
     to_x = np.float32(np.cos(led.azimuth) * level) - x
     to_y = np.float32(np.sin(led.azimuth) * level) - y
@@ -218,4 +233,5 @@ def _light_field(led: Led, x: Map, y: Map) -> tuple[Map, Map, Map]:
 
 
 def _enlarged(small: Map, shape: tuple[int, ...]) -> Map:
+    """Return a map, interpolated to a larger shape."""
     return cv2.resize(small, (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)

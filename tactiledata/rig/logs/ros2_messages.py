@@ -1,4 +1,4 @@
-"""ROS 2 messages as CDR bytes, many at a time: rosbags makes one of a kind, the others differ in its numbers."""
+"""ROS 2 messages as CDR bytes, many at a time: rosbags makes one of a kind, and numbers in it are replaced."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tactiledata.arrays import RealArray
 from tactiledata.rig.motion.ur5e import JOINT_NAMES
 
 STAMP_AT = 4
-"""Byte of the header's stamp: behind the four bytes of encapsulation, before everything else."""
+"""Position, in bytes, of the header's stamp: after the four bytes of encapsulation, before everything else."""
 DRIVER_ORDER = (1, 2, 3, 4, 5, 0)
 """The order in which the UR driver publishes joints: the shoulder pan comes last. Readers must go by name."""
 FRAMES = {"joints": "base_link", "tcp": "base", "wrench": "robotiq_ft_frame_id", "arm_wrench": "tool0"}
@@ -34,24 +34,25 @@ TOPICS = {
 
 @cache
 def typestore() -> Any:
-    """The message types of ROS 2 Humble."""
+    """Return the message types of ROS 2 Humble."""
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
 def definition(kind: str) -> bytes:
-    """The schema text of a message type, as rosbag2 puts it into an MCAP."""
+    """Return the schema text of a message type, as rosbag2 puts it into an MCAP."""
     text, _ = typestore().generate_msgdef(kind, ros_version=2)
     return text.encode()
 
 
 def _header(stamp_ns: int, frame: str) -> Any:
+    """Return a message header with a time stamp, ns, and the name of a frame."""
     types = typestore().types
     stamp = types["builtin_interfaces/msg/Time"](sec=int(stamp_ns // 10**9), nanosec=int(stamp_ns % 10**9))
     return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame)
 
 
 def _message(stream: str, stamp_ns: int, row: RealArray) -> Any:
-    """One message of a stream of numbers, from a row as `wire_values` gives it."""
+    """Return one message of a stream of numbers, from a row as `wire_values` gives it."""
     types = typestore().types
     header = _header(stamp_ns, FRAMES[stream])
     if stream == "joints":
@@ -74,7 +75,19 @@ def _message(stream: str, stamp_ns: int, row: RealArray) -> Any:
 
 
 def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: RealArray) -> RealArray:
-    """The numbers of each message in the order of its fields: joints in the driver's order, with their velocities."""
+    """Return the numbers of each message (n, k) in the order of its fields.
+
+    Joints come in the driver's order, followed by their velocities.
+
+    Parameters
+    ----------
+    stream : str
+        ``joints``, ``tcp``, ``wrench`` or ``arm_wrench``.
+    stamp_ns : (n,), ns
+        Stamps, which decide the velocities.
+    values : (n, k)
+        Samples of the stream, SI units.
+    """
     if stream != "joints" or not len(values):
         return values
     seconds = (stamp_ns - stamp_ns[0]) * 1e-9
@@ -84,12 +97,32 @@ def wire_values(stream: str, stamp_ns: NDArray[np.int64], values: RealArray) -> 
 
 
 def serialise_slowly(stream: str, stamp_ns: int, row: RealArray) -> bytes:
-    """One message by rosbags itself: the obvious twin of `serialise`."""
+    """Return one message as CDR bytes, made by rosbags itself: the slow twin of `serialise`, for tests.
+
+    Parameters
+    ----------
+    stream : str
+        Name of the stream.
+    stamp_ns : int
+        Time stamp, ns.
+    row : (k,)
+        Numbers as `wire_values` gives them.
+    """
     return bytes(typestore().serialize_cdr(_message(stream, stamp_ns, row), KINDS[stream]))
 
 
 def serialise(stream: str, stamp_ns: NDArray[np.int64], values: RealArray) -> Callable[[int], bytes]:
-    """The messages of a stream: a function from row number to CDR bytes."""
+    """Return a function that gives the CDR bytes of a stream's message by its row number.
+
+    Parameters
+    ----------
+    stream : str
+        Name of the stream.
+    stamp_ns : (n,), ns
+        Time stamps.
+    values : (n, k)
+        Samples of the stream, SI units.
+    """
     rows = wire_values(stream, stamp_ns, values)
     # numbers that occur nowhere else mark the places of the fields in a message made by rosbags
     marks = 1.0e300 + 1.0e290 * np.arange(rows.shape[1])
@@ -104,12 +137,25 @@ def serialise(stream: str, stamp_ns: NDArray[np.int64], values: RealArray) -> Ca
 
 
 def _bytes_of(values: NDArray[Any], kind: str) -> NDArray[np.uint8]:
+    """Return the bytes (n, size) of numbers (n,) of a kind, for example ``"<f8"``."""
     fixed = np.ascontiguousarray(values.astype(kind))
     return fixed.view(np.uint8).reshape(len(fixed), -1)
 
 
 def compressed_image(stamp_ns: int, frame: str, encoding: str, payload: bytes) -> bytes:
-    """A CompressedImage."""
+    """Return a CompressedImage message as CDR bytes.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Time stamp, ns.
+    frame : str
+        Name of the camera's frame.
+    encoding : str
+        Format of the payload, ``jpeg`` or ``png``.
+    payload : bytes
+        The encoded picture.
+    """
     kind = "sensor_msgs/msg/CompressedImage"
     message = typestore().types[kind](
         header=_header(stamp_ns, frame), format=encoding, data=np.frombuffer(payload, np.uint8)
@@ -118,7 +164,21 @@ def compressed_image(stamp_ns: int, frame: str, encoding: str, payload: bytes) -
 
 
 def raw_image(stamp_ns: int, frame: str, channels: str, height: int, width: int, payload: bytes) -> bytes:
-    """An Image of three channels of eight bits."""
+    """Return an Image message of three channels of eight bits as CDR bytes.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Time stamp, ns.
+    frame : str
+        Name of the camera's frame.
+    channels : str
+        Stated order of the channels, ``rgb8`` or ``bgr8``.
+    height, width : int
+        Size in pixels.
+    payload : bytes
+        The pixels, row by row.
+    """
     kind = "sensor_msgs/msg/Image"
     message = typestore().types[kind](
         header=_header(stamp_ns, frame),

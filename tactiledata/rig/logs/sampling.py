@@ -1,4 +1,4 @@
-"""What the instruments make of a performance: streams with noise, clocks and losses, and pictures."""
+"""The recording of a played log by the instruments: streams with noise, clocks and losses, and pictures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.paths import path_inside
 from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.rig.contact.footprint import GelGrid
-from tactiledata.rig.hidden.sensing import hidden_loads, sensed_loads, told_readings, told_stamps
+from tactiledata.rig.hidden.sensing import hidden_loads, reported_readings, reported_stamps, sensed_loads
 from tactiledata.rig.logs import imperfections
 from tactiledata.rig.logs.describe import describe, trajectory_rows
 from tactiledata.rig.logs.reflectance import HEIGHT, WIDTH, Camera, Optics
@@ -25,17 +25,30 @@ from tactiledata.sensors.backgrounds import load_background
 from tactiledata.transforms import matrix_poses, move_wrench
 
 GRAVITY = 9.81
-"""m/s², along -z of the base frame."""
+"""Acceleration of gravity, m/s², along -z of the base frame."""
 TARE_DELAY_NS = 100_000_000
-"""ns after the start (of the log, of a trajectory) at which the force sensor is set to zero."""
+"""Time from the start of a log or a trajectory until the force sensor is set to zero, ns."""
 ARM_NOISE = 4.0
 """Noise of the arm's own force sensor relative to the force sensor's."""
 SAMPLING, PICTURES = 6, 7
-"""Numbers of the random streams."""
+"""Numbers of the random streams of the instruments and of the pictures."""
 
 
 def sample(rig_setup: RigSetup, name: str, index: int, played_log: PlayedLog) -> Tape:
-    """The tape of one log."""
+    """Return the tape of one log.
+
+    Parameters
+    ----------
+    rig_setup : RigSetup
+        The scenario and its indenters.
+    name : str
+        Name of the log's file or folder, without ending.
+    index : int
+        Place of the log in the scenario; seeds what the instruments draw.
+    played_log : PlayedLog
+        What happened.
+    """
+    # streams of numbers; the order of the draws decides the bytes of the log
     scenario = rig_setup.scenario
     rng = np.random.default_rng([scenario.seed, SAMPLING, index])
     tares = tare_times(scenario, played_log)
@@ -47,10 +60,12 @@ def sample(rig_setup: RigSetup, name: str, index: int, played_log: PlayedLog) ->
         signals["joints"] = _joints(scenario, played_log, rng)
     if scenario.streams.arm_wrench > 0:
         signals["arm_wrench"] = _arm_wrench(scenario, played_log, rng)
+    # pictures
     serials = list(dict.fromkeys(play.touch.sensor for play in played_log.plays))
     backgrounds = {serial: background_of(scenario, serial) for serial in serials}
     shots = _shots(scenario, played_log, backgrounds, index, rng)
     names_trajectories = scenario.recordings.name_trajectories
+    # meshes of the indenters that took part
     files = {
         f"indenters/{key}.stl": path_inside(scenario.folder, entry["mesh"], f"indenters.{key}.mesh")
         for key, entry in scenario.indenters.items()
@@ -66,11 +81,12 @@ def sample(rig_setup: RigSetup, name: str, index: int, played_log: PlayedLog) ->
         shots=tuple(shots),
         backgrounds={f"backgrounds/{serial}.png": picture for serial, picture in backgrounds.items()},
         files=files,
-        truth={"performance": played_log},
+        truth={"played_log": played_log},
     )
 
 
 def _tcp(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) -> Samples:
+    """Return the poses of the tool (n, 7) over a whole log, with noise of position."""
     clock = scenario.clock("tcp")
     host = _times(played_log, scenario.streams.tcp, clock.jitter, rng)
     poses = matrix_poses(played_log.tcp(host))
@@ -79,6 +95,7 @@ def _tcp(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) ->
 
 
 def _joints(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) -> Samples:
+    """Return the joint angles (n, 6), rad, over a whole log."""
     clock = scenario.clock("joints")
     host = _times(played_log, scenario.streams.joints, clock.jitter, rng)
     base_from_flange = played_log.tcp(host) @ scenario.robot.flange_from_tcp.inverse().matrix
@@ -86,11 +103,12 @@ def _joints(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator)
 
 
 def _times(played_log: PlayedLog, rate: float, jitter: float, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Return the moments of sampling (n,), ns of the host clock, over a whole log."""
     return imperfections.sampling_times(played_log.start_ns, played_log.end_ns, rate, jitter, rng)
 
 
 def tare_times(scenario: Scenario, played_log: PlayedLog) -> list[int]:
-    """When the force sensor is set to zero, ns of the host clock."""
+    """Return the moments at which the force sensor is set to zero, ns of the host clock."""
     setup = scenario.recordings.tare
     if setup == "log":
         return [played_log.start_ns + TARE_DELAY_NS]
@@ -100,7 +118,17 @@ def tare_times(scenario: Scenario, played_log: PlayedLog) -> list[int]:
 
 
 def load_on_ft(scenario: Scenario, played_log: PlayedLog, host_ns: NDArray[np.int64]) -> RealArray:
-    """What the world exerts on the tool side (n, 6), in the force sensor's frame: contact and the tool's weight."""
+    """Return the load (n, 6), N and N m, on the tool side, in the force sensor's frame: contact, weight, hidden loads.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Mounting of the sensors, mass of the tool, hidden effects.
+    played_log : PlayedLog
+        What happened.
+    host_ns : (n,), ns
+        Sorted moments of the host clock.
+    """
     robot = scenario.robot
     ft_from_tcp = robot.tcp_from_ft.inverse().matrix
     on_gel = -played_log.wrench(host_ns)
@@ -113,7 +141,22 @@ def load_on_ft(scenario: Scenario, played_log: PlayedLog, host_ns: NDArray[np.in
 def wrench_samples(
     scenario: Scenario, played_log: PlayedLog, index: int, tares: list[int], rng: np.random.Generator
 ) -> Samples:
-    """What the force sensor says (n, 6) over a whole log, N and N m, in its own frame."""
+    """Return the readings of the force sensor (n, 6), N and N m, in its own frame, over a whole log.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Imperfections, streams, clocks and hidden effects.
+    played_log : PlayedLog
+        What happened.
+    index : int
+        Place of the log in the scenario; seeds hidden effects.
+    tares : list of int
+        Moments at which the sensor is set to zero, ns of the host clock.
+    rng : Generator
+        Draws noise, bias and losses.
+    """
+    # loads at the samples and at the moments of taring
     setup, streams, clock = scenario.imperfections, scenario.streams, scenario.clock("wrench")
     host = _times(played_log, streams.wrench, clock.jitter, rng)
     seconds = (host - played_log.start_ns) * 1e-9
@@ -123,22 +166,27 @@ def wrench_samples(
     load = partial(load_on_ft, scenario, played_log)
     loads[order] = sensed_loads(scenario, played_log, index, load, moments[order])
     loads += imperfections.bias_over_time((moments - played_log.start_ns) * 1e-9, setup, rng)
+    # from each taring on, the load at that moment is the zero
     reading: RealArray = loads[: len(host)].copy()
     for tare_ns, zero in zip(tares, loads[len(host) :], strict=True):
         reading[host >= tare_ns] = loads[: len(host)][host >= tare_ns] - zero
+    # noise, quanta, repeated and lost samples
     scale = np.array([*[setup.force_noise] * 3, *[setup.torque_noise] * 3])
     reading += imperfections.coloured_noise(len(host), scale, streams.wrench, setup, rng)
-    reading = told_readings(scenario.hidden, imperfections.quantised(reading, setup))
+    reading = reported_readings(scenario.hidden, imperfections.quantised(reading, setup))
     reading = imperfections.held(reading, seconds, streams.wrench_effective)
     if scenario.recordings.sign == "reaction":
         reading = -reading
     reading[imperfections.chosen(len(host), setup.nan_wrench, rng)] = np.nan
-    stamps = told_stamps(scenario.hidden, "wrench", imperfections.stream_stamps(host, clock), seconds)
+    stamps = reported_stamps(scenario.hidden, "wrench", imperfections.stream_stamps(host, clock), seconds)
     return Samples(host, stamps, reading)
 
 
 def _arm_wrench(scenario: Scenario, played_log: PlayedLog, rng: np.random.Generator) -> Samples:
-    """The arm's own wrist sensor: the same load seen elsewhere, noisier, never set to zero. A decoy."""
+    """Return the readings (n, 6), N and N m, of the arm's own wrist sensor: a decoy for readers of the log.
+
+    It measures the same load at the flange, with more noise, and is never set to zero.
+    """
     setup = scenario.imperfections
     host = _times(played_log, scenario.streams.arm_wrench, 0.0, rng)
     at_flange = move_wrench(
@@ -157,6 +205,7 @@ def _shots(
     index: int,
     rng: np.random.Generator,
 ) -> list[Shot]:
+    """Return the captured moments of one log, in time; pictures are drawn when they are written."""
     cameras = {
         serial: Camera(
             Optics.of_unit(serial, scenario.seed, scenario.sensors[serial].optics),
@@ -185,6 +234,7 @@ def _shots(
 
 
 def _draw(camera: Camera, play: PlayedTrajectory | None, host_ns: int, seed: list[int]) -> NDArray[np.uint8]:
+    """Return the picture (320, 240, 3), uint8 RGB, of a touch at a moment, or without contact."""
     rng = np.random.default_rng(seed)
     if play is None:
         return camera.picture(camera.at_rest, rng)
@@ -194,7 +244,7 @@ def _draw(camera: Camera, play: PlayedTrajectory | None, host_ns: int, seed: lis
 def _capture_moments(
     scenario: Scenario, played_log: PlayedLog, jitter: float, rng: np.random.Generator
 ) -> list[tuple[int, str, PlayedTrajectory | None]]:
-    """When which camera takes a picture, and of which touch; all cameras of a video run through the whole log."""
+    """Return moments of pictures, ns of the host clock, with sensor and touch; videos run over the whole log."""
     setup = scenario.images
     moments: list[tuple[int, str, PlayedTrajectory | None]] = []
     if setup.capture in ("step", "both"):
@@ -211,6 +261,7 @@ def _capture_moments(
 
 
 def _touching(played_log: PlayedLog, serial: str, moment: int) -> PlayedTrajectory | None:
+    """Return the trajectory on a sensor at a moment, ns of the host clock; None for none."""
     for play in played_log.plays:
         if play.start_ns <= moment < play.end_ns:
             return play if play.touch.sensor == serial else None
@@ -218,14 +269,14 @@ def _touching(played_log: PlayedLog, serial: str, moment: int) -> PlayedTrajecto
 
 
 def background_of(scenario: Scenario, serial: str) -> NDArray[np.uint8]:
-    """The real picture (320, 240, 3) uint8 RGB that lies under a sensor's contacts.
+    """Return the real picture (320, 240, 3), uint8 RGB, of a sensor without contact.
 
     Raises
     ------
     MissingFile
-        Neither a bundled background nor a file.
+        The name is neither a bundled background nor a file.
     SchemaError
-        An image of another size.
+        The file is no image, or an image of another size.
     """
     name = scenario.sensors[serial].background
     path = path_inside(scenario.folder, name, f"sensors.{serial}.background")
@@ -240,7 +291,7 @@ def background_of(scenario: Scenario, serial: str) -> NDArray[np.uint8]:
         raise SchemaError(
             f"the background {path} of sensor {serial} is {shape}",
             f"an image of {HEIGHT} rows x {WIDTH} columns, as a DIGIT takes it",
-            "Name another file or one of the bundled backgrounds.",
+            "Name another file, or one of the bundled backgrounds.",
             path=f"$.sensors.{serial}.background",
         )
     return picture

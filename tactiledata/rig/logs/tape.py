@@ -1,4 +1,4 @@
-"""One recording before it is written: every stream as sampled, every picture as a promise, the truth beside it."""
+"""One recording before it is written: its streams as sampled, its pictures still to be drawn, and the truth."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class Samples:
-    """A stream of numbers.
+    """A sampled stream of numbers.
 
     Parameters
     ----------
     host_ns : (n,) int64
-        When each sample was taken, host clock. Known to the rig only.
+        Moments of sampling, ns of the host clock. Known to the rig only.
     stamp_ns : (n,) int64
-        The same on the stream's own clock.
+        Their stamps, ns of the stream's own clock.
     values : (n, k)
+        Samples, SI units.
     """
 
     host_ns: NDArray[np.int64]
@@ -35,7 +36,21 @@ class Samples:
 
 @dataclass(frozen=True)
 class Shot:
-    """One captured moment; ``picture`` draws it, (320, 240, 3) uint8 RGB; ``dropped``: the image was lost."""
+    """One captured moment of a camera.
+
+    Parameters
+    ----------
+    host_ns, stamp_ns : int
+        Moment on the host clock and on the stream's own clock, ns.
+    sensor : str
+        Serial of the sensor.
+    trajectory : str
+        Name of the trajectory; empty between trajectories and where the log names none.
+    dropped : bool
+        Whether the image was lost.
+    picture : callable
+        Draws the picture, (320, 240, 3) uint8 RGB.
+    """
 
     host_ns: int
     stamp_ns: int
@@ -47,14 +62,16 @@ class Shot:
 
 @dataclass(frozen=True)
 class Tape:
-    """One log, ready to be written.
+    """One log, ready to be written as a file or a folder.
 
     Parameters
     ----------
     name : str
-        Of the file or folder, without ending.
+        Name of the file or folder, without ending.
     index : int
-        Its place in the scenario; seeds what writing draws at random.
+        Place of the log in the scenario; seeds what writing draws at random.
+    scenario : Scenario
+        The world that was recorded.
     description : dict
         Fits ``schemas/log.json``; without trajectories.
     trajectories : tuple of dict
@@ -64,9 +81,9 @@ class Tape:
     shots : tuple of Shot, in time
     backgrounds : dict, path inside the log -> (320, 240, 3) uint8 RGB
     files : dict, path inside the log -> Path
-        Meshes that go with it.
+        Mesh files that are copied into the log.
     truth : dict
-        What only the rig knows; JSON values and tables.
+        What only the rig knows: the `PlayedLog` under ``played_log``.
     """
 
     name: str
@@ -81,15 +98,15 @@ class Tape:
     truth: Mapping[str, Any] = field(default_factory=dict)
 
     def clock(self, stream: str) -> ClockSetup:
-        """The clock of a stream; the decoy shares the joints'."""
+        """Return the clock of a stream; the arm's own force sensor shares the clock of the joints."""
         return self.scenario.clock("joints" if stream == "arm_wrench" else stream)
 
     def rng(self, purpose: int) -> np.random.Generator:
-        """Random numbers of this log for one purpose."""
+        """Return the random numbers of this log for one purpose."""
         return np.random.default_rng([self.scenario.seed, 5, self.index, purpose])
 
     def disordered(self, items: Iterable[Item], purpose: int) -> Iterator[Item]:
-        """The items, of which the stated share changes places with its successor."""
+        """Yield the items; the scenario's share of them change places with their successors."""
         share = self.scenario.imperfections.out_of_order
         if share <= 0:
             yield from items

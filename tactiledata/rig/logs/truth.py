@@ -1,4 +1,4 @@
-"""What only the rig knows, beside the logs: for tests that compare; the toolkit never reads it."""
+"""The truth beside the logs: what only the rig knows, for tests that compare; the toolkit never reads it."""
 
 from __future__ import annotations
 
@@ -20,10 +20,12 @@ WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
 def write_truth(tape: Tape, folder: Path) -> None:
-    """``<log>.json``: parameters, offsets, times of contact; ``<log>.parquet``: the contact at every wrench sample and
-    frame, on the host clock.
+    """Write the truth of one log into a folder.
+
+    ``<log>.json`` holds parameters, offsets and times of contact; ``<log>.parquet`` holds the contact at every wrench
+    sample and frame, on the host clock.
     """
-    played_log: PlayedLog = tape.truth["performance"]
+    played_log: PlayedLog = tape.truth["played_log"]
     scenario = tape.scenario
     write_json_atomic(
         folder / f"{tape.name}.json",
@@ -43,11 +45,13 @@ def write_truth(tape: Tape, folder: Path) -> None:
 
 
 def _sensor(tape: Tape, serial: str) -> dict[str, Any]:
+    """Return gel and optics of one sensor, those that were drawn included."""
     setup = tape.scenario.sensors[serial]
     return {"gel": asdict(setup.gel), "optics": asdict(Optics.of_unit(serial, tape.scenario.seed, setup.optics))}
 
 
 def _trajectory(play: PlayedTrajectory) -> dict[str, Any]:
+    """Return times, offsets, peak force and phases of one trajectory, on the host clock."""
     seconds = np.arange(0.0, play.path.duration, 1e-4)
     host = play.start_ns + np.rint(seconds * 1e9).astype(np.int64)
     touching = np.flatnonzero(play.true_positions(host)[:, 2] > 0)
@@ -71,7 +75,7 @@ def _trajectory(play: PlayedTrajectory) -> dict[str, Any]:
 
 
 def _contacts(tape: Tape, played_log: PlayedLog) -> pa.Table:
-    """Rows in time: stream, host_ns, stamp_ns, trajectory, contact wrench on the indenter in the gel frame, depth."""
+    """Return the table of contacts: stream, times, trajectory, depth and wrench on the indenter in the gel frame."""
     samples = tape.signals["wrench"]
     frames = np.array([shot.host_ns for shot in tape.shots], dtype=np.int64)
     stamps = np.array([shot.stamp_ns for shot in tape.shots], dtype=np.int64)

@@ -1,4 +1,4 @@
-"""A recording as a folder log: tables, pictures and a description that people can open."""
+"""Writing of a recording as a folder log: tables, pictures and a description that people can open."""
 
 from __future__ import annotations
 
@@ -21,23 +21,25 @@ FILES = {"wrench": "wrench.csv", "tcp": "tcp.csv", "joints": "joints.csv"}
 
 
 def write_folder(tape: Tape, path: Path, progress: Callable[[int], None]) -> None:
-    """The tape as the folder ``path``, whole or not at all; a folder that is there is replaced.
+    """Write a tape as a folder, whole or not at all; an existing folder is replaced.
 
     Parameters
     ----------
     tape : Tape
+        The recording.
     path : Path
+        The folder.
     progress : callable
         Called with the number of pictures written since the last call.
 
     Raises
     ------
     UsageError
-        The scenario asks for a log without description: a folder log is nothing without log.yaml.
+        The scenario asks for a log without description, but a folder log needs its log.yaml.
     """
     if not tape.scenario.recordings.describe:
         raise UsageError(
-            "the scenario says `describe: false`, and a folder log is nothing without its description",
+            "the scenario says `describe: false`, but a folder log needs its description",
             "the MCAP form",
             "Record with --format mcap, or drop `describe: false`.",
         )
@@ -56,6 +58,7 @@ def write_folder(tape: Tape, path: Path, progress: Callable[[int], None]) -> Non
 
 
 def _write(tape: Tape, folder: Path, progress: Callable[[int], None]) -> None:
+    """Write all files of a folder log."""
     description = yaml.safe_dump(dict(tape.description), sort_keys=False, default_flow_style=None, allow_unicode=True)
     (folder / "log.yaml").write_text(description, encoding="utf-8")
     if tape.trajectories:
@@ -73,6 +76,7 @@ def _write(tape: Tape, folder: Path, progress: Callable[[int], None]) -> None:
 
 
 def _signal(tape: Tape, path: Path, name: str, samples: Samples, purpose: int) -> None:
+    """Write one stream of numbers as a CSV table, some rows out of order where the scenario asks for it."""
     table = pd.DataFrame(samples.values, columns=list(SIGNAL_COLUMNS[name]))
     table.insert(0, "t_ns", samples.stamp_ns)
     order = list(tape.disordered(range(len(table)), purpose=20 + purpose))
@@ -80,6 +84,7 @@ def _signal(tape: Tape, path: Path, name: str, samples: Samples, purpose: int) -
 
 
 def _table(path: Path, table: pd.DataFrame) -> None:
+    """Write a table as CSV."""
     # repr-like digits: what is read back is what was written, bit for bit
     buffer = io.StringIO()
     table.to_csv(buffer, index=False, lineterminator="\n", na_rep="nan")
@@ -87,6 +92,7 @@ def _table(path: Path, table: pd.DataFrame) -> None:
 
 
 def _pictures(tape: Tape, folder: Path, progress: Callable[[int], None]) -> None:
+    """Write the pictures and their table; a lost picture keeps its row without a file."""
     setup = tape.scenario.images
     (folder / "frames").mkdir()
     rows = []

@@ -1,4 +1,4 @@
-"""A recording as a ROS 2 MCAP, as a recorder on the rig would have written it."""
+"""Writing of a recording as a ROS 2 MCAP, as a recorder on the rig would have written it."""
 
 from __future__ import annotations
 
@@ -19,19 +19,21 @@ from tactiledata.rig.logs.imperfections import arrival_times
 from tactiledata.rig.logs.tape import Shot, Tape
 
 Message = tuple[int, int, int, Callable[[], bytes]]
-"""Log time, stream number, sequence, and the bytes when they are needed."""
+"""Log time in ns, stream number, sequence number, and a function that gives the bytes."""
 OTHER_ORDER = {"rgb8": "bgr8", "bgr8": "rgb8"}
 PROFILE = "ros2"
 LIBRARY = "tactiledata rig"
 
 
 def write_mcap(tape: Tape, path: Path, progress: Callable[[int], None]) -> None:
-    """The tape as the file ``path``, whole or not at all.
+    """Write a tape as an MCAP file, whole or not at all.
 
     Parameters
     ----------
     tape : Tape
+        The recording.
     path : Path
+        The file.
     progress : callable
         Called with the number of pictures written since the last call.
     """
@@ -46,6 +48,7 @@ def write_mcap(tape: Tape, path: Path, progress: Callable[[int], None]) -> None:
 
 
 def _write(tape: Tape, stream: Any, progress: Callable[[int], None]) -> None:
+    """Write description, streams and pictures into an open file, in the order of arrival."""
     setup = tape.scenario.recordings
     writer = Writer(
         stream,
@@ -57,11 +60,13 @@ def _write(tape: Tape, stream: Any, progress: Callable[[int], None]) -> None:
     if setup.describe:
         # first, so that a file that is cut still says what it is
         _describe(tape, writer)
+    # a channel for each stream of numbers and each camera
     channels: list[int] = []
     schemas: dict[str, int] = {}
     streams: list[Iterator[Message]] = []
 
     def add_channel(topic: str, kind: str) -> int:
+        """Return the number of a new channel for messages of a kind."""
         if kind not in schemas:
             schemas[kind] = writer.register_schema(kind, "ros2msg", ros2_messages.definition(kind))
         channels.append(writer.register_channel(topic, "cdr", schemas[kind]))
@@ -79,6 +84,7 @@ def _write(tape: Tape, stream: Any, progress: Callable[[int], None]) -> None:
 
 
 def _signal_messages(tape: Tape, name: str, number: int) -> Iterator[Message]:
+    """Yield the messages of a stream of numbers in the order of arrival."""
     samples = tape.signals[name]
     arrivals = arrival_times(samples.host_ns, tape.clock(name), tape.rng(10 + number))
     message = ros2_messages.serialise(name, samples.stamp_ns, samples.values)
@@ -87,12 +93,14 @@ def _signal_messages(tape: Tape, name: str, number: int) -> Iterator[Message]:
 
 
 def _image_channel(tape: Tape, serial: str) -> tuple[str, str]:
+    """Return topic and message type of a camera."""
     if tape.scenario.images.encoding == "raw":
         return f"/digit/{serial}/image_raw", "sensor_msgs/msg/Image"
     return f"/digit/{serial}/image_raw/compressed", "sensor_msgs/msg/CompressedImage"
 
 
 def _image_messages(tape: Tape, serial: str, number: int, progress: Callable[[int], None]) -> Iterator[Message]:
+    """Yield the messages of a camera in the order of arrival, without lost images."""
     import numpy as np
 
     shots = [shot for shot in tape.shots if shot.sensor == serial and not shot.dropped]
@@ -103,6 +111,7 @@ def _image_messages(tape: Tape, serial: str, number: int, progress: Callable[[in
 
 
 def _image_message(tape: Tape, shot: Shot, progress: Callable[[int], None]) -> bytes:
+    """Return the bytes of an image message, drawn and encoded now."""
     setup = tape.scenario.images
     picture = turned(shot.picture(), setup)
     frame = f"digit_{shot.sensor}"
@@ -110,13 +119,13 @@ def _image_message(tape: Tape, shot: Shot, progress: Callable[[int], None]) -> b
     if setup.encoding != "raw":
         payload = encoded(picture, setup.encoding, setup.quality)
         return ros2_messages.compressed_image(shot.stamp_ns, frame, setup.encoding, payload)
-    said = OTHER_ORDER[setup.channels] if setup.mislabelled else setup.channels
+    stated = OTHER_ORDER[setup.channels] if setup.mislabelled else setup.channels
     height, width = picture.shape[:2]
-    return ros2_messages.raw_image(shot.stamp_ns, frame, said, height, width, raw_bytes(picture, setup.channels))
+    return ros2_messages.raw_image(shot.stamp_ns, frame, stated, height, width, raw_bytes(picture, setup.channels))
 
 
 def _describe(tape: Tape, writer: Writer) -> None:
-    """The description as a metadata record; backgrounds and meshes as attachments, named as the description does."""
+    """Write the description as a metadata record, and backgrounds and meshes as attachments of the names in it."""
     start = tape.scenario.start_ns
     for name, background in tape.backgrounds.items():
         writer.add_attachment(start, start, name, "image/png", encoded(background, "png", 0))

@@ -1,20 +1,36 @@
-"""What the arm is told to do: one touch and its steps, or the ranges from which touches are drawn."""
+"""Commands to the arm: one touch and its steps, or the ranges from which touches are drawn."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 Range = tuple[float, float]
+"""Least and largest value of a range from which values are drawn."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One part of a touch.
+    """One part of a touch, of a kind that decides which of the other fields count.
 
-    ``press`` to ``depth``, ``shear`` by ``by``, ``reverse`` (the last shear backwards): in steps of ``step`` at mean
-    ``speed``, each followed by ``settle`` seconds and a capture. ``dwell``: ``time`` seconds with ``captures``
-    pictures. ``turn``: in free air, well above the gel, to the rotation vector ``to`` at ``speed`` (rad/s), then
-    ``settle`` seconds and a capture. ``retreat``: out of the gel, and back to the touch's own orientation.
+    Parameters
+    ----------
+    kind : str
+        ``press`` to ``depth``, ``shear`` by ``by`` or ``reverse`` (the last shear backwards), all in small steps;
+        ``dwell`` at rest; ``turn`` well above the gel; ``retreat`` out of the gel and back to the touch's orientation.
+    depth : metres
+        Depth below the undeformed surface that a press goes to.
+    by : (2,), metres
+        Move along gel x and y in a shear.
+    step : metres
+        Length of a small step.
+    speed : m/s, of a turn rad/s
+        Mean speed of a step.
+    settle : s
+        Time of rest after each step, at whose end pictures are taken.
+    time, captures : s and int
+        Duration of a dwell, and the number of pictures in it.
+    to : (3,), rad
+        Rotation vector, gel axes, that a turn goes to.
     """
 
     kind: str
@@ -29,11 +45,27 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Touch:
-    """One trajectory: which indenter touches which sensor where, at which angle, and the steps.
+class TouchPlan:
+    """The plan of one trajectory: which indenter touches which sensor, where, at which angle, in which steps.
 
-    ``position``: m, gel frame, of the indenter's tip at first touch; ``tilt`` about gel x and y and ``yaw`` about gel
-    z: rad, of the indenter relative to head-on. ``group`` names the touch that several sensors share.
+    Parameters
+    ----------
+    name : str
+        Name of the trajectory.
+    sensor, indenter : str
+        Names in the scenario.
+    steps : tuple of Step
+        What the arm does, in order.
+    position : (2,), metres
+        Place of the indenter's tip at first touch, gel frame.
+    tilt : (2,), rad
+        Rotation of the indenter about gel x and y, relative to head-on.
+    yaw : rad
+        Rotation of the indenter about gel z.
+    force_limit : N
+        Largest force that a press may reach.
+    group : str
+        Name of the touch where several sensors share it; empty for none.
     """
 
     name: str
@@ -49,10 +81,20 @@ class Touch:
 
 @dataclass(frozen=True)
 class Generate:
-    """Touches drawn at random; ranges as [least, most]. ``speeds``: m/s, drawn from instead of the range.
+    """The ranges from which touches are drawn at random; units and meaning in ``schemas/scenario.json``.
 
-    ``paired``: every touch is made on every sensor; a number: the first so many are, with ``paired_indenters`` and on
-    ``paired_sensors`` where those are given.
+    Parameters
+    ----------
+    count : int
+        Number of draws.
+    paired : bool or int
+        Whether every touch is made on every sensor; a number: the first ``paired`` touches are.
+    paired_indenters, paired_sensors : tuple of str
+        Indenters and sensors of paired touches; empty for all of ``indenters`` and ``sensors``.
+    sensors, indenters : tuple of str
+        Those that take part; empty for all of the scenario.
+    speeds : tuple of float, m/s
+        Values that are drawn from instead of the range ``speed``.
     """
 
     count: int

@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike
 from tactiledata.arrays import RealArray
 from tactiledata.errors import UsageError
 
+# Denavit-Hartenberg parameters of the six joints: lengths in metres, twists in radians
 DH_A = (0.0, -0.425, -0.3922, 0.0, 0.0, 0.0)
 DH_D = (0.1625, 0.0, 0.0, 0.1333, 0.0997, 0.0996)
 DH_ALPHA = (np.pi / 2, 0.0, 0.0, np.pi / 2, -np.pi / 2, 0.0)
 HOME = (-1.2, -1.6, -1.9, -1.2, 1.57, 0.3)
-"""rad: elbow up, tool down, in front of the arm."""
+"""Joint angles, rad, near which solutions are sought: elbow up, tool down, in front of the arm."""
 JOINT_NAMES = (
     "shoulder_pan_joint",
     "shoulder_lift_joint",
@@ -30,7 +31,7 @@ JOINT_NAMES = (
 
 
 def _link(joint: int, angle: RealArray) -> RealArray:
-    """Pose (n, 4, 4) of frame ``joint + 1`` in frame ``joint``, by the Denavit-Hartenberg rule."""
+    """Return the poses (n, 4, 4) of frame ``joint + 1`` in frame ``joint``, by the Denavit-Hartenberg rule."""
     cos, sin = np.cos(angle), np.sin(angle)
     cos_twist, sin_twist = np.cos(DH_ALPHA[joint]), np.sin(DH_ALPHA[joint])
     link = np.zeros((len(angle), 4, 4))
@@ -42,7 +43,7 @@ def _link(joint: int, angle: RealArray) -> RealArray:
 
 
 def forward(joints: ArrayLike) -> RealArray:
-    """Poses ``base_from_flange`` (n, 4, 4), metres, of joint angles (n, 6), rad."""
+    """Return the poses ``base_from_flange`` (n, 4, 4), metres, of joint angles (n, 6), rad."""
     angles = np.asarray(joints, dtype=float).reshape(-1, 6)
     pose = _link(0, angles[:, 0])
     for joint in range(1, 6):
@@ -51,8 +52,9 @@ def forward(joints: ArrayLike) -> RealArray:
 
 
 def jacobian(joints: ArrayLike, points: ArrayLike) -> RealArray:
-    """Geometric Jacobians (n, 6, 6) of points (n, 3), m, that move with the flange: velocity, then angular velocity,
-    in the base frame, per joint rate.
+    """Return the geometric Jacobians (n, 6, 6) of points (n, 3), m, that move with the flange.
+
+    Rows are velocity, m/s, then angular velocity, rad/s, in the base frame; columns are joint rates, rad/s.
     """
     angles = np.asarray(joints, dtype=float).reshape(-1, 6)
     at = np.asarray(points, dtype=float).reshape(-1, 3)
@@ -66,7 +68,7 @@ def jacobian(joints: ArrayLike, points: ArrayLike) -> RealArray:
 
 
 def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> RealArray:
-    """Joint angles (n, 6), rad, that reach the poses (n, 4, 4), of the solution nearest to ``near``.
+    """Return the joint angles (n, 6), rad, that reach the poses (n, 4, 4), of the solution nearest to ``near``.
 
     One configuration (shoulder, wrist, elbow) serves the whole path, so that joints do not jump between solutions.
 
@@ -77,10 +79,11 @@ def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> RealArray:
     """
     poses = np.asarray(base_from_flange, dtype=float).reshape(-1, 4, 4)
     home = np.asarray(near, dtype=float)
-    ways = list(itertools.product((1.0, -1.0), repeat=3))
-    starts = np.concatenate([_solution(poses[:1], *way) for way in ways])
+    # the first pose decides the configuration
+    configurations = list(itertools.product((1.0, -1.0), repeat=3))
+    starts = np.concatenate([_solution(poses[:1], *signs) for signs in configurations])
     distances = np.abs(_nearest_turn(starts, home) - home).sum(axis=1)
-    joints = _solution(poses, *ways[int(np.argmin(np.where(np.isfinite(distances), distances, np.inf)))])
+    joints = _solution(poses, *configurations[int(np.argmin(np.where(np.isfinite(distances), distances, np.inf)))])
     if not np.isfinite(joints).all():
         place = poses[int(np.argmin(np.isfinite(joints).all(axis=1))), :3, 3]
         raise UsageError(
@@ -93,12 +96,12 @@ def inverse(base_from_flange: ArrayLike, near: ArrayLike = HOME) -> RealArray:
 
 
 def _nearest_turn(joints: RealArray, home: RealArray) -> RealArray:
-    """The same angles within half a turn of ``home``."""
+    """Return the angles (n, 6), rad, moved by full turns to within half a turn of ``home``."""
     return home + np.mod(joints - home + np.pi, 2 * np.pi) - np.pi
 
 
 def _rigid_inverse(poses: RealArray) -> RealArray:
-    """Inverses (n, 4, 4) of rigid transforms."""
+    """Return the inverses (n, 4, 4) of rigid transforms (n, 4, 4)."""
     inverse = np.zeros_like(poses)
     inverse[:, :3, :3] = np.swapaxes(poses[:, :3, :3], 1, 2)
     inverse[:, :3, 3] = -np.einsum("nij,nj->ni", inverse[:, :3, :3], poses[:, :3, 3])
@@ -107,12 +110,13 @@ def _rigid_inverse(poses: RealArray) -> RealArray:
 
 
 def _solution(poses: RealArray, shoulder: float, wrist: float, elbow: float) -> RealArray:
-    """One of the eight closed-form solutions (n, 6); NaN where a pose is out of reach."""
+    """Return one of the eight closed-form solutions (n, 6), rad; NaN where a pose is out of reach."""
     with np.errstate(invalid="ignore"):
         return _angles(poses, shoulder, wrist, elbow)
 
 
 def _angles(poses: RealArray, shoulder: float, wrist: float, elbow: float) -> RealArray:
+    """Return the joint angles (n, 6), rad, of poses (n, 4, 4) with given signs of shoulder, wrist and elbow."""
     rotation, position = poses[:, :3, :3], poses[:, :3, 3]
     # joint 1 from the wrist centre, which lies d4 beside the plane of the arm
     centre = position - DH_D[5] * rotation[:, :, 2]

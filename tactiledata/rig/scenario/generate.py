@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactiledata.rig.motion.touch import Generate, Step, Touch
+from tactiledata.rig.motion.touch import Generate, Step, TouchPlan
 from tactiledata.rig.scenario.scenario import Scenario
 
 STREAM = 1
-"""Number of this part's random stream beside the seed: each part draws from its own, so that none disturbs another."""
+"""Number of the random stream of generated touches: each part of the rig has its own, so that none disturbs another."""
 
 
-def touches(scenario: Scenario) -> tuple[Touch, ...]:
-    """All touches of a scenario: the explicit ones, then the generated ones in order of their names.
+def touches(scenario: Scenario) -> tuple[TouchPlan, ...]:
+    """Return all touches of a scenario: the explicit ones, then the generated ones in order of their names.
 
-    Touch *k* is drawn from (seed, k) alone: a larger ``count`` leaves the first ones as they were.
+    Touch *k* is drawn from (seed, k) alone, so that a larger ``count`` does not change the first touches.
     """
     plan = scenario.generate
     if plan is None:
@@ -24,7 +24,7 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
     sensors = plan.sensors or tuple(scenario.sensors)
     indenters = plan.indenters or tuple(scenario.indenters)
     paired = (plan.count if plan.paired else 0) if isinstance(plan.paired, bool) else plan.paired
-    drawn: list[Touch] = []
+    drawn: list[TouchPlan] = []
     for index in range(plan.count):
         rng = np.random.default_rng([scenario.seed, STREAM, index])
         # sensors change fastest; the shift by rounds lets every sensor meet every indenter, also when counts share
@@ -41,13 +41,16 @@ def touches(scenario: Scenario) -> tuple[Touch, ...]:
     return scenario.trajectories + tuple(drawn)
 
 
-def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, indenter: str) -> Touch:
+def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, indenter: str) -> TouchPlan:
+    """Return one touch, drawn from the ranges of a plan."""
+    # the press, and the rest after it
     speed = float(rng.choice(plan.speeds)) if plan.speeds else _log_uniform(rng, plan.speed)
     settle = _log_uniform(rng, plan.settle)
     depth = round(_log_uniform(rng, plan.depth) / plan.step) * plan.step
     steps = [Step("press", depth=max(depth, plan.step), step=plan.step, speed=speed, settle=settle)]
     if plan.dwell[1] > 0:
         steps.append(Step("dwell", time=_log_uniform(rng, plan.dwell)))
+    # a share of the touches is sheared, and a share of those is sheared back
     if rng.random() < plan.shear_share:
         length = _log_uniform(rng, plan.shear) * rng.choice([-1.0, 1.0])
         by = (length, 0.0) if rng.random() < 0.5 else (0.0, length)
@@ -55,9 +58,10 @@ def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, inde
         if rng.random() < plan.reverse_share:
             steps.append(Step("reverse", step=plan.shear_step, speed=speed, settle=settle))
     steps.append(Step("retreat", speed=2 * speed))
+    # angle and place
     tilt = rng.uniform(*plan.tilt)
     direction = rng.uniform(0.0, 2 * np.pi)
-    return Touch(
+    return TouchPlan(
         name=name,
         sensor=sensor,
         indenter=indenter,
@@ -74,7 +78,7 @@ def _draw(plan: Generate, rng: np.random.Generator, name: str, sensor: str, inde
 
 
 def _log_uniform(rng: np.random.Generator, bounds: tuple[float, float]) -> float:
-    """A value that is uniform in its logarithm; uniform where the range begins at 0."""
+    """Return a value within bounds whose logarithm is uniform; a uniform value where the range begins at 0."""
     least, most = bounds
     if least <= 0:
         return float(rng.uniform(least, most))

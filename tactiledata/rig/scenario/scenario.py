@@ -1,4 +1,4 @@
-"""What a recorded world consists of: a scenario file (``schemas/scenario.json``) as frozen records with defaults."""
+"""The content of a scenario file (``schemas/scenario.json``), as frozen records with defaults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tactiledata.contract.schema import check_document, read_document
 from tactiledata.errors import SchemaError
 from tactiledata.rig.hidden.effects import hidden_effect, is_null
 from tactiledata.rig.motion.motion import TURNING_SPEED
-from tactiledata.rig.motion.touch import Generate, Step, Touch
+from tactiledata.rig.motion.touch import Generate, Step, TouchPlan
 from tactiledata.transforms import Transform
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Material:
-    """The gel's material: Young's modulus Pa, Poisson's ratio, Coulomb friction. Known to the rig only."""
+    """The gel's material: Young's modulus in Pa, Poisson's ratio, Coulomb friction. Known to the rig only."""
 
     youngs_modulus: float = 0.9e6
     poisson_ratio: float = 0.48
@@ -29,7 +29,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Gel:
-    """A flat pad bonded to a rigid base: short and long side, thickness, metres."""
+    """A flat pad bonded to a rigid base: its short and long side and its thickness, metres."""
 
     outline: tuple[float, float] = (0.0184, 0.0250)
     thickness: float = 0.0041
@@ -37,7 +37,21 @@ class Gel:
 
 @dataclass(frozen=True)
 class SensorSetup:
-    """One unit: serial, background (a name or a path), hardness printed on the pad, gel, stated optics."""
+    """One sensor unit of a scenario.
+
+    Parameters
+    ----------
+    serial : str
+        Name of the unit.
+    background : str
+        Name of a bundled background, or path of a picture without contact.
+    shore_00 : float, optional
+        Shore 00 hardness that is printed on the pad.
+    gel : Gel
+        Its pad.
+    optics : dict
+        Optics that the scenario states; the rest is drawn.
+    """
 
     serial: str
     background: str
@@ -48,7 +62,7 @@ class SensorSetup:
 
 @dataclass(frozen=True)
 class Robot:
-    """Mounting of sensor and force sensor on the arm, and the tool's weight (kg) and centre of gravity (tcp, m)."""
+    """The mounting of sensor and force sensor on the arm, and the tool's mass (kg) and centre of gravity (tcp, m)."""
 
     tcp_from_gel: Transform = field(
         default_factory=lambda: Transform.from_parts(
@@ -67,7 +81,7 @@ class Robot:
 
 @dataclass(frozen=True)
 class Imperfections:
-    """What a real rig adds; units and meaning in ``schemas/scenario.json``."""
+    """The errors of a real rig: noise, bias, drift and losses; units and meaning in ``schemas/scenario.json``."""
 
     pose_repeatability: float = 3e-5
     remount: float = 0.0
@@ -87,7 +101,7 @@ class Imperfections:
 
 @dataclass(frozen=True)
 class Streams:
-    """Rates in Hz; 0 leaves the stream out (``wrench_effective`` 0: every sample is new)."""
+    """Rates of the streams in Hz; 0 leaves a stream out (``wrench_effective`` 0: every sample is new)."""
 
     joints: float = 500.0
     tcp: float = 125.0
@@ -98,7 +112,7 @@ class Streams:
 
 @dataclass(frozen=True)
 class Images:
-    """When pictures are taken and how they are encoded."""
+    """The rules by which pictures are taken and encoded; meaning in ``schemas/scenario.json``."""
 
     capture: str = "step"
     rate: float = 30.0
@@ -113,7 +127,7 @@ class Images:
 
 @dataclass(frozen=True)
 class ClockSetup:
-    """A stream's clock: host = stream + offset; jitter of the sampling moments and mean latency in seconds."""
+    """The clock of a stream: host = stream + offset; jitter of the sampling moments and mean latency in seconds."""
 
     offset_ns: int = 0
     known: bool = False
@@ -123,7 +137,7 @@ class ClockSetup:
 
 @dataclass(frozen=True)
 class Recordings:
-    """How trajectories are grouped into logs, and what the logs say of themselves."""
+    """The rules by which trajectories are grouped into logs, and what the logs state about themselves."""
 
     group: str = "sensor"
     trajectories_per_log: int = 1000
@@ -140,7 +154,7 @@ class Recordings:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A world to record, checked; ``folder`` is where the paths in it begin."""
+    """A world to record, checked against the schema; paths in it are relative to ``folder``."""
 
     sensors: Mapping[str, SensorSetup]
     indenters: Mapping[str, Mapping[str, Any]]
@@ -156,29 +170,30 @@ class Scenario:
     images: Images = Images()
     clocks: Mapping[str, ClockSetup] = field(default_factory=dict)
     recordings: Recordings = Recordings()
-    trajectories: tuple[Touch, ...] = ()
+    trajectories: tuple[TouchPlan, ...] = ()
     generate: Generate | None = None
     folder: Path = Path()
     hidden: tuple[HiddenEffect, ...] = ()
 
     def clock(self, stream: str) -> ClockSetup:
-        """The clock of ``wrench``, ``tcp``, ``joints`` or ``frames``; the host's own where not stated."""
+        """Return the clock of ``wrench``, ``tcp``, ``joints`` or ``frames``; the host's own where none is stated."""
         return self.clocks.get(stream, ClockSetup())
 
 
 def load_scenario(source: Path | str | Mapping[str, Any], folder: Path | None = None) -> Scenario:
-    """A scenario from a YAML or JSON file, or from its parsed document.
+    """Return the scenario of a YAML or JSON file, or of its parsed document.
 
     Parameters
     ----------
     source : path or dict
+        The file, or the document that was read from it.
     folder : Path, optional
-        Where relative paths in a parsed document begin; the file's own folder for a path.
+        Folder to which paths in the scenario are relative; the file's own folder where it is not given.
 
     Raises
     ------
     SchemaError
-        The document does not fit; with the path inside it.
+        The document does not fit its schema, or names and ranges in it contradict one another.
     """
     if isinstance(source, Mapping):
         document, where, base = source, "the scenario", folder or Path()
@@ -192,6 +207,7 @@ def load_scenario(source: Path | str | Mapping[str, Any], folder: Path | None = 
 
 
 def _scenario(document: Mapping[str, Any], folder: Path) -> Scenario:
+    """Return the scenario of a document that fits the schema, without its hidden effects."""
     plain = {key: document[key] for key in ("title", "seed", "start_ns", "contact", "contact_pitch") if key in document}
     sections = {
         name: _record(kind, document[name])
@@ -218,27 +234,29 @@ def _scenario(document: Mapping[str, Any], folder: Path) -> Scenario:
 
 
 def _hidden(document: Mapping[str, Any], where: str) -> tuple[HiddenEffect, ...]:
-    """Effects that only the rig knows; those without strength are as if not there."""
+    """Return the hidden effects of a document without those of no strength; refuse an effect that is given twice."""
     entries = document.get("hidden", [])
     names = [entry["effect"] for entry in entries]
     for index, name in enumerate(names):
         if name in names[:index]:
             raise _fault(where, f"$.hidden[{index}].effect", f"the effect {name!r} is given twice", "each effect once")
-    made = [hidden_effect(entry, f"$.hidden[{index}]", where) for index, entry in enumerate(entries)]
-    return tuple(effect for effect in made if not is_null(effect))
+    effects = [hidden_effect(entry, f"$.hidden[{index}]", where) for index, entry in enumerate(entries)]
+    return tuple(effect for effect in effects if not is_null(effect))
 
 
 def _record(kind: type, entry: Mapping[str, Any]) -> Any:
-    """A record from a checked section; lists become tuples."""
+    """Return a record of a class from a checked section of the document; lists become tuples."""
     return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()})
 
 
 def _sensor(serial: str, entry: Mapping[str, Any]) -> SensorSetup:
+    """Return the sensor unit of one entry of ``sensors``."""
     gel = _record(Gel, entry.get("gel", {}))
     return SensorSetup(serial, entry["background"], entry.get("shore_00"), gel, entry.get("optics", {}))
 
 
 def _robot(entry: Mapping[str, Any]) -> Robot:
+    """Return the robot of the section ``robot``; poses that it does not state keep their defaults."""
     chosen: dict[str, Any] = {}
     for item in fields(Robot):
         if item.name not in entry:
@@ -251,19 +269,21 @@ def _robot(entry: Mapping[str, Any]) -> Robot:
     return Robot(**chosen)
 
 
-def _touch(entry: Mapping[str, Any]) -> Touch:
+def _touch(entry: Mapping[str, Any]) -> TouchPlan:
+    """Return the touch of one entry of ``trajectories``."""
     steps = []
     for item in entry["steps"]:
         ((kind, options),) = item.items()
         defaults = {"speed": TURNING_SPEED} if kind == "turn" else {}
         steps.append(_record(Step, {"kind": kind, **defaults, **options}))
-    return _record(Touch, {**entry, "steps": steps})
+    return _record(TouchPlan, {**entry, "steps": steps})
 
 
 def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
-    """What a schema cannot say: names that refer to one another, ranges in order, something to play."""
+    """Refuse what a schema cannot exclude: unknown names, ranges upside down, nothing to play, streams at 0 Hz."""
     if not scenario.trajectories and scenario.generate is None:
         raise _fault(where, "$", "neither `trajectories` nor `generate` is given", "something to play")
+    # explicit touches: names, sensors, indenters and places
     names: set[str] = set()
     for index, touch in enumerate(scenario.trajectories):
         path = f"$.trajectories[{index}]"
@@ -273,6 +293,7 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
             raise _fault(where, f"{path}.name", f"the name {touch.name!r} is given twice", "a name of its own")
         names.add(touch.name)
         _on_pad(touch.position, scenario.sensors[touch.sensor].gel, f"{path}.position", where)
+    # generated touches: names, places and ranges
     if scenario.generate is not None:
         kinds: tuple[tuple[str, Mapping[str, Any]], ...] = (
             ("sensors", scenario.sensors),
@@ -287,6 +308,7 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
         for key, value in document["generate"].items():
             if key in ("depth", "settle", "speed", "dwell", "tilt", "shear") and value[0] > value[1]:
                 raise _fault(where, f"$.generate.{key}", f"the range {list(value)} is upside down", "[least, most]")
+    # rates
     if scenario.images.capture != "step" and scenario.images.rate <= 0:
         raise _fault(where, "$.images.rate", "a video at 0 Hz", "a rate above 0")
     for name in ("tcp", "wrench"):
@@ -295,6 +317,7 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
 
 
 def _on_pad(position: tuple[float, float], gel: Gel, path: str, where: str) -> None:
+    """Refuse a position (2,), m, off the pad."""
     if any(abs(place) > side / 2 for place, side in zip(position, gel.outline, strict=True)):
         half = [side / 2 for side in gel.outline]
         raise _fault(
@@ -303,9 +326,11 @@ def _on_pad(position: tuple[float, float], gel: Gel, path: str, where: str) -> N
 
 
 def _known(name: str, table: Mapping[str, Any], path: str, where: str) -> None:
+    """Refuse a name that a table of the scenario does not describe."""
     if name not in table:
         raise _fault(where, path, f"{name!r} is not described", f"one of: {', '.join(table)}")
 
 
 def _fault(where: str, path: str, found: str, expected: str) -> SchemaError:
+    """Return the error for a fault at a path inside a scenario file."""
     return SchemaError(f"{where}, at {path}: {found}", expected, "Mend the scenario file.", path=path, file=where)

@@ -1,4 +1,4 @@
-"""Scenarios that come with the toolkit, by name."""
+"""The scenarios that come with the toolkit, found by name."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from tactiledata.errors import UnknownName
 
 
 def bundled_worlds() -> list[str]:
-    """Names of the bundled scenarios."""
+    """Return the names of the bundled scenarios, sorted."""
     folder = shipped_folder("recipes") / "worlds"
     return sorted(entry.name.removesuffix(".yaml") for entry in folder.iterdir() if entry.name.endswith(".yaml"))
 
 
 def find_scenario(name: str | Path) -> dict[str, Any] | Path:
-    """What `load_scenario` takes: a scenario's file, or the document of a bundled one.
+    """Return what `load_scenario` takes: the path of a scenario's file, or the document of a bundled scenario.
 
     Raises
     ------
     UnknownName
-        Neither a file nor a bundled scenario.
+        The name is neither a file nor a bundled scenario.
     """
     path = Path(name)
     if path.is_file():

@@ -26,7 +26,7 @@ def on_rig(trial, bench, hidden, seed):
     """The trial's touches with what the rig's gel does in them, arm's repeatability included, and noise."""
     document = {**trial_scenario(trial, bench), "hidden": [hidden], "material": TRUTH, "seed": seed}
     scenario = load_scenario(document)
-    performance = RigSetup(scenario).perform(scenario.trajectories, 0, 0)
+    performance = RigSetup(scenario).play(scenario.trajectories, 0, 0)
     chance = np.random.default_rng(seed)
     cases = []
     for case, play in zip(trial_cases(trial, bench).touches, performance.plays, strict=True):

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.rig.contact.closed_form import contact_law, press_along, punch_stiffness, sphere_force, stick_slip
-from tactiledata.rig.contact.footprint import PITCH, GelGrid, footprint
+from tactiledata.rig.contact.footprint import PITCH, GelGrid, make_footprint
 from tactiledata.rig.motion.motion import gel_from_indenter_rotation
-from tactiledata.rig.motion.touch import Touch
+from tactiledata.rig.motion.touch import TouchPlan
 from tactiledata.rig.scenario.scenario import Gel, Material
 
 GEL = Gel()
@@ -20,8 +20,8 @@ REDUCED = MATERIAL.youngs_modulus / (1 - MATERIAL.poisson_ratio**2)
 
 def law_of(entry, tilt=(0.0, 0.0), yaw=0.0, position=(0.0, 0.0), thickness=GEL.thickness):
     indenter = make_indenter(entry, None, "test")
-    rotation = gel_from_indenter_rotation(Touch("t", "s", "i", (), tilt=tilt, yaw=yaw))
-    return contact_law(indenter, footprint(indenter, rotation, position, GRID), thickness, MATERIAL)
+    rotation = gel_from_indenter_rotation(TouchPlan("t", "s", "i", (), tilt=tilt, yaw=yaw))
+    return contact_law(indenter, make_footprint(indenter, rotation, position, GRID), thickness, MATERIAL)
 
 
 def test_a_ball_on_a_thick_layer_is_hertz():
@@ -77,7 +77,7 @@ def test_a_symmetric_touch_is_balanced(shape):
 
 def test_a_tilted_face_touches_on_its_low_side():
     """Turned about gel y, one side of a face comes down, and the centre of pressure moves there."""
-    rotation = gel_from_indenter_rotation(Touch("t", "s", "i", (), tilt=(0.0, 0.1)))
+    rotation = gel_from_indenter_rotation(TouchPlan("t", "s", "i", (), tilt=(0.0, 0.1)))
     side = np.sign((rotation @ [1.0, 0.0, 0.0])[2])
     law = law_of({"shape": "box"}, tilt=(0.0, 0.1))
     assert law.centre[50, 0] * -side > 1e-3
@@ -87,8 +87,8 @@ def test_a_tilted_face_touches_on_its_low_side():
 def test_tracing_agrees_with_the_closed_form_of_a_ball():
     """A turned ball is a ball: the traced heights equal the sphere's own, shifted, to a few micrometres."""
     ball = make_indenter({"shape": "sphere", "radius": 0.004}, None, "test")
-    rotation = gel_from_indenter_rotation(Touch("t", "s", "i", (), tilt=(0.2, 0.1)))
-    traced = footprint(ball, rotation, (0.0, 0.0), GRID)
+    rotation = gel_from_indenter_rotation(TouchPlan("t", "s", "i", (), tilt=(0.2, 0.1)))
+    traced = make_footprint(ball, rotation, (0.0, 0.0), GRID)
     centre = rotation @ [0.0, 0.0, 0.004]
     x, y = np.meshgrid(GRID.x - centre[0], GRID.y - centre[1])
     exact = 0.004 - np.sqrt(np.maximum(0.004**2 - x**2 - y**2, 0.0))

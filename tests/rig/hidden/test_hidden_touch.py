@@ -7,8 +7,8 @@ from hidden_worlds import PRESS, SLIDE, contact_of, played, stated, touch, world
 from tactiledata.rig.contact.closed_form import stick_slip
 from tactiledata.rig.contact.contact import CONTACT_RATE
 from tactiledata.rig.hidden.base import Slide
-from tactiledata.rig.hidden.friction import RateFriction
-from tactiledata.rig.hidden.pose import JointCompliance, followed, sensor_poses
+from tactiledata.rig.hidden.friction import HiddenRateFriction
+from tactiledata.rig.hidden.pose import HiddenJointCompliance, followed, sensor_poses
 from tactiledata.rig.hidden.slider import slide
 from tactiledata.rig.motion import ur5e
 
@@ -257,7 +257,7 @@ def test_rate_friction_grows_by_its_share_per_decade_while_sliding_only():
         np.testing.assert_array_equal(wrench[:, 2], play.contact.inner.wrench[:, 2])
         both_stick = ~slipping & ~play.contact.inner.slipping & (np.cumsum(slipping) == 0)
         np.testing.assert_allclose(wrench[both_stick], play.contact.inner.wrench[both_stick], atol=1e-9)
-    factor = RateFriction(per_decade=0.12).friction(None)
+    factor = HiddenRateFriction(per_decade=0.12).friction(None)
     assert factor(Slide(1e-3, 0.0, 0.0, 0.0)) == pytest.approx(1.0, abs=1e-6)
 
 
@@ -331,7 +331,7 @@ def test_arm_compliance_is_that_of_the_joints():
     _, _, wrench, _, play = contact_of([entry], trajectories=[touch(indenter="punch", steps=PUSHED)])
     scenario = world([entry], [touch(indenter="punch", steps=PUSHED)])
     setup, facts = play.contact.inner.setup, facts_of(play, scenario)
-    give = JointCompliance(1 / 20e3).compliance(play.path, setup, facts)
+    give = HiddenJointCompliance(1 / 20e3).compliance(play.path, setup, facts)
     deepest = play.path.positions[[int(np.argmax(play.path.positions[:, 2]))]]
     base_from_gel = sensor_poses(deepest, setup, facts)[0]
     flange_from_gel = (scenario.robot.flange_from_tcp @ scenario.robot.tcp_from_gel).matrix
@@ -345,7 +345,7 @@ def test_arm_compliance_is_that_of_the_joints():
     np.testing.assert_allclose(give, moves / stiffness @ moves.T, rtol=1e-5)
     assert 3e-6 < give[2, 2] < 3e-5
     asked = wrench[:, :3] @ give.T * [1.0, 1.0, -1.0]
-    np.testing.assert_allclose(play.contact.missed, asked, atol=2e-7)
+    np.testing.assert_allclose(play.contact.deviation, asked, atol=2e-7)
     assert wrench[:, 2].max() < 0.95 * play.contact.inner.setup.touch.force_limit
 
 
@@ -369,8 +369,8 @@ def test_backlash_is_a_play_of_the_joints():
     out = followed(there_and_back, 2e-4)
     assert np.abs(out - there_and_back).max() <= 1e-4 + 1e-12
     np.testing.assert_allclose(out[50 : 50 + 9], out[49:50].repeat(9, axis=0), atol=3e-5)
-    missed = contact_of([stated("joint_backlash", play=1e-4)])[4].contact.missed
-    assert 1e-6 < np.abs(missed).max() < 6 * 0.5e-4
+    deviation = contact_of([stated("joint_backlash", play=1e-4)])[4].contact.deviation
+    assert 1e-6 < np.abs(deviation).max() < 6 * 0.5e-4
 
 
 def test_a_slide_of_the_layer_solver_takes_hidden_effects_too():

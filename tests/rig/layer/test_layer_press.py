@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.indenters import make_indenter
 from tactiledata.rig.contact.closed_form import sphere_force
-from tactiledata.rig.layer.friction import Grip
+from tactiledata.rig.layer.friction import FrictionState
 from tactiledata.rig.layer.gap import TouchPoints, gaps, gaps_and_normals
 from tactiledata.rig.layer.grid import Column, LayerGrid
 from tactiledata.rig.layer.kernel import LayerKernel
@@ -49,12 +49,12 @@ def linear_contact(indenter, depth, thickness, grid, material):
     near = np.flatnonzero(gaps(indenter, pose, points.places) < depth)
     kernel = LayerKernel(grid, Column.of(thickness, grid.pitch), shear, lame)
     surface = Surface(points.chosen(near), kernel.displace_surface, grid.shape)
-    weighing = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
+    gel_stiffness = material.youngs_modulus / (1 - material.poisson_ratio**2) / grid.pitch
     zero, fresh = np.zeros((len(near), 3)), np.ones(len(near), bool)
-    grip = Grip(SPRINGS * weighing, weighing, 0.0, zero, points.places[near], fresh)
+    friction_state = FrictionState(SPRINGS * gel_stiffness, gel_stiffness, 0.0, zero, points.places[near], fresh)
     values, force, flat = zero, np.zeros((3, *grid.shape)), np.zeros((3, *grid.shape))
     for _ in range(8):
-        found = surface.settle(flat, values, force, grip, lambda at: gaps_and_normals(indenter, pose, at))
+        found = surface.settle(flat, values, force, friction_state, lambda at: gaps_and_normals(indenter, pose, at))
         values, force = found.tractions, found.force
     return -force[2].sum()
 

@@ -30,7 +30,7 @@ def test_the_help_of_record_lists_the_bundled_worlds(capsys, monkeypatch):
     with pytest.raises(SystemExit):
         run()
     told = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    assert f"bundled one: {', '.join(sorted(bundled_worlds()))}." in told
+    assert f"bundled scenario: {', '.join(sorted(bundled_worlds()))}." in told
 
 
 @pytest.mark.parametrize("name", ["demo", "paper", "tiny"])
