@@ -16,8 +16,8 @@ from tactiledata.diagnose.locate.locate import LocateOptions
 from tactiledata.diagnose.table_input.read import read_table
 from tactiledata.diagnose.table_input.residuals_of import Table, residuals_of
 
-DOUBT = 0.1
-"""How well the noise that a table states is taken to be known."""
+NOISE_DOUBT = 0.1
+"""Relative uncertainty of the noise that a table states."""
 
 
 def diagnose_table(
@@ -25,35 +25,52 @@ def diagnose_table(
     columns: dict[str, Any] | None = None,
     group: str | None = None,
     seed: int = 0,
-    tell: Progress = no_progress,
+    progress: Progress = no_progress,
 ) -> tuple[Table, Explanation, dict[str, Any]]:
-    """What was read, the diagnosis, and its document (schemas/diagnosis.json).
+    """Return a table as it was read, its diagnosis, and the diagnosis as a document (schemas/diagnosis.json).
 
     Parameters
     ----------
-    columns : document of schemas/columns.json, optional
+    path : Path
+        A file of predictions and observations: .csv, .tsv or .parquet.
+    columns : dict, optional
+        What the columns mean (schemas/columns.json); without it their names and units are read off the headings.
     group : str, optional
-        The column of groups.
+        Column that says which rows were recorded in one go.
+    seed : int
+        Draws folds, halves and sign flips; the same table and seed give the same document.
+    progress : Progress
+        Called with the number of finished steps, the number of all steps and the name of the step that begins.
 
     Raises
     ------
     MissingFile, UsageError
-        A file or column that is not there.
+        A file or column is not there.
     TactileDataError
-        A table that holds too little.
+        The table holds too little, or scikit-learn is not installed.
     """
     table = residuals_of(read_table(path), columns, group)
-    meant = table.columns
-    noise = NoiseModel(meant.noise_correlation, DOUBT) if table.is_noise_known else None
-    options = LocateOptions(meant.order, meant.plane, noise, seed)
-    explanation = explain(table.residuals, options, meant.time, meant.scales, tell=tell)
+    meanings = table.columns
+    noise = NoiseModel(meanings.noise_correlation, NOISE_DOUBT) if table.is_noise_known else None
+    options = LocateOptions(meanings.order, meanings.plane, noise, seed)
+    explanation = explain(table.residuals, options, meanings.time, meanings.scales, progress=progress)
     return table, explanation, table_document(table, explanation, file_digest(path), seed)
 
 
 def write_diagnosis(
     folder: Path, name: str, table: Table, explanation: Explanation, document: dict[str, Any]
 ) -> tuple[Path, Path]:
-    """``report.html`` and ``diagnosis.json`` in a folder, which is made where it is not there."""
+    """Write ``report.html`` and ``diagnosis.json`` into a folder, and return their paths.
+
+    Parameters
+    ----------
+    folder : Path
+        Is made where it does not exist.
+    name : str
+        Name of the table, for the title of the page.
+    table, explanation, document
+        As `diagnose_table` returns them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     page = explanation_page(
         f"Diagnosis of {name}", explanation, errors(table, explanation), table.notes,

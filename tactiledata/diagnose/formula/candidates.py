@@ -1,4 +1,4 @@
-"""What an open form chooses from: a carrier with a unit, times products of up to two dimensionless atoms."""
+"""Candidates of an open form: a carrier with a unit, times a product of at most two dimensionless atoms."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from tactiledata.diagnose.residuals.scores import Contributions, along, joined_r
 from tactiledata.diagnose.residuals.wording import quantity, with_interval
 
 CONSTANT = "1"
-"""The term of a carrier that is alone."""
+"""Name of the constant term, with which a carrier stands alone."""
 
 
 @dataclass(frozen=True)
 class Carrier:
-    """What a dimensionless term multiplies.
+    """A quantity that a dimensionless term multiplies.
 
     Parameters
     ----------
     name : str
-        A parameter, which then changes by a share of itself, or a component, to which something is added.
+        A parameter, which then changes by a share of itself; or a component, to which something is added.
     field : (n, k)
-        Whitened change of the simulation where the term is 1 and its coefficient 1 ``unit``.
+        Whitened change of the simulation where the term is 1 and its coefficient is 1 ``unit``.
     unit : str
-        Of the coefficient: ``"1"`` for a share.
+        Unit of the coefficient; ``"1"`` for a share.
     shifted : str
-        The covariate by whose shift it changes; empty where none is shifted.
+        The covariate whose shift makes the change; empty where none is shifted.
     definition : str
-        How the field of a shift is computed.
+        How the field of a shift is computed, in words.
     """
 
     name: str
@@ -45,18 +45,21 @@ class Carrier:
     definition: str = ""
 
     def words(self, term: str, value: float, half_width: float, since: Since | None = None) -> str:
-        """``"E (1 + 0.081 ± 0.010 × log10(speed/(1.0 mm/s)))"``, or ``"fx + 0.30 ± 0.05 N × …"``.
+        """Return the carrier with one term in words.
+
+        Examples: ``"E (1 + (0.081 ± 0.010) × log10(speed/(1.0 mm/s)))"`` and ``"fx plus (0.30 ± 0.05 N) × …"``.
 
         Parameters
         ----------
         term : str
+            Name of the term.
         value, half_width : float
             The coefficient and half of its 95 % interval, in the carrier's unit.
         since : Since, optional
-            Where the term is the time since the last step of a covariate: a component then creeps.
+            Given where the term is the time since the last step of a covariate: a component then creeps.
         """
         if self.shifted:
-            # below a contact that was found too early the prediction bends: its slope is no measure of how far
+            # a contact found too early lies where the prediction bends: its slope gives only a rough size
             is_exact = value > 0
             size = with_interval(abs(value), half_width, self.unit)
             size = size if is_exact else f"about {quantity(abs(value), self.unit)}"
@@ -74,7 +77,7 @@ class Carrier:
 
 
 def carriers(residuals: Residuals) -> list[Carrier]:
-    """Shared parameters whose value is known, by shares; and every component, by its unit."""
+    """Return the carriers of residuals: shared parameters with a known value, then every component in its unit."""
     listed = []
     for place in residuals.tested:
         parameter = residuals.parameters[place]
@@ -92,15 +95,21 @@ def carriers(residuals: Residuals) -> list[Carrier]:
 
 @dataclass(frozen=True)
 class Candidates:
-    """All products of carriers and terms.
+    """All products of c carriers and m terms; a candidate's number is ``carrier * m + term``.
 
     Parameters
     ----------
-    carriers : c of them
-    names, complexities : m terms
+    carriers : tuple of Carrier
+    names : tuple of str
+        Name of each term.
+    complexities : tuple of int
+        Complexity of each term: the sum over its atoms.
     terms : (n, m)
-    definitions : dict, term -> how the atoms in it are computed
-    since : dict, term -> of which covariate's last step it is the time
+        Value of each term in each frame, dimensionless.
+    definitions : dict, term -> tuple of str
+        How the atoms of a term are computed, in words.
+    since : dict, term -> Since
+        The covariate from whose last step a term counts the time.
     """
 
     carriers: tuple[Carrier, ...]
@@ -112,76 +121,89 @@ class Candidates:
 
     @classmethod
     def of(cls, carriers: Sequence[Carrier], atoms: Sequence[Atom]) -> Candidates:
-        """Atoms, and their products of degree two; products that repeat one another are left out."""
-        names, complexities = [one.name for one in atoms], [one.complexity for one in atoms]
-        columns = [one.values for one in atoms]
-        meant: dict[str, tuple[str, ...]] = {one.name: (one.definition,) for one in atoms}
-        for first, one in enumerate(atoms):
+        """Return the candidates made of atoms and of products of two atoms.
+
+        A product that is constant or equals one of its factors is left out.
+        """
+        # the atoms themselves
+        names, complexities = [atom.name for atom in atoms], [atom.complexity for atom in atoms]
+        columns = [atom.values for atom in atoms]
+        definitions: dict[str, tuple[str, ...]] = {atom.name: (atom.definition,) for atom in atoms}
+        # products of two atoms
+        for first, atom in enumerate(atoms):
             for other in atoms[first:]:
-                product = one.values * other.values
-                if np.ptp(product) <= 0 or np.array_equal(product, one.values) or np.array_equal(product, other.values):
+                product = atom.values * other.values
+                if (
+                    np.ptp(product) <= 0
+                    or np.array_equal(product, atom.values)
+                    or np.array_equal(product, other.values)
+                ):
                     continue
-                parts = (one.definition, other.definition)
-                names.append(f"{one.name} × {other.name}" if other is not one else f"{one.name}^2")
-                meant[names[-1]] = tuple(dict.fromkeys(parts))
-                complexities.append(one.complexity + other.complexity)
+                parts = (atom.definition, other.definition)
+                names.append(f"{atom.name} × {other.name}" if other is not atom else f"{atom.name}^2")
+                definitions[names[-1]] = tuple(dict.fromkeys(parts))
+                complexities.append(atom.complexity + other.complexity)
                 columns.append(product)
+        # a shift alone is an explanation: it needs the constant term
         if any(carrier.shifted for carrier in carriers):
             names, complexities = [CONSTANT, *names], [0, *complexities]
             columns = [np.ones(len(carriers[0].field)), *columns]
         matrix = np.column_stack(columns) if columns else np.zeros((len(carriers[0].field), 0))
-        since = {one.name: one.since for one in atoms if one.since is not None}
-        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix, meant, since)
+        since = {atom.name: atom.since for atom in atoms if atom.since is not None}
+        return cls(tuple(carriers), tuple(names), tuple(complexities), matrix, definitions, since)
 
     def part(self, rows: NDArray[np.bool_]) -> Candidates:
-        """The same candidates in the frames of a mask (n,)."""
-        kept = tuple(Carrier(one.name, one.field[rows], one.unit, one.shifted, one.definition) for one in self.carriers)
+        """Return the candidates restricted to the frames of a mask (n,)."""
+        kept = tuple(
+            Carrier(carrier.name, carrier.field[rows], carrier.unit, carrier.shifted, carrier.definition)
+            for carrier in self.carriers
+        )
         return Candidates(kept, self.names, self.complexities, self.terms[rows], self.definitions, self.since)
 
     def __len__(self) -> int:
         return len(self.carriers) * len(self.names)
 
     def carrier_of(self, number: int) -> Carrier:
-        """Carrier of a candidate."""
+        """Return the carrier of the candidate with this number."""
         return self.carriers[number // len(self.names)]
 
     def name_of(self, number: int) -> str:
-        """Term of a candidate."""
+        """Return the name of the term of the candidate with this number."""
         return self.names[number % len(self.names)]
 
     def definitions_of(self, numbers: Sequence[int]) -> tuple[str, ...]:
-        """How the atoms are computed that the terms of some candidates are made of, each once."""
+        """Return how the atoms and shifts of several candidates are computed, each definition once."""
         parts = [part for number in numbers for part in self.definitions.get(self.name_of(number), ())]
-        parts += [meant for number in numbers if (meant := self.carrier_of(number).definition)]
+        parts += [definition for number in numbers if (definition := self.carrier_of(number).definition)]
         return tuple(dict.fromkeys(parts))
 
     def full_name(self, number: int) -> str:
-        """Carrier and term of a candidate."""
+        """Return carrier and term of the candidate with this number, as ``"E: speed/(1 mm/s)"``."""
         return f"{self.carrier_of(number).name}: {self.name_of(number)}"
 
     def complexity_of(self, number: int) -> int:
-        """Of a candidate."""
+        """Return the complexity of the candidate with this number."""
         return self.complexities[number % len(self.names)]
 
     def field(self, number: int) -> Array:
-        """Whitened field (n, k) of a candidate with coefficient 1."""
+        """Return the whitened field (n, k) of a candidate with coefficient 1."""
         return self.carrier_of(number).field * self.terms[:, number % len(self.names), None]
 
     def fields(self, numbers: Sequence[int]) -> dict[str, Array]:
-        """Whitened fields of several candidates by their full names."""
+        """Return the whitened fields (n, k) of several candidates by their full names."""
         return {self.full_name(number): self.field(number) for number in numbers}
 
     def scores(self, projection: ProjectedResiduals) -> Contributions:
-        """Contributions of the units of exchange to all candidates' scores."""
-        found = [along(projection, one.field, self.terms) for one in self.carriers]
+        """Return the contributions of the units of exchange to the scores of all candidates."""
+        by_carrier = [along(projection, carrier.field, self.terms) for carrier in self.carriers]
         return Contributions(
-            np.concatenate([one.by_unit for one in found], axis=1),
-            np.concatenate([one.information_by_unit for one in found], axis=1),
-            joined_refits([one.refit for one in found]),
+            np.concatenate([part.by_unit for part in by_carrier], axis=1),
+            np.concatenate([part.information_by_unit for part in by_carrier], axis=1),
+            joined_refits([part.refit for part in by_carrier]),
         )
 
     @cached_property
     def sizes(self) -> Array:
-        """Squared norms (m,) of the candidates' fields before anything is projected out."""
-        told = np.stack([np.einsum("nk,nk->n", one.field, one.field) for one in self.carriers])
-        return (told @ self.terms**2).ravel()
+        """Squared norms (c m,) of the candidates' fields before anything is projected out."""
+        squares = np.stack([np.einsum("nk,nk->n", carrier.field, carrier.field) for carrier in self.carriers])
+        return (squares @ self.terms**2).ravel()

@@ -1,10 +1,9 @@
-"""Locate, explain by a formula, show: what any residuals can be asked without a gel."""
+"""The diagnosis of residuals without a gel: where they depart, which formula explains them, and what is left."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -22,39 +21,42 @@ from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import gap_words, growth_words, percent
-
-Answer = Literal[
-    "nothing found", "calibration", "structured, not named", "explained", "partly explained", "not explained"
-]
+from tactiledata.diagnose.verdict import Verdict
 
 STEPS = ("locating", "looking for a formula", "what it does for held-out groups", "the ceiling", "what is left")
+"""What progress reports, in order."""
 COMMON = "a common offset"
 """The locator that finds calibrations."""
 UNNAMED = (
-    "Structured, not named: a black box foresees a part of groups that it has not seen, and nothing else names it."
+    "Structured, not named: a black box predicts part of the differences on groups that it was not trained on, and no"
+    " locator says where they are."
 )
 WORTH = 0.02
-"""Share of the squares of held-out groups from which on a formula is worth a sentence."""
+"""Smallest share of the squares of held-out groups for which a formula or a surface is worth a sentence."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """A diagnosis of residuals.
+    """The diagnosis of residuals: what locators find, the formula, and what the formula does for unseen groups.
 
     Parameters
     ----------
     located : LocatorResults
+        Results of the locators on the residuals.
     form : OpenForm, optional
-        ``None`` where nothing was found to be explained.
+        ``None`` where the locators find no structure.
     held : UnseenFormula, optional
-        With and without the formula, on groups that had no part in it.
+        Residuals with and without the formula, on groups that had no part in it; ``None`` without terms.
     gap : Gap, optional
-    floor_is : what the gap's floor is, in words
+        Share of the gap between error and floor that the formula closes on these groups.
+    floor_is : str
+        What the gap's floor is, in words.
     ceiling : BlackBox
+        What boosted trees predict of groups that they were not trained on.
     left_over : LocatorResults, optional
-        Of what the formula leaves.
+        Results of the locators on what the formula leaves; ``None`` without terms.
     surface : Empirical, optional
-        For structure without a formula.
+        A smooth surface over two covariates, for structure without a formula.
     """
 
     located: LocatorResults
@@ -68,54 +70,57 @@ class Explanation:
 
     @property
     def is_found(self) -> bool:
-        """Whether there is anything beside noise: what a locator is sure of, or what a black box foresees."""
+        """Whether there is structure: a locator is certain of it, or a black box predicts it."""
         return self.located.is_structured or self.ceiling.is_certain
 
     @property
     def is_held(self) -> bool:
-        """Whether the formula makes groups better that had no part in it, surely and by enough to be said."""
+        """Whether the formula improves groups that had no part in it, certainly and by at least `WORTH`."""
         if self.held is None or self.gap is None:
             return False
         is_enough = not np.isfinite(self.gap.closed) or self.gap.closed >= WORTH
         return is_enough and is_improved(self.held.squares_before, self.held.squares_after)
 
     @property
-    def answer(self) -> Answer:
-        """The verdict in a few words."""
+    def answer(self) -> Verdict:
+        """The verdict on these residuals."""
         certain = [name for name in self.located.p if self.located.is_certain(name)]
         if certain in ([], [COMMON]) and not self.is_held:
             if self.ceiling.is_certain:
-                return "structured, not named"
-            return "calibration" if certain else "nothing found"
+                return Verdict.STRUCTURED_NOT_NAMED
+            return Verdict.CALIBRATION if certain else Verdict.NOTHING_FOUND
         if self.left_over is None or not self.is_held:
-            return "not explained"
-        return "partly explained" if self.left_over.is_structured else "explained"
+            return Verdict.NOT_EXPLAINED
+        return Verdict.PARTLY_EXPLAINED if self.left_over.is_structured else Verdict.EXPLAINED
 
     def sentences(self) -> list[str]:
-        """For people, the answer first."""
+        """Return the diagnosis in sentences: the verdict, where it shows, how far the formula holds, what is left."""
         if self.form is None:
             return [*([UNNAMED] if self.ceiling.is_certain else self.located.sentences()), _ceiling(self.ceiling)]
-        said = list(self.located.sentences())
-        unheld = " The best one does not hold on groups that had no part in it." if self.form.terms else ""
+        # the verdict
+        unheld = " The best formula does not hold on groups that had no part in it." if self.form.terms else ""
         first = {
-            "calibration": "A calibration is off, and nothing else is found: a common offset (zero) or scale.",
-            "structured, not named": UNNAMED,
-            "explained": f"Something is missing, and a formula explains it: {self.form.words}.",
-            "partly explained": f"Something is missing; a formula explains a part of it: {self.form.words}.",
-            "not explained": f"Something is missing, and no short formula explains it.{unheld}",
+            Verdict.CALIBRATION: "A calibration is off, and nothing else is found: a common offset (zero) or scale.",
+            Verdict.STRUCTURED_NOT_NAMED: UNNAMED,
+            Verdict.EXPLAINED: f"Something is missing, and a formula explains it: {self.form.words}.",
+            Verdict.PARTLY_EXPLAINED: f"Something is missing; a formula explains a part of it: {self.form.words}.",
+            Verdict.NOT_EXPLAINED: f"Something is missing, and no short formula explains it.{unheld}",
         }[self.answer]
+        # the formula with its definitions, then what the locators find
         residuals = self.located.projection.residuals
         shown = self.form.terms and self.is_held
         corrected = corrected_words(self.form, residuals.components, residuals.units) if shown else []
-        meant = [f"Here {one}." for one in self.form.definitions] if corrected else []
-        said[:0] = [first, *(f"All refitted together: {one}." for one in corrected), *meant]
+        definitions = [f"Here {definition}." for definition in self.form.definitions] if corrected else []
+        sentences = [first, *(f"All refitted together: {equation}." for equation in corrected), *definitions]
+        sentences += self.located.sentences()
+        # how far the formula holds on unseen groups, beside the black box, and what is left
         if self.gap is not None and self.form.terms:
-            said.append(_gap(self.gap, self.floor_is))
-        said.append(_ceiling(self.ceiling))
+            sentences.append(_gap(self.gap, self.floor_is))
+        sentences.append(_ceiling(self.ceiling))
         if self.left_over is not None and self.is_held:
             left = "structure is left" if self.left_over.is_structured else "no structure is left"
-            said.append(f"After the formula {left}.")
-        return [*said, *([self.surface.words] if self.surface is not None else [])]
+            sentences.append(f"After the formula {left}.")
+        return [*sentences, *([self.surface.words] if self.surface is not None else [])]
 
 
 def explain(
@@ -124,19 +129,26 @@ def explain(
     time: str | None = None,
     scales: Mapping[str, float] | None = None,
     signatures: Mapping[str, Array] | None = None,
-    tell: Progress = no_progress,
+    progress: Progress = no_progress,
     located: LocatorResults | None = None,
 ) -> Explanation:
-    """A diagnosis of residuals.
+    """Return the diagnosis of residuals: located structure, a formula for it, and its worth on unseen groups.
 
     Parameters
     ----------
-    time, scales, signatures
-        See `tactiledata.diagnose.formula.open_form.open_form`.
-    tell : callable
-        Told how many of the steps are done.
+    residuals : Residuals
+    options : LocateOptions
+        How to locate; its noise decides the floor of the gap, its seed draws folds, halves and sign flips.
+    time : str, optional
+        Covariate that is the time inside a trajectory; without it no term fades with time.
+    scales : dict, covariate -> float, optional
+        What a covariate is divided by in a formula, in its own unit; by default a round number near its largest size.
+    signatures : dict, name -> (n, k), optional
+        Whitened fields of known effects, with which the formula is compared.
+    progress : Progress
+        Called with the number of finished steps, the number of all steps and the name of the step that begins.
     located : LocatorResults, optional
-        Of these residuals, with these options, where it is known already.
+        Results of the locators on these residuals with these options, where they are known already.
 
     Raises
     ------
@@ -146,11 +158,12 @@ def explain(
     need_learning_library()
 
     def begin(step: int) -> None:
-        tell(step, len(STEPS), STEPS[step])
+        progress(step, len(STEPS), STEPS[step])
 
     begin(0)
     if located is None:
         located = locate(residuals, options)
+    # structure is explained by a formula, which is tested on groups that had no part in it
     form, held, gap, left_over = None, None, None, None
     floor_is = "the noise" if options.noise is not None else "the scatter from row to row"
     if located.is_structured:
@@ -164,27 +177,29 @@ def explain(
             if not np.isfinite(floor):
                 floor, floor_is = 0.0, "zero, as groups of one or two rows tell no noise"
             gap = gap_closed(held.squares_before, held.squares_after, held.counts, floor, options.seed)
+    # a black box shows how much could be explained at all
     begin(3)
     ceiling = black_box(located.projection, options.seed)
+    # what the formula leaves, and a surface for structure that is left
     begin(4)
     if form is not None and form.terms:
         explained = residuals.with_fields(form.fields)
         left_over = locate(explained.with_values(project(explained).left), options)
     surface = _surface(left_over or located, options.seed) if located.is_structured else None
-    tell(len(STEPS), len(STEPS), "done")
+    progress(len(STEPS), len(STEPS), "done")
     return Explanation(located, form, held, gap, floor_is, ceiling, left_over, surface)
 
 
 def _surface(located: LocatorResults, seed: int) -> Empirical | None:
-    """Over the two covariates along which parameters drift most; ``None`` where it takes nothing worth a sentence."""
+    """Return a surface over the two covariates along which parameters drift most; ``None`` if it explains little."""
     if not located.is_structured:
         return None
     covariates = located.projection.residuals.covariates
     strongest = list(dict.fromkeys(drift.covariate for drift in located.drifts if drift.covariate in covariates))
     if len(strongest) < 2:
         return None
-    found = empirical(located.projection, (strongest[0], strongest[1]), seed)
-    return found if found is not None and found.explained >= WORTH else None
+    surface = empirical(located.projection, (strongest[0], strongest[1]), seed)
+    return surface if surface is not None and surface.explained >= WORTH else None
 
 
 def _gap(gap: Gap, floor_is: str) -> str:
@@ -203,8 +218,8 @@ def _gap(gap: Gap, floor_is: str) -> str:
 
 def _ceiling(ceiling: BlackBox) -> str:
     if ceiling.explained < WORTH:
-        return "A black box, boosted trees on all covariates, explains nothing of groups that it has not seen."
+        return "A black box, boosted trees on all covariates, explains nothing of groups that it was not trained on."
     return (
         f"A black box, boosted trees on all covariates, explains {percent(ceiling.explained)} of the squares of groups "
-        "that it has not seen."
+        "that it was not trained on."
     )

@@ -1,4 +1,4 @@
-"""Which known effect a field resembles, once everything that a refit can imitate is taken off both."""
+"""Cosines of a field with the signatures of known effects, beyond what a refit of shared parameters can imitate."""
 
 from __future__ import annotations
 
@@ -11,23 +11,34 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 
 NEAR = 0.9
+"""Smallest absolute cosine at which a field behaves like a known effect."""
 
 
 @dataclass(frozen=True)
 class Likeness:
-    """A known signature and the cosine of its angle to the field."""
+    """A known effect and the cosine of the angle between its signature and the field."""
 
     name: str
     cosine: float
 
     @property
     def is_near(self) -> bool:
-        """Whether the field behaves like it."""
+        """Whether the field behaves like the effect."""
         return abs(self.cosine) > NEAR
 
 
 def likenesses(projection: ProjectedResiduals, field: Array, signatures: Mapping[str, Array]) -> tuple[Likeness, ...]:
-    """Cosines of a field (n, k) with signatures (n, k) in the whitened metric, the nearest first."""
+    """Return the cosines of a field with known signatures, the largest absolute cosine first.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Gives the metric, and the shared parameters that are projected out of the field and of the signatures.
+    field : (n, k)
+        Whitened change of the simulation.
+    signatures : dict, name -> (n, k)
+        Whitened changes by known effects.
+    """
     if not signatures:
         return ()
     names = list(signatures)
@@ -35,5 +46,5 @@ def likenesses(projection: ProjectedResiduals, field: Array, signatures: Mapping
     together = np.einsum("nka,nkb->ab", both, projection.weigh(both), optimize=True)
     size = np.sqrt(np.maximum(np.diag(together), 1e-300))
     cosines = together[0, 1:] / (size[0] * size[1:])
-    found = [Likeness(name, float(cosine)) for name, cosine in zip(names, cosines, strict=True)]
-    return tuple(sorted(found, key=lambda one: -abs(one.cosine)))
+    listed = [Likeness(name, float(cosine)) for name, cosine in zip(names, cosines, strict=True)]
+    return tuple(sorted(listed, key=lambda likeness: -abs(likeness.cosine)))

@@ -1,4 +1,4 @@
-"""What is missing as a formula: few dimensionless terms, chosen again and again by halves of the trajectories."""
+"""Open form: a formula of few dimensionless terms for what a simulation lacks, with its coefficients and intervals."""
 
 from __future__ import annotations
 
@@ -25,16 +25,19 @@ class Term:
     Parameters
     ----------
     carrier : str
-        What changes: a parameter (by a share) or a component.
+        Name of what changes: a parameter (by a share) or a component.
     term : str
+        Dimensionless term that multiplies the carrier.
     coefficient, half_width : float
-        With its 95 % interval; dimensionless for a parameter, else in the component's unit.
+        Coefficient and half of its 95 % interval; dimensionless for a parameter, else in the component's unit.
     inclusion : float
-        Share of halves of the trajectories that choose it, or one that is the same in these data.
+        Share of halves of the trajectories that choose the term, or one that is the same in these data.
     p : float
-        Against all candidates together, after the terms before it.
-    alike : names of candidates that these data cannot tell from it
+        p-value against all candidates together, after the terms before it.
+    alike : tuple of str
+        Names of candidates that these data cannot tell from the term.
     words : str
+        The term in words.
     """
 
     carrier: str
@@ -49,23 +52,28 @@ class Term:
 
 @dataclass(frozen=True)
 class OpenForm:
-    """The formula.
+    """A sum of terms that explains residuals, with everything needed to compute and to judge it.
 
     Parameters
     ----------
-    terms : in the order in which they were accepted; none where nothing is certain
+    terms : tuple of Term
+        In the order in which they were accepted; empty where no candidate is certain.
     fields : dict, term -> (n, k)
         Whitened fields of the terms with coefficient 1.
     fitted : (n, k)
-        Their sum, with their coefficients.
+        Sum of the fields times their coefficients.
     candidates : int
-        So many were tried.
+        Number of candidates that were tried.
     false_terms : float
-        Upper bound of the expected number of false ones.
-    behaves_like : known signatures that the sum resembles, the nearest first
-    beside : by how much the shared parameters move when they are refitted together with the terms
+        Upper bound of the expected number of false terms.
+    behaves_like : tuple of Likeness
+        Known effects whose signatures the sum resembles, the nearest first.
+    beside : tuple of Change
+        By how much the shared parameters move when they are refitted together with the terms.
     words : str
-    definitions : how everything in the terms is computed, in words
+        The formula in words.
+    definitions : tuple of str
+        How the terms are computed, in words.
     """
 
     terms: tuple[Term, ...]
@@ -87,16 +95,21 @@ def open_form(
     seed: int = 0,
     carried: Sequence[Carrier] | None = None,
 ) -> OpenForm:
-    """A sparse formula of the residual.
+    """Return a sparse formula of the residuals; without terms where no candidate is stable and certain.
 
     Parameters
     ----------
+    residuals : Residuals
     signatures : dict, name -> (n, k), optional
-        Whitened fields of known effects.
-    scales, time
-        See `tactiledata.diagnose.formula.terms.atoms`.
+        Whitened fields of known effects, with which the formula is compared.
+    scales : dict, covariate -> float, optional
+        What a covariate is divided by, in its own unit; by default a round number near its largest size.
+    time : str, optional
+        Covariate that is the time inside a trajectory; without it no term fades with time.
+    seed : int
+        Draws the halves of the trajectories and the sign flips.
     carried : sequence of Carrier, optional
-        By default those of the parameters and components.
+        What a term may multiply; by default the shared parameters and the components.
 
     Raises
     ------
@@ -114,7 +127,13 @@ def find_candidates(
     time: str | None = None,
     carried: Sequence[Carrier] | None = None,
 ) -> Candidates:
-    """What an open form of residuals chooses from: the residuals themselves are not looked at."""
+    """Return the candidates of an open form. They depend on covariates and slopes, not on the residuals' values.
+
+    Parameters
+    ----------
+    residuals, scales, time, carried
+        As in `open_form`.
+    """
     listed = carriers(residuals) if carried is None else list(carried)
     return Candidates.of(listed, atoms(residuals, scales, time))
 
@@ -126,29 +145,42 @@ def _summed(
     bound: float,
     signatures: Mapping[str, Array],
 ) -> OpenForm:
-    fields = candidates.fields([one.number for one in accepted])
+    """Return the formula of the accepted candidates, all refitted together with the shared parameters."""
+    fields = candidates.fields([choice.number for choice in accepted])
     if not accepted:
         words = "No formula: no term is chosen often enough by halves of the trajectories."
         return OpenForm((), {}, np.zeros_like(residuals.values), len(candidates), bound, (), (), words)
+    # coefficients of the terms, and how far the shared parameters move with them
     moved = refitted(project(residuals.with_fields(fields)))
     beside, changes = tuple(moved[: -len(accepted)]), moved[-len(accepted) :]
     terms = []
-    for chosen, one in zip(accepted, changes, strict=True):
-        name, carrier = candidates.name_of(chosen.number), candidates.carrier_of(chosen.number)
-        said = carrier.words(name, one.value, one.half_width, candidates.since.get(name))
-        words = f"{said}, chosen by {percent(chosen.inclusion)} of halves{_or(chosen.alike)}"
-        terms.append(
-            Term(carrier.name, name, one.value, one.half_width, chosen.inclusion, chosen.p, chosen.alike, words)
-        )
-    fitted = np.stack(list(fields.values()), axis=2) @ np.array([one.value for one in changes])
+    for choice, change in zip(accepted, changes, strict=True):
+        name, carrier = candidates.name_of(choice.number), candidates.carrier_of(choice.number)
+        equation = carrier.words(name, change.value, change.half_width, candidates.since.get(name))
+        words = f"{equation}, chosen by {percent(choice.inclusion)} of random halves{_or_alike(choice.alike)}"
+        interval = change.value, change.half_width
+        terms.append(Term(carrier.name, name, *interval, choice.inclusion, choice.p, choice.alike, words))
+    # known effects that the sum resembles
+    fitted = np.stack(list(fields.values()), axis=2) @ np.array([change.value for change in changes])
     resembled = likenesses(project(residuals), fitted, signatures)
-    like = next((f"; it behaves like {one.name} (cosine {one.cosine:.2f})" for one in resembled if one.is_near), "")
-    words = f"{'; '.join(term.words for term in terms)}{like}"
-    meant = candidates.definitions_of([one.number for one in accepted])
-    return OpenForm(tuple(terms), fields, fitted, len(candidates), bound, resembled, beside, words, meant)
+    like = next(
+        (f"; it behaves like {effect.name} (cosine {effect.cosine:.2f})" for effect in resembled if effect.is_near), ""
+    )
+    return OpenForm(
+        terms=tuple(terms),
+        fields=fields,
+        fitted=fitted,
+        candidates=len(candidates),
+        false_terms=bound,
+        behaves_like=resembled,
+        beside=beside,
+        words=f"{'; '.join(term.words for term in terms)}{like}",
+        definitions=candidates.definitions_of([choice.number for choice in accepted]),
+    )
 
 
-def _or(alike: tuple[str, ...]) -> str:
+def _or_alike(alike: tuple[str, ...]) -> str:
+    """Return in brackets which candidates these data cannot tell from a term; empty where there is none."""
     if not alike:
         return ""
     others = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
@@ -156,33 +188,44 @@ def _or(alike: tuple[str, ...]) -> str:
 
 
 DIGITS = 3
+"""Significant digits of the numbers of a corrected prediction."""
 OFFSET_OF, SCALE_OF = "the offset of ", "the scale of "
-"""What parameters of a table are called, before the name of the quantity."""
+"""How the names of a table's parameters begin; the name of the quantity follows."""
 
 
 def corrected_words(form: OpenForm, components: Sequence[str], units: Sequence[str]) -> list[str]:
-    """Of each component with a term: ``"corrected fz = predicted fz × (1 - 0.0712 + 0.150 × depth/(0.90 mm))"``."""
-    beside = {one.parameter.name: one.value for one in form.beside}
-    said = []
+    """Return the corrected prediction of each component that has a term, as an equation.
+
+    Example: ``"corrected fz = predicted fz × (1 - 0.0712 + 0.150 × depth/(0.90 mm))"``.
+
+    Parameters
+    ----------
+    form : OpenForm
+    components, units : sequence of str
+        Name and unit of each component of the residuals.
+    """
+    beside = {change.parameter.name: change.value for change in form.beside}
+    equations = []
     for name, unit in zip(components, units, strict=True):
         scaled = [(term.coefficient, term.term) for term in form.terms if term.carrier == f"{SCALE_OF}{name}"]
         added = [(term.coefficient, term.term) for term in form.terms if term.carrier == name]
-        shifts = [one for one in form.terms if one.carrier.startswith(f"{name} over ")]
+        shifts = [term for term in form.terms if term.carrier.startswith(f"{name} over ")]
         moved = "".join(
-            f" {'+' if one.coefficient > 0 else '-'} {rounded(abs(one.coefficient), DIGITS)}"
-            f"{'' if one.term == '1' else f' × {one.term}'} × slope of predicted {one.carrier}"
-            for one in shifts
+            f" {'+' if term.coefficient > 0 else '-'} {rounded(abs(term.coefficient), DIGITS)}"
+            f"{'' if term.term == '1' else f' × {term.term}'} × slope of predicted {term.carrier}"
+            for term in shifts
         )
         if not scaled and not added and not shifts:
             continue
-        factor = "".join(_signed(*one) for one in [(beside.get(f"{SCALE_OF}{name}", 0.0), ""), *scaled])
-        more = "".join(_signed(*one, unit=unit) for one in [*added, (beside.get(f"{OFFSET_OF}{name}", 0.0), "")])
+        factor = "".join(_signed(*part) for part in [(beside.get(f"{SCALE_OF}{name}", 0.0), ""), *scaled])
+        more = "".join(_signed(*part, unit=unit) for part in [*added, (beside.get(f"{OFFSET_OF}{name}", 0.0), "")])
         scale = f" × (1{factor})" if factor else ""
-        said.append(f"corrected {name} = predicted {name}{scale}{moved}{more}")
-    return said
+        equations.append(f"corrected {name} = predicted {name}{scale}{moved}{more}")
+    return equations
 
 
 def _signed(value: float, term: str, unit: str = "1") -> str:
+    """Return a summand with its sign, as ``" + 0.150 × depth/(0.90 mm)"``; empty where the value is 0."""
     if not value:
         return ""
     size = f"{rounded(abs(value), DIGITS)}{'' if unit in ('1', '?') else f' {unit}'}"

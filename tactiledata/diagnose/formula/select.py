@@ -1,4 +1,4 @@
-"""Terms that halves of the trajectories choose again and again: stability selection over greedy pursuit.
+"""Stability selection: the terms that halves of the trajectories choose again and again by greedy pursuit.
 
 Meinshausen and Buehlmann 2010, with the complementary pairs of Shah and Samworth 2013. Each half is searched by
 orthogonal matching pursuit; terms that are nearly the same field vote together.
@@ -17,24 +17,27 @@ from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import p_value, signs
 
 PAIRS = 50
+"""Number of complementary pairs of halves."""
 PICKS = 3
 """Terms that each half chooses."""
 THRESHOLD = 0.8
+"""Smallest share of halves that must choose a family of terms."""
 ALIKE = 0.9
-"""Cosine from which on two terms are one in these data."""
+"""Absolute cosine above which two terms count as one in these data."""
 SINGULAR = 1e-6
+"""Smallest share of a term's squared norm that earlier picks must leave of it."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A family of terms that are nearly the same field.
+    """A family of terms whose fields are nearly the same, and how often halves of the data choose it.
 
     Parameters
     ----------
     members : (m,)
-        The most often chosen first.
+        Places of the terms, the most often chosen first.
     inclusion : float
-        Share of halves that choose any of them.
+        Share of halves that choose any member.
     """
 
     members: Indices
@@ -42,7 +45,16 @@ class Choice:
 
 
 def halves(units: int, rng: np.random.Generator, pairs: int = PAIRS) -> Array:
-    """Masks (2 pairs, u) of halves and their complements."""
+    """Return masks (2 pairs, u) of random halves and their complements; an odd unit belongs to neither.
+
+    Parameters
+    ----------
+    units : int
+        Number u of units of exchange.
+    rng : Generator
+    pairs : int
+        Number of complementary pairs.
+    """
     masks = np.zeros((2 * pairs, units))
     for pair in range(pairs):
         order = rng.permutation(units)
@@ -52,7 +64,7 @@ def halves(units: int, rng: np.random.Generator, pairs: int = PAIRS) -> Array:
 
 
 def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
-    """What orthogonal matching pursuit picks (b, picks) in b problems of m terms at once.
+    """Return the terms (b, picks) that orthogonal matching pursuit picks in b problems of m terms at once.
 
     Parameters
     ----------
@@ -60,6 +72,8 @@ def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
         Products of the terms with the residual.
     grams : (b, m, m)
         Products of the terms with one another.
+    picks : int
+        Number of terms to pick in each problem.
     """
     scores, grams = scores.copy(), grams.copy()
     rows = np.arange(len(scores))
@@ -70,7 +84,7 @@ def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
         gains = np.where(norms > SINGULAR * first, scores**2 / np.where(norms > 0, norms, 1.0), 0.0)
         best = gains.argmax(axis=1)
         chosen[:, pick] = best
-        # what is left of every term and of the residual once the pick has had its share
+        # project the pick out of every term and of the residual
         column = grams[rows, :, best]
         pivot = np.maximum(column[rows, best], 1e-300)
         scores -= column * (scores[rows, best] / pivot)[:, None]
@@ -79,15 +93,18 @@ def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
 
 
 def stable_choices(by_unit: Array, grams: Array, rng: np.random.Generator) -> list[Choice]:
-    """Families of terms and how often halves of the units choose them, the most often chosen first.
+    """Return families of terms, the most often chosen by halves of the units first.
 
     Parameters
     ----------
     by_unit : (u, m)
         Contributions of the units of exchange to the scores.
     grams : (u, m, m)
-        And to the products of the terms with one another.
+        Contributions of the units of exchange to the products of the terms with one another.
+    rng : Generator
+        Draws the halves.
     """
+    # votes of all halves
     masks = halves(len(by_unit), rng)
     width = by_unit.shape[1]
     chosen = pursue(masks @ by_unit, (masks @ grams.reshape(len(grams), -1)).reshape(-1, width, width))
@@ -95,24 +112,34 @@ def stable_choices(by_unit: Array, grams: Array, rng: np.random.Generator) -> li
     size = np.sqrt(np.maximum(np.diag(total), 1e-300))
     cosines = np.abs(total) / np.outer(size, size)
     votes = np.bincount(chosen.ravel(), minlength=width)
+    # a term joins the first family whose most chosen member is nearly the same field
     families: list[list[int]] = []
     for term in np.argsort(-votes, kind="stable"):
         if votes[term] == 0:
             break
-        home = next((family for family in families if cosines[family[0], term] > ALIKE), None)
-        if home is None:
+        joined = next((family for family in families if cosines[family[0], term] > ALIKE), None)
+        if joined is None:
             families.append([int(term)])
         else:
-            home.append(int(term))
+            joined.append(int(term))
     choices = [Choice(np.array(family), float(np.isin(chosen, family).any(axis=1).mean())) for family in families]
-    return sorted(choices, key=lambda one: -one.inclusion)
+    return sorted(choices, key=lambda choice: -choice.inclusion)
 
 
 def false_terms_bound(by_unit: Array, picks: int = PICKS, threshold: float = THRESHOLD) -> float:
-    """Upper bound of the expected number of false terms, counted over as many terms as are really different.
+    """Return an upper bound of the expected number of false terms.
 
-    Meinshausen and Buehlmann's ``picks^2 / ((2 threshold - 1) terms)``; the number of different terms is that of
-    directions in which the units' scores vary (their participation ratio).
+    This is ``picks^2 / ((2 threshold - 1) terms)`` of Meinshausen and Buehlmann. As many candidates are nearly the
+    same, ``terms`` is the number of directions in which the units' scores vary (their participation ratio).
+
+    Parameters
+    ----------
+    by_unit : (u, m)
+        Contributions of the units of exchange to the scores of all candidates.
+    picks : int
+        Terms that each half chooses.
+    threshold : float
+        Smallest share of halves that must choose a term.
     """
     scaled = by_unit / np.maximum(np.linalg.norm(by_unit, axis=0), 1e-300)
     spectrum = np.linalg.eigvalsh(scaled @ scaled.T)
@@ -121,22 +148,40 @@ def false_terms_bound(by_unit: Array, picks: int = PICKS, threshold: float = THR
 
 
 DRAWS = 999
+"""Sign flips for the p-value of a term."""
 CHUNK = 100
+"""Sign flips that are computed at once: limits memory."""
 MOST_TERMS = 4
+"""Most terms of a formula."""
 SCREENED = 45
 """Candidates that are kept of each round of screening."""
 ROUNDS = 3
+"""Rounds of screening."""
 AS_GOOD = 0.95
-"""Of the best gain in a family: the simplest term that reaches it is taken."""
+"""Share of the best gain in a family: the simplest term that reaches it is taken."""
 LEVEL = 0.05
+"""Largest p-value of a term of a formula."""
 MOST_LOTS = 200
+"""Most lots into which the units of exchange are pooled: limits memory."""
 VISIBLE = 1e-3
-"""Share of a candidate's norm that parameters must leave of it."""
+"""Smallest share of a candidate's squared norm that a refit of the parameters must leave of it."""
 
 
 @dataclass(frozen=True)
 class Accepted:
-    """A candidate that became a term: its number; the rest as in `tactiledata.diagnose.formula.open_form.Term`."""
+    """A candidate that became a term of the formula.
+
+    Parameters
+    ----------
+    number : int
+        The candidate's number.
+    inclusion : float
+        Share of halves of the units that choose the candidate, or one that is the same in these data.
+    p : float
+        Its p-value against all candidates together, after the terms before it.
+    alike : tuple of str
+        Full names of candidates that these data cannot tell from it, at most three.
+    """
 
     number: int
     inclusion: float
@@ -145,7 +190,14 @@ class Accepted:
 
 
 def choose(residuals: Residuals, candidates: Candidates, seed: int = 0) -> tuple[list[Accepted], float]:
-    """The candidates that are stable and certain, and the bound of false ones.
+    """Return the candidates that are chosen stably and are certain, and the bound of false ones.
+
+    Parameters
+    ----------
+    residuals : Residuals
+    candidates : Candidates
+    seed : int
+        Draws halves and sign flips.
 
     Raises
     ------
@@ -156,7 +208,7 @@ def choose(residuals: Residuals, candidates: Candidates, seed: int = 0) -> tuple
     choices, bound = _stable(residuals, candidates, seed)
     accepted: list[Accepted] = []
     for number, inclusion, alike in choices[:MOST_TERMS]:
-        projection = project(residuals.with_fields(candidates.fields([one.number for one in accepted])))
+        projection = project(residuals.with_fields(candidates.fields([term.number for term in accepted])))
         p = _against_all(projection, candidates, number, seed)
         if p > LEVEL:
             break
@@ -167,14 +219,15 @@ def choose(residuals: Residuals, candidates: Candidates, seed: int = 0) -> tuple
 def _stable(
     residuals: Residuals, candidates: Candidates, seed: int
 ) -> tuple[list[tuple[int, float, tuple[str, ...]]], float]:
-    """Candidates with their inclusion and their likes, the strongest first, and the bound of false ones."""
+    """Return stable candidates (number, inclusion, names alike), the strongest first, and the bound of false ones."""
     screened, by_unit = _screen(residuals, candidates)
     if not len(screened):
         return [], 0.0
+    # products of the screened candidates with one another and with the residual, by lots of units
     projection = project(residuals)
     fields = projection.orthogonal(np.stack([candidates.field(number) for number in screened], axis=2))
     weighed = projection.weigh(fields)
-    # more than so many lots to draw from make halves no fairer, and memory grows with them
+    # more lots than this make halves no fairer, and memory grows with their number
     lot_of_unit = np.random.default_rng(seed).permutation(residuals.unit_count) % MOST_LOTS
     lot = lot_of_unit[residuals.unit_of_trajectory]
     grams = np.zeros((int(lot.max()) + 1, len(screened), len(screened)))
@@ -184,22 +237,26 @@ def _stable(
     scores = np.zeros((len(grams), len(screened)))
     np.add.at(scores, lot_of_unit, projection.dot(fields, projection.score[:, :, None]))
     families = stable_choices(scores, grams, np.random.default_rng(seed))
+    # of each stable family the simplest candidate among those that gain most
     norms = np.maximum(np.einsum("umm->m", grams), 1e-300)
     gains = scores.sum(axis=0) ** 2 / norms
-    found = []
+    stable = []
     for family in families:
         if family.inclusion < THRESHOLD:
             continue
         good = [place for place in family.members if gains[place] >= AS_GOOD * gains[family.members].max()]
         best = min(good, key=lambda place: (candidates.complexity_of(int(screened[place])), -gains[place]))
         likes = [candidates.full_name(int(screened[place])) for place in family.members if place != best]
-        found.append((float(gains[best]), (int(screened[best]), family.inclusion, tuple(likes[:3]))))
-    found.sort(key=lambda one: -one[0])
-    return [one for _, one in found], false_terms_bound(by_unit)
+        stable.append((float(gains[best]), (int(screened[best]), family.inclusion, tuple(likes[:3]))))
+    stable.sort(key=lambda choice: -choice[0])
+    return [choice for _, choice in stable], false_terms_bound(by_unit)
 
 
 def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Array]:
-    """Numbers of the candidates that explain most, alone and after the best of each round before; all scores (u, m)."""
+    """Return numbers of the candidates that explain most, and the scores (u, m) of all candidates alone.
+
+    Each round asks which candidates explain most after the best candidate of every round before.
+    """
     kept: list[int] = []
     bests: list[int] = []
     first = np.zeros((0, 0))
@@ -218,12 +275,12 @@ def _screen(residuals: Residuals, candidates: Candidates) -> tuple[Indices, Arra
 
 
 def _against_all(projection: ProjectedResiduals, candidates: Candidates, number: int, seed: int) -> float:
-    """p-value of one candidate against the largest of all when signs of whole trajectories are thrown anew."""
+    """Return the p-value of one candidate against the largest of all candidates under sign flips of whole units."""
     scores = candidates.scores(projection)
-    is_asked = (scores.information > VISIBLE * candidates.sizes) & scores.is_testable
-    if not is_asked[number]:
+    is_visible = (scores.information > VISIBLE * candidates.sizes) & scores.is_testable
+    if not is_visible[number]:
         return 1.0
-    asked = scores.part(is_asked)
-    thrown = signs(len(scores.by_unit), DRAWS, seed)
-    highest = [np.abs(asked.flipped(thrown[start : start + CHUNK])).max(axis=1) for start in range(0, DRAWS, CHUNK)]
+    visible = scores.part(is_visible)
+    flips = signs(len(scores.by_unit), DRAWS, seed)
+    highest = [np.abs(visible.flipped(flips[start : start + CHUNK])).max(axis=1) for start in range(0, DRAWS, CHUNK)]
     return p_value(abs(float(scores.statistic[number])), np.concatenate(highest))

@@ -1,4 +1,4 @@
-"""Carriers for a covariate that was read off a shifted zero: a contact found late makes every depth too small."""
+"""Carriers for a length that was counted from a shifted zero: a contact found late makes every depth too small."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from tactiledata.diagnose.residuals.dimensions import find_unit
 from tactiledata.diagnose.residuals.residuals import Residuals
 
 FEWEST_PLACES = 5
-"""Different values of a covariate in a group, from which a slope is read."""
+"""Fewest different values of a covariate in a group from which a slope is read."""
 STEP = 0.05
-"""Share of a group's range over which a slope is taken: at a contact a tangent says nothing of what comes after it."""
+"""Share of a group's range over which a slope is taken: a tangent at a contact says nothing of what comes after."""
 SAME = 1e-3
-"""Share of a group's range within which values of a covariate are one."""
+"""Share of a group's range within which values of a covariate count as equal."""
 FOLLOWED = 0.99
-"""Share of a prediction's variance inside groups that the covariate alone must give."""
+"""Smallest share of a prediction's variance inside groups that the covariate alone must explain."""
 
 
 def shift_carriers(residuals: Residuals) -> list[Carrier]:
-    """Return, for each quantity and each length that its prediction follows inside groups, what a shift of it does.
+    """Return a carrier for each quantity and each length whose shift would change the quantity's prediction.
 
-    The field is the slope of the prediction over the length; a coefficient is a shift in the length's unit.
+    These are lengths that the prediction follows inside groups. The field is the slope of the prediction over the
+    length; a coefficient is a shift in the length's unit.
     """
     listed = []
     for place, parameter in enumerate(residuals.parameters):
@@ -41,12 +42,12 @@ def shift_carriers(residuals: Residuals) -> list[Carrier]:
             if slope is not None:
                 field = np.zeros_like(residuals.values)
                 field[:, column] = slope
-                meant = _meant(name, covariate, given.unit)
-                listed.append(Carrier(f"{name} over {covariate}", field, given.unit, covariate, meant))
+                definition = _slope_definition(name, covariate, given.unit)
+                listed.append(Carrier(f"{name} over {covariate}", field, given.unit, covariate, definition))
     return listed
 
 
-def _meant(of: str, covariate: str, unit: str) -> str:
+def _slope_definition(of: str, covariate: str, unit: str) -> str:
     return (
         f"slope of predicted {of} over {covariate} is (F({covariate} + h) - F({covariate}))/h, with h {STEP:g} times "
         f"the range of {covariate} in the group, in {unit}, and F the predicted {of} of the group over {covariate}: "
@@ -55,7 +56,19 @@ def _meant(of: str, covariate: str, unit: str) -> str:
 
 
 def slope_inside(predicted: Array, values: Array, residuals: Residuals) -> Array | None:
-    """The slope (n,) of a prediction over a covariate in each group; ``None`` where it does not follow it."""
+    """Return the slope (n,) of a prediction over a covariate inside each group.
+
+    ``None`` where the covariate alone explains less than `FOLLOWED` of the prediction's variance inside groups.
+
+    Parameters
+    ----------
+    predicted : (n,)
+        Predictions, the groups one after another.
+    values : (n,)
+        The covariate.
+    residuals : Residuals
+        Gives where each group starts and how many rows it has.
+    """
     slope, missed, total = np.zeros_like(predicted), 0.0, 0.0
     for start, count in zip(residuals.starts, residuals.counts, strict=True):
         rows = slice(start, start + count)
@@ -65,7 +78,7 @@ def slope_inside(predicted: Array, values: Array, residuals: Residuals) -> Array
             missed += float(((predicted[rows] - predicted[rows].mean()) ** 2).sum())
             continue
         slope[rows] = _secant(values[rows], places, means)
-        # every other place is left out: what lies between its neighbours goes with the covariate
+        # cross-validation: every other place is predicted by a curve through its neighbours
         between = PchipInterpolator(places[::2], means[::2])(places[1:-1:2]) - means[1:-1:2]
         missed += float(((predicted[rows] - np.interp(values[rows], places, means)) ** 2).sum())
         missed += float((between**2).sum() / max(len(between), 1) * count)
@@ -73,7 +86,7 @@ def slope_inside(predicted: Array, values: Array, residuals: Residuals) -> Array
 
 
 def _secant(values: Array, places: Array, means: Array) -> Array:
-    """Rise of a prediction over a step of a twentieth of the range, straight on beyond its ends."""
+    """Return the slope of a prediction over a step of `STEP` of the range; the curve goes straight on at its end."""
     step = STEP * float(np.ptp(places))
     curve = PchipInterpolator(places, means)
     end = float(places[-1])
@@ -83,10 +96,10 @@ def _secant(values: Array, places: Array, means: Array) -> Array:
 
 
 def _merged(values: Array, predicted: Array) -> tuple[Array, Array]:
-    """Different values of a covariate, ascending, and the mean prediction at each."""
+    """Return the different values of a covariate, ascending, and the mean prediction at each."""
     order = np.argsort(values, kind="stable")
     ascending = values[order]
-    turns = np.diff(ascending, prepend=ascending[0]) > SAME * np.ptp(ascending)
-    number = np.cumsum(turns)
+    is_new = np.diff(ascending, prepend=ascending[0]) > SAME * np.ptp(ascending)
+    number = np.cumsum(is_new)
     counts = np.bincount(number)
     return np.bincount(number, ascending) / counts, np.bincount(number, predicted[order]) / counts

@@ -1,4 +1,4 @@
-"""Dimensionless numbers made of covariates: the only things that open forms are built of."""
+"""Atoms: dimensionless numbers made of covariates, from which the terms of an open form are built."""
 
 from __future__ import annotations
 
@@ -16,24 +16,31 @@ from tactiledata.diagnose.residuals.residuals import Covariate, Residuals
 from tactiledata.diagnose.residuals.wording import quantity, rounded
 
 FADINGS = (0.1, 1.0, 10.0, 100.0)
-"""s: a decade apart, as relaxation spectra are wide."""
+"""Time constants of fading memories, s; a decade apart, as relaxation spectra are wide."""
 RELAXATIONS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
-"""s: a fitted rate of a relaxation lies within a factor of 1.8 of one of them."""
+"""Time constants of relaxations, s; every rate in between lies within a factor of 1.8 of one of them."""
 LONGEST_RELAXATION = 0.6
-"""Longest relaxation times that are offered, over the longest hold: a longer one looks like a creep there."""
+"""Longest relaxation time that is tried, over the longest hold; a longer one looks like a creep."""
 MOST_ATOMS = 28
+"""Most atoms in all: candidates grow with their square."""
 MOST_HISTORIES = 3
+"""Most covariates whose history is followed inside a trajectory."""
 MOST_LEVELS = 6
+"""Most levels of a label for which each level becomes an atom."""
 EXPONENTS = (-2, -1, 1, 2)
+"""Powers of a covariate in a dimensionless group."""
 
 
 @dataclass(frozen=True)
 class Since:
-    """Return the covariate from whose last step a time is counted, and the unit of that time.
+    """The origin of a time that is counted from the last step of a covariate.
 
     Parameters
     ----------
-    covariate, unit : str
+    covariate : str
+        Name of the covariate that steps.
+    unit : str
+        Unit of the time.
     """
 
     covariate: str
@@ -42,19 +49,20 @@ class Since:
 
 @dataclass(frozen=True)
 class Atom:
-    """A number without dimension in each frame.
+    """A dimensionless number in each frame.
 
     Parameters
     ----------
     name : str
-        As it stands in a formula.
+        Name of the atom in a formula.
     values : (n,)
+        Value in each frame.
     complexity : int
-        What it costs to say it: 1 for a covariate over its scale.
+        Cost of the atom in a formula: 1 for a covariate over its scale.
     definition : str
-        From which a reader can compute it.
+        How a reader can compute the atom.
     since : Since, optional
-        Of the time since the last step of a covariate.
+        Given where the atom is the time since the last step of a covariate.
     """
 
     name: str
@@ -65,14 +73,16 @@ class Atom:
 
 
 def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time: str | None = None) -> list[Atom]:
-    """Atoms, the simple ones first.
+    """Return at most `MOST_ATOMS` atoms of covariates and labels, the simple ones first, without duplicates.
 
     Parameters
     ----------
+    residuals : Residuals
+        Gives covariates, labels and trajectories.
     scales : dict, covariate -> float
-        What it is measured by, in its own unit; by default its 95 % quantile, to one digit.
+        What a covariate is divided by, in its own unit; by default its 95 % quantile, to one digit.
     time : str, optional
-        The covariate that is the time inside a trajectory; without it nothing fades.
+        Covariate that is the time inside a trajectory; without it no memory fades.
     """
     listed: list[Atom] = []
     for atom in itertools.chain(
@@ -92,7 +102,17 @@ def atoms(residuals: Residuals, scales: Mapping[str, float] | None = None, time:
 
 
 def scale_of(name: str, values: Array, scales: Mapping[str, float]) -> float:
-    """What a covariate is measured by."""
+    """Return what a covariate is divided by, in its own unit.
+
+    Parameters
+    ----------
+    name : str
+        Name of the covariate.
+    values : (n,)
+        Its values; without a given scale their 95 % quantile, to one digit, is used.
+    scales : dict, covariate -> float
+        Given scales.
+    """
     if name in scales:
         return scales[name]
     usual = float(np.quantile(np.abs(values), 0.95)) or float(np.abs(values).max())
@@ -100,29 +120,30 @@ def scale_of(name: str, values: Array, scales: Mapping[str, float]) -> float:
 
 
 def _scaled(residuals: Residuals, scales: Mapping[str, float]) -> Iterator[Atom]:
-    for name, covariate in _given(residuals).items():
+    """Yield each covariate over its scale, after its logarithm where it varies over decades."""
+    for name, covariate in _measured_covariates(residuals).items():
         scale = scale_of(name, covariate.values, scales)
-        said = f"{name}/({quantity(scale, covariate.unit)})"
+        ratio = f"{name}/({quantity(scale, covariate.unit)})"
         if is_logarithmic(covariate.values):
-            # a logarithm is counted from 1 where that is among the values: people know it by heart
-            one = 1.0 if covariate.values.min() <= 1.0 <= covariate.values.max() and name not in scales else scale
-            called = f"log10({name}/({quantity(one, covariate.unit)}))"
-            meant = f"{called} is the logarithm to base 10 of {_in(name, covariate.unit)} over {one:g}"
-            yield Atom(called, np.log10(covariate.values / one), 1, meant)
-        yield Atom(said, covariate.values / scale, 1, f"{said} is {_in(name, covariate.unit)} over {scale:g}")
+            # a logarithm is counted from 1 where 1 is among the values: readers know such numbers by heart
+            origin = 1.0 if covariate.values.min() <= 1.0 <= covariate.values.max() and name not in scales else scale
+            logarithm = f"log10({name}/({quantity(origin, covariate.unit)}))"
+            definition = f"{logarithm} is the logarithm to base 10 of {_in(name, covariate.unit)} over {origin:g}"
+            yield Atom(logarithm, np.log10(covariate.values / origin), 1, definition)
+        yield Atom(ratio, covariate.values / scale, 1, f"{ratio} is {_in(name, covariate.unit)} over {scale:g}")
 
 
 def _since_steps(residuals: Residuals) -> Iterator[Atom]:
-    """Times since the last step of a covariate, over one unit of time, so that a coefficient is a rate of creep."""
+    """Yield times since the last step of a covariate over one unit of time: a coefficient is a rate of creep."""
     for name, covariate in residuals.covariates.items():
         if covariate.steps_of:
-            called = f"{name}/(1 {covariate.unit})"
-            meant = f"{called} is the time in {covariate.unit} {covariate.definition}"
-            yield Atom(called, covariate.values, 2, meant, Since(covariate.steps_of, covariate.unit))
+            label = f"{name}/(1 {covariate.unit})"
+            definition = f"{label} is the time in {covariate.unit} {covariate.definition}"
+            yield Atom(label, covariate.values, 2, definition, Since(covariate.steps_of, covariate.unit))
 
 
 def _relaxations(residuals: Residuals) -> Iterator[Atom]:
-    """Exponentials of the times since the last step of a covariate: what comes to an end rather than creep on."""
+    """Yield exponentials of the times since the last step of a covariate: relaxations, which come to an end."""
     for name, covariate in residuals.covariates.items():
         if not covariate.steps_of:
             continue
@@ -131,41 +152,47 @@ def _relaxations(residuals: Residuals) -> Iterator[Atom]:
         shortest = float(np.median(ahead[ahead > 0]))
         for fading in RELAXATIONS:
             if shortest <= fading <= LONGEST_RELAXATION * float(seconds.max()):
-                called = f"exp(-{name}/({fading:g} s))"
-                meant = f"{called} is the exponential of minus the time in s over {fading:g}, {covariate.definition}"
-                yield Atom(called, np.exp(-seconds / fading), 3, meant)
+                label = f"exp(-{name}/({fading:g} s))"
+                definition = (
+                    f"{label} is the exponential of minus the time in s over {fading:g}, {covariate.definition}"
+                )
+                yield Atom(label, np.exp(-seconds / fading), 3, definition)
 
 
-def _given(residuals: Residuals) -> dict[str, Covariate]:
-    """Covariates that are no time since the last step of another."""
+def _measured_covariates(residuals: Residuals) -> dict[str, Covariate]:
+    """Return the covariates other than times since the last step of a covariate."""
     return {name: covariate for name, covariate in residuals.covariates.items() if not covariate.steps_of}
 
 
 def _levels(residuals: Residuals) -> Iterator[Atom]:
+    """Yield an indicator of each level of every label with few levels."""
     for label, texts in residuals.labels.items():
         levels = np.unique(texts)
         if 2 <= len(levels) <= MOST_LEVELS:
             for level in levels:
-                said = f"[{label} is {level}]"
-                meant = f"{said} is 1 in rows where it holds, and 0 in others"
-                yield Atom(said, (texts == level).astype(np.float64), 1, meant)
+                name = f"[{label} is {level}]"
+                definition = f"{name} is 1 in rows where it holds, and 0 in others"
+                yield Atom(name, (texts == level).astype(np.float64), 1, definition)
 
 
 def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | None) -> Iterator[Atom]:
+    """Yield largest values so far and fading memories of covariates that vary inside trajectories."""
     inside = [
         (name, covariate)
-        for name, covariate in _given(residuals).items()
+        for name, covariate in _measured_covariates(residuals).items()
         if name != time and _varies_inside(residuals, covariate.values)
     ]
     for name, covariate in inside[:MOST_HISTORIES]:
+        # the largest value so far
         scale = scale_of(name, covariate.values, scales)
-        said = f"({quantity(scale, covariate.unit)})"
+        divisor = f"({quantity(scale, covariate.unit)})"
         over = f"{_in(name, covariate.unit)} in rows of its group up to this one, in order of time, over {scale:g}"
-        called = f"largest {name} so far/{said}"
+        label = f"largest {name} so far/{divisor}"
         largest = largest_so_far(covariate.values, residuals.starts) / scale
-        yield Atom(called, largest, 2, f"{called} is the largest {over}")
+        yield Atom(label, largest, 2, f"{label} is the largest {over}")
         if time is None:
             continue
+        # memories that fade within a trajectory, no faster than its frames follow one another
         seconds = _seconds(residuals.covariates[time])
         span = float(np.median(np.maximum.reduceat(seconds, residuals.starts)
                                - np.minimum.reduceat(seconds, residuals.starts)))  # fmt: skip
@@ -173,18 +200,19 @@ def _histories(residuals: Residuals, scales: Mapping[str, float], time: str | No
         for fading in FADINGS:
             if 0.3 * shortest <= fading <= 3.0 * span:
                 memory = fading_memory(covariate.values, seconds, residuals.starts, fading)
-                called = f"{name} remembered for {rounded(fading, 1)} s/{said}"
+                label = f"{name} remembered for {rounded(fading, 1)} s/{divisor}"
                 yield Atom(
-                    called, memory / scale, 2, f"{called} is m/{scale:g}: {_remembered(name, covariate, fading)}"
+                    label, memory / scale, 2, f"{label} is m/{scale:g}: {_memory_definition(name, covariate, fading)}"
                 )
 
 
 def _in(name: str, unit: str) -> str:
+    """Return a name with its unit, as ``"depth in mm"``; without a unit the name alone."""
     return name if unit in ("", "1", "?") else f"{name} in {unit}"
 
 
-def _remembered(name: str, covariate: Covariate, fading: float) -> str:
-    """How a fading memory m is computed, row by row."""
+def _memory_definition(name: str, covariate: Covariate, fading: float) -> str:
+    """Return how a fading memory m is computed, row by row, in words."""
     return (
         f"in the first row of a group m is {_in(name, covariate.unit)}; in each later row, in order of time, m is its "
         f"value of the row before times exp(-(seconds since that row)/{fading:g}), plus the change of {name} since it"
@@ -192,17 +220,17 @@ def _remembered(name: str, covariate: Covariate, fading: float) -> str:
 
 
 def _ratios(residuals: Residuals) -> Iterator[Atom]:
-    """Two covariates of the same dimension, one over the other."""
-    known = _known(residuals)
+    """Yield ratios of two covariates of the same dimension."""
+    known = _with_units(residuals)
     for (name, values, unit), (other, below, unit_below) in itertools.permutations(known, 2):
         if unit.exponents == unit_below.exponents != NONE and (below > 0).all():
-            meant = f"{name}/{other} is their ratio, both in the same unit"
-            yield Atom(f"{name}/{other}", values * unit.factor / (below * unit_below.factor), 2, meant)
+            definition = f"{name}/{other} is their ratio, both in the same unit"
+            yield Atom(f"{name}/{other}", values * unit.factor / (below * unit_below.factor), 2, definition)
 
 
 def _groups(residuals: Residuals) -> Iterator[Atom]:
-    """Three covariates whose powers have no dimension together, as ``force/(modulus radius^2)``."""
-    positive = [one for one in _known(residuals) if (one[1] > 0).all() and not one[2].is_pure]
+    """Yield products of powers of three covariates that have no dimension together, as force/(modulus radius^2)."""
+    positive = [known for known in _with_units(residuals) if (known[1] > 0).all() and not known[2].is_pure]
     for three in itertools.combinations(positive, 3):
         if len({unit.exponents for _, _, unit in three}) < 3:
             continue
@@ -215,14 +243,18 @@ def _groups(residuals: Residuals) -> Iterator[Atom]:
 
 
 def _total(three: tuple[tuple[str, Array, Unit], ...], powers: tuple[int, ...]) -> tuple[float, ...]:
+    """Return the exponents of the base units of a product of powers; all 0 where the product has no dimension."""
     together = [unit.power(power).exponents for (_, _, unit), power in zip(three, powers, strict=True)]
     return tuple(sum(column) for column in zip(*together, strict=True))
 
 
-def _known(residuals: Residuals) -> list[tuple[str, Array, Unit]]:
-    """Covariates whose unit is known; positions, which go below 0, have an origin by choice and make no ratio."""
+def _with_units(residuals: Residuals) -> list[tuple[str, Array, Unit]]:
+    """Return name, values and unit of the covariates with a known unit and no negative value.
+
+    Covariates with negative values, as positions, have an arbitrary origin: their ratios mean nothing.
+    """
     listed = []
-    for name, covariate in _given(residuals).items():
+    for name, covariate in _measured_covariates(residuals).items():
         unit = find_unit(covariate.unit)
         if unit is not None and covariate.values.min() >= 0:
             listed.append((name, covariate.values, unit))
@@ -230,16 +262,18 @@ def _known(residuals: Residuals) -> list[tuple[str, Array, Unit]]:
 
 
 def _varies_inside(residuals: Residuals, values: Array) -> bool:
+    """Whether values (n,) vary inside more than half of the trajectories."""
     spread = np.maximum.reduceat(values, residuals.starts) - np.minimum.reduceat(values, residuals.starts)
     return bool((spread > 0).mean() > 0.5)
 
 
 def _seconds(time: Covariate) -> Array:
+    """Return a time in seconds (n,); a time without a known unit is taken to be in seconds."""
     unit = find_unit(time.unit)
     return time.values * (unit.factor if unit is not None and not unit.is_pure else 1.0)
 
 
 def _is_same(values: Array, other: Array) -> bool:
-    """Whether two atoms differ by a factor only."""
+    """Whether two atoms differ only by a factor: their absolute cosine exceeds 0.9999."""
     size = float(np.linalg.norm(values)) * float(np.linalg.norm(other))
     return bool(abs(float(values @ other)) > 0.9999 * size)

@@ -1,4 +1,4 @@
-"""How far two explanations are apart in what was recorded and in a trial, after one has been refitted to the other."""
+"""Distance of two explanations in recorded data and in a trial, after one has been refitted to the other."""
 
 from __future__ import annotations
 
@@ -18,26 +18,29 @@ from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
 
 NEAR = np.array([0.03, 0.005, 0.05])
-"""Of ln E, nu and mu: so near to those of the truth a refit begins where the recorded data leave them open, as slopes
-far away say nothing (what never slides does not feel friction)."""
+"""Standard deviations of ln E, nu and mu about the true ones with which a refit starts. Recorded data may leave them
+open, and slopes far from the truth mislead (without sliding the slope over friction is 0)."""
 ROUNDS, HALVINGS = 4, 3
+"""Gauss-Newton steps, and how often a step is halved that makes the distance larger."""
 AS_PROMISED = 0.1
-"""Share, and units of noise squared, to which a step keeps what its slopes promise."""
+"""A step is the last one where the distance misses its linear prediction by at most this share of it, or this much."""
 
 
 def error_probability(square: float) -> float:
-    """Chance to take one of two for the other, where they are apart by the root of ``square`` in noise."""
+    """Return the probability of choosing the wrong one of two explanations at a squared distance in noise."""
     return 0.5 * math.erfc(math.sqrt(max(square, 0.0)) / 2.0 / math.sqrt(2.0))
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """What the recorded data say when ``truth`` holds and ``other`` is refitted to it: a parabola of its numbers.
+    """Squared distance in recorded data of two explanations, as a parabola of the other's q numbers.
+
+    ``truth`` is taken to hold; ``other`` is refitted to its prediction.
 
     Parameters
     ----------
     truth, other : JointFit
-        In the same data.
+        Fits to the same data.
     """
 
     truth: JointFit
@@ -45,32 +48,34 @@ class Recorded:
 
     @cached_property
     def _about(self) -> RandomEffects:
+        """Metric with noise and each trajectory's own offset; shared numbers stay free."""
         fit = self.other
         return RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
 
     @cached_property
     def _apart(self) -> Array:
+        """Whitened difference (n, 6) of the two predictions."""
         return self.other.residual - self.truth.residual
 
     @cached_property
     def information(self) -> Array:
-        """Of the other's numbers (q, q), priors included."""
+        """Information matrix (q, q) of the other's numbers, priors included."""
         shared = self.other.shared
         return self._about.products(shared, shared) + np.diag(self.other.precision)
 
     @cached_property
     def gradient(self) -> Array:
-        """Towards the truth (q,)."""
+        """Downhill gradient (q,) of half the squared distance over the other's numbers."""
         return self._about.products(self.other.shared, self._apart[:, :, None])[:, 0]
 
     @cached_property
     def square(self) -> float:
-        """How far apart they are as fitted, in noise, squared; each trajectory's offset refitted."""
+        """Squared distance in noise with the numbers as fitted and each trajectory's offset refitted."""
         return self._about.cost(self._apart)
 
     @cached_property
     def least(self) -> float:
-        """The same with all numbers refitted."""
+        """Squared distance in noise with all numbers of the other explanation refitted."""
         vector, (low, high) = self.other.model.vector, self.other.model.bounds
         change = bounded_change(self.information, self.gradient, low - vector, high - vector)
         return max(self.square - 2.0 * float(change @ self.gradient) + float(change @ self.information @ change), 0.0)
@@ -78,17 +83,18 @@ class Recorded:
 
 @dataclass(frozen=True)
 class TrialRows:
-    """A trial's frames, whitened.
+    """The n whitened frames of a trial, and how its errors of the simulation correspond to those of recorded data.
 
     Parameters
     ----------
     white : WhitenedTouches
+        The trial's touches.
     numerical : (n, 6, e)
-        Numerical errors of the trial: one an indenter, by name, then those of all.
+        Whitened changes by the errors of the simulation: one for each indenter, by name, then the common ones.
     columns : (e,) int
-        Their places among those of the recorded data, and of indenters that were not recorded after these.
+        Place of each error among those of the recorded data; indenters that were not recorded follow after these.
     errors, recorded : int
-        How many numerical errors there are in all, and in the recorded data.
+        Number of errors of the simulation in all, and in the recorded data.
     """
 
     white: WhitenedTouches
@@ -99,7 +105,7 @@ class TrialRows:
 
     @staticmethod
     def of(trial: TouchSet, recorded: WhitenedTouches) -> TrialRows:
-        """Of a trial beside what was recorded, with the same numerical errors."""
+        """Return the whitened frames of a trial, with the errors of the simulation that the recorded data have."""
         before = sorted(set(recorded.touch_set.indenters))
         now = sorted(set(trial.indenters))
         new = [name for name in now if name not in before]
@@ -113,23 +119,23 @@ class TrialRows:
         return TrialRows(white, numerical, columns, known + len(new), known)
 
     def model(self, fit: JointFit, vector: Array) -> JointModel:
-        """The model of a fit, in the trial, at a vector of the fit's numbers and of further numerical errors."""
+        """Return the model of a fit in the trial, at a vector of the fit's numbers and of all errors."""
         numbers = 3 + len(fit.model.coordinates)
         offsets = np.zeros(len(self.white.starts))
         there = replace(fit.model, offsets=offsets, errors=np.zeros(len(self.columns)))
         return there.at(np.concatenate([vector[:numbers], vector[numbers:][self.columns]]), offsets)
 
     def residual(self, model: JointModel) -> Array:
-        """What a model leaves (n, 6) of the wrenches by which the trial is weighed."""
+        """Return the whitened residual (n, 6) of a model against the wrenches of the plain simulation."""
         predicted = self.white.touch_set.play(model.material, model.settings, model.offsets)
         return self.white.residual(predicted) - self.numerical @ model.errors
 
     def vector(self, fit: JointFit) -> Array:
-        """A fit's numbers, with zeros for numerical errors that it does not know."""
+        """Return a fit's numbers, with zeros for errors of the simulation that only the trial has."""
         return np.concatenate([fit.model.vector, np.zeros(self.errors - self.recorded)])
 
     def slopes(self, fit: JointFit, model: JointModel) -> tuple[Array, RandomEffects]:
-        """Change (n, 6, q) over the numbers of `vector`, and noise and offsets of the trial."""
+        """Return the whitened change (n, 6, q) over the numbers of `vector`, and the metric of noise and offsets."""
         there = joint_fit(self.white, self.numerical, model, rounds=0)
         numbers = 3 + len(fit.model.coordinates)
         wide = np.zeros((len(there.own), 6, numbers + self.errors))
@@ -139,27 +145,33 @@ class TrialRows:
 
 
 def square_with(trial: TrialRows, pair: Recorded, truth: Array) -> float:
-    """How far apart (in noise, squared) two explanations are in recorded data and trial together, the other refitted.
+    """Return the squared distance, in noise, of two explanations in recorded data and trial together.
 
-    Damped Gauss-Newton; where the first step keeps what its slopes promise there is no second.
+    The explanation that is not true is refitted by damped Gauss-Newton steps; they end with a step that reaches what
+    its slopes predict.
 
     Parameters
     ----------
+    trial : TrialRows
+    pair : Recorded
+        The two explanations in the recorded data.
     truth : (n, 6)
-        What the true one leaves of the trial's wrenches, from `TrialRows.residual`.
+        Residual of the true explanation in the trial, from `TrialRows.residual`.
     """
     refit = _Refit(trial, pair, truth)
     vector = refit.start
     model = trial.model(pair.other, vector)
     apart = trial.residual(model) - truth
     for _ in range(ROUNDS):
+        # a step within the bounds of the numbers
         slopes, about = trial.slopes(pair.other, model)
         square = refit.square(vector, about.cost(apart))
         gram = refit.information + about.products(slopes, slopes)
-        told = refit.pull(vector) + about.products(slopes, apart[:, :, None])[:, 0]
-        change = bounded_change(gram, told, refit.low - vector, refit.high - vector)
+        gradient = refit.pull(vector) + about.products(slopes, apart[:, :, None])[:, 0]
+        change = bounded_change(gram, gradient, refit.low - vector, refit.high - vector)
+        # halved until the distance falls
         for _ in range(HALVINGS):
-            promised = square - 2.0 * float(change @ told) + float(change @ gram @ change)
+            promised = square - 2.0 * float(change @ gradient) + float(change @ gram @ change)
             tried = trial.model(pair.other, vector + change)
             left = trial.residual(tried) - truth
             reached = refit.square(vector + change, about.cost(left))
@@ -176,25 +188,30 @@ def square_with(trial: TrialRows, pair: Recorded, truth: Array) -> float:
 
 @dataclass(frozen=True)
 class _Refit:
+    """The refit of one explanation to the other: start, bounds, and its parabola in recorded data and priors."""
+
     trial: TrialRows
     pair: Recorded
     truth: Array
 
     @cached_property
     def fitted(self) -> Array:
+        """Numbers (q,) of the other explanation as fitted to the recorded data."""
         return self.trial.vector(self.pair.other)
 
     @cached_property
     def low(self) -> Array:
+        """Lower bounds (q,) of the numbers."""
         return self._with_more(self.pair.other.model.bounds[0], -np.inf)
 
     @cached_property
     def high(self) -> Array:
+        """Upper bounds (q,) of the numbers."""
         return self._with_more(self.pair.other.model.bounds[1], np.inf)
 
     @cached_property
     def information(self) -> Array:
-        """Of the recorded data and of priors (q, q); numerical errors that they do not know have theirs."""
+        """Information matrix (q, q) of recorded data and priors; errors that only the trial has bring their prior."""
         size, known = len(self.fitted), len(self.pair.information)
         wide = np.eye(size)
         wide[:known, :known] = self.pair.information
@@ -202,11 +219,12 @@ class _Refit:
 
     @cached_property
     def gradient(self) -> Array:
+        """Downhill gradient (q,) at the fitted numbers, of recorded data and priors."""
         return self._with_more(self.pair.gradient, 0.0)
 
     @cached_property
     def start(self) -> Array:
-        """Where the recorded data have it, E, nu and mu those of the truth as far as these leave them open."""
+        """Numbers (q,) at which the refit starts: the best in recorded data, E, nu and mu drawn towards the truth."""
         near = np.zeros(len(self.fitted))
         near[:3] = NEAR**-2
         toward = np.zeros(len(self.fitted))
@@ -216,13 +234,16 @@ class _Refit:
         return self.fitted + change
 
     def square(self, vector: Array, of_trial: float) -> float:
+        """Return the squared distance at numbers (q,): recorded data and priors, plus that in the trial."""
         change = vector - self.fitted
         recorded = self.pair.square - 2.0 * float(self.gradient @ change) + float(change @ self.information @ change)
         return recorded + of_trial
 
     def pull(self, vector: Array) -> Array:
+        """Return the downhill gradient (q,) at numbers (q,), of recorded data and priors."""
         pull: Array = self.gradient - self.information @ (vector - self.fitted)
         return pull
 
     def _with_more(self, known: Array, value: float) -> Array:
+        """Return numbers (q,) made of those of the recorded data and a value for errors that only the trial has."""
         return np.concatenate([known, np.full(self.trial.errors - self.trial.recorded, value)])

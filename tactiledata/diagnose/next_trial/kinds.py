@@ -1,6 +1,6 @@
-"""The trials that are thought of: each an order of a few minutes that moves one cause and holds the others.
+"""The trials that can be proposed: each takes some minutes and changes one cause while the others stay.
 
-All have some 200 to 300 frames, so that none wins by their number.
+All have about 200 to 300 frames, so that none wins by the number of its frames.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch, dwell, press, retreat, shear, turn
 
 SLOW, USUAL, QUICK = 5e-4, 1e-3, 3e-3
-"""m/s."""
+"""Speeds, m/s."""
 SLIDE = 2e-3
-"""m: beyond what sticks."""
+"""Length of a slide, m: longer than any stick."""
 STEPS = 6
-"""Of a press."""
+"""Steps of a press."""
 
 
 def hold(bench: TrialBench) -> Trial:
-    """A quick press and a dwell of a minute: what goes on at zero motion."""
+    """Return a quick press with a dwell of a minute: it shows what changes without motion."""
     depth = bench.depth(bench.ball)
     held = (dwell(2.0, 60), dwell(8.0, 80), dwell(50.0, 100))
     touch = TrialTouch(bench.ball, (press(depth, QUICK, settle=0.0), *held, retreat(USUAL)))
@@ -27,7 +27,7 @@ def hold(bench: TrialBench) -> Trial:
 
 
 def rate_ladder(bench: TrialBench) -> Trial:
-    """One path at four speeds."""
+    """Return one path at four speeds: it shows what depends on rate."""
     depth = bench.depth(bench.ball)
     speeds = (1e-4, 3e-4, 1e-3, 3e-3)
     touches = tuple(TrialTouch(bench.ball, (press(depth, v), retreat(v))) for v in speeds)
@@ -35,7 +35,7 @@ def rate_ladder(bench: TrialBench) -> Trial:
 
 
 def load_unload_reload(bench: TrialBench) -> Trial:
-    """Up and down twice at a spot that has no history."""
+    """Return loading and unloading at a fresh spot: it shows what the first loading changes."""
     depth = bench.depth(bench.ball)
     ways = [press(share * depth, SLOW, depth / STEPS, 0.3) for share in (0.7, 0.05, 0.7, 0.05, 1.0, 0.05)]
     (spot,) = bench.fresh(bench.ball, 1)
@@ -45,14 +45,14 @@ def load_unload_reload(bench: TrialBench) -> Trial:
 
 
 def first_touches(bench: TrialBench) -> Trial:
-    """What the first touches of a spot do to the next ones."""
+    """Return three presses at each of two fresh spots: they show how a touch changes the next ones."""
     touches = tuple(_press(bench, bench.ball, spot) for spot in bench.fresh(bench.ball, 2) for _ in range(3))
     title = f"Press {_mm(bench.depth(bench.ball))} three times at each of two fresh spots"
     return Trial("first_touches", title, touches, burst=5)
 
 
 def turns(bench: TrialBench) -> Trial:
-    """Gravity goes around in the sensor's frame, and nothing touches."""
+    """Return turns in free air: gravity changes its direction in the sensor's frame, and nothing touches."""
     ways = [(0.5, 0.0, 0.0), (-0.5, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, -0.5, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
     touch = TrialTouch(bench.ball, (*(turn(*way) for way in ways), turn(0.0, 0.0, 0.0)))
     caveat = "The estimate takes only the last joint to follow a turn about the gel's normal."
@@ -62,14 +62,14 @@ def turns(bench: TrialBench) -> Trial:
 
 
 def starts_and_stops(bench: TrialBench) -> Trial:
-    """Accelerations in free air."""
+    """Return starts and stops in free air: they show what accelerations do."""
     ways = [shear(sign * 0.01, 0.0, 0.05, settle=0.3) for sign in (1.0, -1.0) * 4]
     touch = TrialTouch(bench.ball, (turn(0.0, 0.0, 0.0, 0.5), *ways))
     return Trial("starts_and_stops", "Start and stop in free air, 10 mm at 50 mm/s", (touch,), "video", 20.0)
 
 
 def flat_punch(bench: TrialBench) -> Trial:
-    """An area that does not grow with depth; left slowly."""
+    """Return presses of a flat punch that are left slowly: the contact area does not grow with depth."""
     depth = bench.depth(bench.punch)
     touches = tuple(
         TrialTouch(bench.punch, (press(share * depth, SLOW), dwell(2.0, 4), press(0.01e-3, 1e-4), retreat(1e-4)))
@@ -81,7 +81,7 @@ def flat_punch(bench: TrialBench) -> Trial:
 
 
 def five_places(bench: TrialBench) -> Trial:
-    """One press all over the pad."""
+    """Return one press at five places: it shows what depends on the place."""
     x, y = (round(side, 5) for side in bench.reach(bench.ball))
     places = [(0.0, 0.0), (x, 0.0), (-x, 0.0), (0.0, y), (0.0, -y)]
     title = f"Press {_mm(bench.depth(bench.ball))} in the middle and near each border"
@@ -89,7 +89,7 @@ def five_places(bench: TrialBench) -> Trial:
 
 
 def from_power_on(bench: TrialBench) -> Trial:
-    """One press every four minutes from power-on, then after a pause."""
+    """Return one press every four minutes from power-on, then two after a pause: they show warming."""
     title = (
         f"Press {_mm(bench.depth(bench.ball))} every 4 min from power-on for half an hour; switch off, let it cool,"
         " and press twice more"
@@ -99,7 +99,7 @@ def from_power_on(bench: TrialBench) -> Trial:
 
 
 def slides(bench: TrialBench) -> Trial:
-    """Three speeds under each of three loads."""
+    """Return slides at three speeds under each of three loads: they show the law of friction."""
     depth = bench.depth(bench.ball)
     ways = (shear(SLIDE, 0.0, 3e-4), shear(-SLIDE, 0.0, 1e-3), shear(SLIDE, 0.0, 5e-3))
     touches = tuple(
@@ -110,7 +110,7 @@ def slides(bench: TrialBench) -> Trial:
 
 
 def hold_then_slide(bench: TrialBench) -> Trial:
-    """How friction grows at rest."""
+    """Return holds of 1, 10 and 100 s before a slide: they show how friction grows at rest."""
     depth = 0.75 * bench.depth(bench.ball)
     touches = tuple(
         TrialTouch(
@@ -124,7 +124,7 @@ def hold_then_slide(bench: TrialBench) -> Trial:
 
 
 def shear_and_back(bench: TrialBench) -> Trial:
-    """Small shear to and fro, and back to where it began."""
+    """Return small shear to both sides and back: it shows dead bands and hysteresis."""
     depth = bench.depth(bench.ball)
     ways = [shear(sign * size, 0.0, SLOW, size / 4, 0.1) for size in (2e-4, 4e-4) for sign in (1.0, -2.0, 1.0)]
     touch = TrialTouch(bench.ball, (press(depth, USUAL), *ways, dwell(1.0, 2), retreat(USUAL)))
@@ -132,30 +132,32 @@ def shear_and_back(bench: TrialBench) -> Trial:
 
 
 def three_depths(bench: TrialBench) -> Trial:
-    """One ball, three depths."""
+    """Return presses of one ball to three depths: they show what depends on strain."""
     title = f"Press to 0.4, 0.7 and 1 times {_mm(bench.depth(bench.ball))}"
     return Trial("three_depths", title, _depths(bench, bench.ball), burst=16)
 
 
 def three_radii(bench: TrialBench) -> Trial:
-    """Balls of three radii, each at three depths."""
+    """Return balls of three radii, each to three depths: they separate layer, coating and strain."""
     touches = tuple(touch for name in bench.balls for touch in _depths(bench, name))
     sizes = ", ".join(f"{1e3 * bench.indenter(name).sizes['radius']:g}" for name in bench.balls)
     return Trial("three_radii", f"Press balls of {sizes} mm radius to three depths each", touches, burst=5)
 
 
 def taps(bench: TrialBench) -> Trial:
-    """A quick tap at the start and at the end of one recording."""
+    """Return a quick tap at the start and at the end of a recording: they show how the clocks run."""
     touch = TrialTouch(bench.ball, (press(bench.depth(bench.ball), QUICK, settle=1.0), retreat(QUICK)))
     return Trial("taps", "Tap at the start and ten minutes later in one recording", (touch,) * 2, burst=40, pause=600.0)
 
 
 def _press(bench: TrialBench, name: str, place: tuple[float, float] = (0.0, 0.0), share: float = 1.0) -> TrialTouch:
+    """Return a stepwise press of an indenter to a share of its depth, at a place (x, y), m."""
     depth = share * bench.depth(name)
     return TrialTouch(name, (press(depth, USUAL, depth / STEPS, 0.2), dwell(0.5, 1), retreat(USUAL)), place)
 
 
 def _depths(bench: TrialBench, name: str) -> tuple[TrialTouch, ...]:
+    """Return presses of an indenter to 0.4, 0.7 and 1 times its depth."""
     return tuple(_press(bench, name, share=share) for share in (0.4, 0.7, 1.0))
 
 
@@ -167,4 +169,4 @@ TRIALS: tuple[Callable[[TrialBench], Trial], ...] = (
     hold, rate_ladder, load_unload_reload, first_touches, turns, starts_and_stops, flat_punch, five_places,
     from_power_on, slides, hold_then_slide, shear_and_back, three_depths, three_radii, taps,
 )  # fmt: skip
-"""All of them."""
+"""All trials that can be proposed."""

@@ -1,4 +1,4 @@
-"""What recordings cannot tell, whatever physics is missing, and which recording would."""
+"""What the recordings at hand cannot show, whatever physics is missing, and which recording would show it."""
 
 from __future__ import annotations
 
@@ -10,45 +10,49 @@ from tactiledata.diagnose.touches.touch_case import TouchCase, TouchSet
 from tactiledata.gel.elasticity.material import GelMaterial
 
 STILL = 1e-5
-"""m: a tip that moves less from one frame to the next dwells."""
+"""Motion from one frame to the next, m, below which the tip rests."""
 LONG = 0.5
-"""s: shorter stops are none."""
+"""Shortest rest that counts, s."""
 RANGE = 1.5
-"""Times by which depths, or speeds, are to differ to tell one law from another."""
+"""Smallest ratio of depths, or speeds, that separates one law from another."""
 TOGETHER = 0.05
-"""Share of readings in contact that stand at one extreme value: more is no chance."""
+"""Share of readings in contact at one extreme value from which on they are cut off there, not there by chance."""
 FEWEST = 20
-"""Readings, to speak of a share."""
+"""Fewest readings from which a share is computed."""
 
 
 def limits(cases: TouchSet, material: GelMaterial) -> list[str]:
-    """In sentences: what cannot be concluded, and what to record; empty where nothing stands in the way.
+    """Return sentences on what cannot be concluded and what to record instead; empty where nothing is in the way.
 
     Parameters
     ----------
+    cases : TouchSet
+        The recorded touches.
     material : GelMaterial
-        Of the plain simulation, for what slides.
+        Gel of the plain simulation, which decides what slides.
     """
-    said = [sentence for check in _CHECKS if (sentence := check(cases))]
+    sentences = [sentence for check in _CHECKS if (sentence := check(cases))]
     base = cases.base(material)
-    asked = [
+    answers = [
         base(case.touch).respond(np.zeros(len(case.touch)), np.zeros((len(case.touch), 2)), np.ones(len(case.touch)))
         for case in cases.touches
     ]
-    if not any(answer.sliding.any() for answer in asked):
-        said.append(
-            "Nothing slides: mu, and all that changes friction, cannot be told. Press, then move 1 mm along the gel."
+    if not any(answer.sliding.any() for answer in answers):
+        sentences.append(
+            "Nothing slides: these data do not show mu, nor any effect that changes friction. Press, then move 1 mm"
+            " along the gel."
         )
-    deepest = np.array([answer.depth.max() for answer in asked])
+    deepest = np.array([answer.depth.max() for answer in answers])
     if deepest.max() < RANGE * deepest.min():
-        said.append(
+        sentences.append(
             f"All touches are about equally deep ({1e3 * deepest.min():.2f} to {1e3 * deepest.max():.2f} mm): E, nu,"
             " thickness and stiffening cannot be told from one another. Press to 0.3, 0.6 and 1.0 mm."
         )
-    return said
+    return sentences
 
 
 def _one_indenter(cases: TouchSet) -> str:
+    """Return what a single indenter cannot show; empty where there are several."""
     if len(set(cases.indenters)) > 1:
         return ""
     return (
@@ -58,6 +62,7 @@ def _one_indenter(cases: TouchSet) -> str:
 
 
 def _no_dwell(cases: TouchSet) -> str:
+    """Return what touches without a rest in contact cannot show; empty where one rests."""
     if any(_dwells(case) for case in cases.touches):
         return ""
     return (
@@ -67,7 +72,7 @@ def _no_dwell(cases: TouchSet) -> str:
 
 
 def _dwells(case: TouchCase) -> bool:
-    """Whether the tip stands still in contact for long enough."""
+    """Whether the tip rests in contact for more than `LONG` seconds."""
     is_still = (np.linalg.norm(np.diff(case.touch.tips, axis=0), axis=1) < STILL) & ~case.free_air[1:]
     seconds = 0.0
     for still, step in zip(is_still, np.diff(case.touch.seconds), strict=True):
@@ -78,6 +83,7 @@ def _dwells(case: TouchCase) -> bool:
 
 
 def _no_free_air(cases: TouchSet) -> str:
+    """Return what recordings without frames in free air cannot show; empty where one has such frames."""
     without = sum(not case.free_air.any() for case in cases.touches)
     if without < len(cases.touches):
         return ""
@@ -88,6 +94,7 @@ def _no_free_air(cases: TouchSet) -> str:
 
 
 def _no_free_samples(cases: TouchSet) -> str:
+    """Return what trajectories without readings before contact cannot show; empty where all have some."""
     without = sum(case.free_samples < 1 for case in cases.touches)
     if not without:
         return ""
@@ -98,6 +105,7 @@ def _no_free_samples(cases: TouchSet) -> str:
 
 
 def _one_speed(cases: TouchSet) -> str:
+    """Return what slides at a single speed cannot show; empty where speeds differ or nothing moves."""
     speeds = np.concatenate([case.touch.lateral_speed[~case.free_air] for case in cases.touches])
     moving = speeds[speeds > 1e-4]
     if not len(moving):
@@ -112,6 +120,7 @@ def _one_speed(cases: TouchSet) -> str:
 
 
 def _clipped(cases: TouchSet) -> str:
+    """Return which component of force is cut off at a limit of the sensor; empty where none is."""
     readings = np.concatenate([case.measured[~case.free_air] for case in cases.touches])[:, :3]
     readings = readings[np.isfinite(readings).all(axis=1)]
     if len(readings) < FEWEST:
@@ -128,6 +137,7 @@ def _clipped(cases: TouchSet) -> str:
 
 
 def _dead(cases: TouchSet) -> str:
+    """Return which components of the force sensor never change; empty where all do."""
     readings = np.concatenate([case.measured for case in cases.touches])
     dead = [
         name
@@ -142,6 +152,7 @@ def _dead(cases: TouchSet) -> str:
     )
 
 
+# the order in which the sentences follow one another
 _CHECKS: tuple[Callable[[TouchSet], str], ...] = (
     _dead,
     _one_indenter,

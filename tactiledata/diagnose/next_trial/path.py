@@ -1,4 +1,4 @@
-"""Where the indenter is in a trial, moment by moment, as a robot that obeys the scenario moves it."""
+"""Path of the indenter in a touch of a trial, as a robot that follows the scenario moves it."""
 
 from __future__ import annotations
 
@@ -12,30 +12,31 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.next_trial.trial import TrialTouch
 
 FREE_AIR, FREE_AIR_AFTER = 0.6, 0.4
-"""s at rest before and after each touch."""
+"""Rest before and after each touch, s."""
 CLEARANCE, TURNING_CLEARANCE = 2e-3, 2e-2
-"""m above the gel, between touches and where the sensor turns."""
+"""Heights above the gel between touches and where the sensor turns, m."""
 APPROACH_SPEED, TURNING_SPEED = 5e-3, 0.5
-"""m/s and rad/s in free air."""
+"""Speeds in free air, m/s and rad/s."""
 FREE_FRAMES = 3
 """Frames before first contact."""
 SPACING = 1.0 / 30.0
-"""s between frames that are taken together."""
+"""Time between the frames of a burst, s."""
 
 
 @dataclass(frozen=True)
 class TrialPath:
-    """A trajectory between k knots; a smooth step leads from one to the next.
+    """A trajectory through k knots, with a smooth step (zero speed at each knot) from one to the next.
 
     Parameters
     ----------
     times : (k,) s
+        Time of each knot.
     positions : (k, 3) m
-        x and y on the gel, depth below its undeformed surface.
+        x and y on the gel, and depth below its undeformed surface.
     turns : (k, 3) rad
-        Rotation vectors beside the touch's own orientation.
+        Rotation vectors of the sensor from its orientation at touch.
     captures : (c,) s
-        Of frames that are taken step by step.
+        Times of the frames that are taken step by step.
     """
 
     times: Array
@@ -45,11 +46,11 @@ class TrialPath:
 
     @property
     def duration(self) -> float:
-        """Seconds."""
+        """Duration of the path, s."""
         return float(self.times[-1])
 
     def at(self, seconds: Array) -> tuple[Array, Array]:
-        """Positions (n, 3) and rotations (n, 3, 3)."""
+        """Return positions (n, 3), m, and rotations (n, 3, 3) at times (n,), s."""
         index = np.clip(np.searchsorted(self.times, seconds, side="right") - 1, 0, len(self.times) - 2)
         share = np.clip((seconds - self.times[index]) / np.maximum(np.diff(self.times)[index], 1e-12), 0.0, 1.0)
         smooth = (share**2 * (3.0 - 2.0 * share))[:, None]
@@ -60,18 +61,18 @@ class TrialPath:
 
 
 def trial_path(touch: TrialTouch, burst: int = 1) -> TrialPath:
-    """The path of one touch of a trial, with so many frames after each step."""
-    way = _Way(touch, burst)
+    """Return the path of one touch of a trial, with ``burst`` frames after each step."""
+    knots = _Knots(touch, burst)
     for step in touch.steps:
         ((kind, numbers),) = step.items()
-        way.go(kind, numbers)
-    way.leave(APPROACH_SPEED, CLEARANCE)
-    way.wait(FREE_AIR_AFTER)
-    return TrialPath(np.array(way.times), np.array(way.places), np.array(way.turns), np.array(way.captures))
+        knots.follow(kind, numbers)
+    knots.leave(APPROACH_SPEED, CLEARANCE)
+    knots.wait(FREE_AIR_AFTER)
+    return TrialPath(np.array(knots.times), np.array(knots.places), np.array(knots.turns), np.array(knots.captures))
 
 
-class _Way:
-    """Knots as they come."""
+class _Knots:
+    """Knots of a path, added in order of time, from a rest above the gel on."""
 
     def __init__(self, touch: TrialTouch, burst: int) -> None:
         self.burst = burst
@@ -85,10 +86,11 @@ class _Way:
 
     @property
     def here(self) -> Array:
+        """Position (3,) of the last knot, m: x, y and depth."""
         return self.places[-1]
 
-    def go(self, kind: str, numbers: dict[str, Any]) -> None:
-        """One step of the scenario."""
+    def follow(self, kind: str, numbers: dict[str, Any]) -> None:
+        """Add one step of the scenario: its kind, and its numbers as in ``schemas/scenario.json``."""
         if kind == "press":
             self.upright()
             if self.here[2] < 0:
@@ -113,6 +115,7 @@ class _Way:
             self.leave(numbers["speed"], CLEARANCE)
 
     def stepwise(self, to: Array, numbers: dict[str, Any]) -> None:
+        """Move to a position (3,), m, with a rest and a burst of frames after each ``step`` of the way."""
         start, whole = self.here, float(np.linalg.norm(to - self.here))
         if whole < 1e-9:
             return
@@ -122,27 +125,34 @@ class _Way:
             self.capture(self.burst)
 
     def leave(self, speed: float, clearance: float) -> None:
+        """Leave the gel at a speed, m/s, and rise to a clearance, m, above its surface."""
         self.upright()
         if self.here[2] > 0:
             self.move(np.array([*self.here[:2], 0.0]), speed)
         self.move(np.array([*self.here[:2], -clearance]), APPROACH_SPEED)
 
     def upright(self) -> None:
+        """Turn the sensor back to its orientation at touch."""
         self.turn(np.zeros(3), TURNING_SPEED)
 
     def move(self, to: Array, speed: float) -> None:
+        """Move to a position (3,), m, at a mean speed, m/s."""
         self._add(float(np.linalg.norm(to - self.here)) / speed, to, self.turns[-1])
 
     def turn(self, to: Array, speed: float) -> None:
+        """Turn to a rotation vector (3,), rad, at a mean speed, rad/s."""
         self._add(float(np.linalg.norm(to - self.turns[-1])) / speed, self.here, to)
 
     def capture(self, count: int) -> None:
+        """Take a burst of frames, the last one at the last knot."""
         self.captures.extend(self.times[-1] - SPACING * np.arange(count)[::-1])
 
     def wait(self, seconds: float) -> None:
+        """Rest at the last knot."""
         self._add(seconds, self.here, self.turns[-1])
 
     def _add(self, seconds: float, place: Array, turn: Array) -> None:
+        """Add a knot some seconds after the last one; none where no time passes."""
         if seconds > 1e-9:
             self.times.append(self.times[-1] + seconds)
             self.places.append(place)

@@ -1,4 +1,4 @@
-"""Which trial to record next: what each would tell of the explanations that are left, before it is recorded."""
+"""Ranked proposals: how far each trial would separate the explanations that are left, before it is recorded."""
 
 from __future__ import annotations
 
@@ -20,20 +20,22 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.errors import UsageError
 
 Way = tuple[int, int]
+"""Places of the true explanation and of the one that is refitted to it."""
 
 SEPARATED = 0.05
-"""Chance of a wrong name, below which two explanations count as told apart."""
+"""Probability of a wrong name below which two explanations count as separated."""
 
 
 @dataclass(frozen=True)
 class Separation:
-    """Two explanations before and after a trial.
+    """Distance of two explanations before and after a trial.
 
     Parameters
     ----------
     first, second : str
+        Effects of each explanation, joined by `` + ``; "nothing" for the plain simulation.
     before, after : float
-        How far they are apart, in standard deviations, when each is refitted to what the other would show.
+        Distance in standard deviations, where one explanation is refitted to what the other predicts.
     """
 
     first: str
@@ -43,25 +45,26 @@ class Separation:
 
     @property
     def error_before(self) -> float:
-        """Chance to take one for the other."""
+        """Probability of taking one explanation for the other with the recorded data."""
         return error_probability(self.before**2)
 
     @property
     def error_after(self) -> float:
-        """The same with the trial."""
+        """Probability of taking one explanation for the other with recorded data and trial."""
         return error_probability(self.after**2)
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """A trial and what it is worth.
+    """A trial, and how far it would separate the explanations that are left.
 
     Parameters
     ----------
     trial : Trial
     bench : TrialBench
+        The rig on which it would be recorded.
     separations : tuple of Separation
-        Of each pair of explanations that is left.
+        Separation of each pair of explanations that is left.
     """
 
     trial: Trial
@@ -70,18 +73,18 @@ class Proposal:
 
     @property
     def gain(self) -> float:
-        """By how much the chance to take one for the other falls, on average over pairs."""
-        return float(np.mean([one.error_before - one.error_after for one in self.separations]))
+        """Fall of the probability of taking one explanation for the other, averaged over pairs."""
+        return float(np.mean([pair.error_before - pair.error_after for pair in self.separations]))
 
     @property
     def separates(self) -> tuple[Separation, ...]:
-        """Pairs that are not told apart yet, and would be."""
-        return tuple(one for one in self.separations if one.error_after < SEPARATED <= one.error_before)
+        """Pairs that the recorded data do not separate, and that the trial would."""
+        return tuple(pair for pair in self.separations if pair.error_after < SEPARATED <= pair.error_before)
 
     @property
     def rank(self) -> tuple[float, float]:
-        """For sorting: by the gain, then by how far apart the trial alone would bring the explanations."""
-        grown = [one.after**2 - one.before**2 for one in self.separations]
+        """Sort key: the gain, then the distance that the trial alone would bring; the best trial comes first."""
+        grown = [pair.after**2 - pair.before**2 for pair in self.separations]
         return -round(self.gain, 4), -float(np.mean(np.sqrt(np.maximum(grown, 0.0))))
 
 
@@ -92,19 +95,25 @@ def propose_trials(
     trials: Sequence[Callable[[TrialBench], Trial]] = TRIALS,
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Proposal]:
-    """All trials, the most telling first; empty where one explanation, or none, is left.
+    """Return all trials, those that separate the explanations best first; empty where no two explanations are left.
 
-    T-optimal (Atkinson and Fedorov, Biometrika 62, 1975): the trial is played with one explanation, the other is
-    refitted to it and to what was recorded, numbers of its own, E, nu, mu and nuisance included, to first order; of
+    The design is T-optimal (Atkinson and Fedorov, Biometrika 62, 1975). The trial is played with one explanation. The
+    other is refitted to it and to the recorded data: its own numbers, E, nu, mu and the errors of the simulation. Of
     both directions the smaller distance counts.
 
     Parameters
     ----------
+    naming : NamingResult
+        Gives the explanations that are left, and the recorded touches.
     base : BaseFamily, optional
-        What plays touches that were not recorded, depths counted from the plane z = 0 of the gel frame; balls and
-        punches in closed form where ``None``.
+        The simulation that plays touches that were not recorded, with depths counted from the plane z = 0 of the gel
+        frame; by default balls and punches in closed form.
     bench : TrialBench, optional
-        The rig; that of the recorded trajectories where ``None``.
+        The rig; by default that of the recorded trajectories.
+    trials : sequence of callables
+        Each makes a trial for a bench.
+    progress : callable
+        Called with the title of each trial before it is played.
     """
     rivals = rivals_of(naming)
     if not rivals.pairs:
@@ -121,15 +130,27 @@ def ranked_trials(
     trials: Sequence[Callable[[TrialBench], Trial]] = TRIALS,
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Proposal]:
-    """The same for explanations that were fitted to recorded data by other means.
+    """Return all trials for given explanations, those that separate them best first.
 
     Parameters
     ----------
+    rivals : Rivals
+        The explanations with their fits to the recorded data, and the pairs to be separated.
+    recorded : WhitenedTouches
+        The recorded data.
+    bench : TrialBench
+        The rig on which trials would be recorded.
     dispersion : float
-        Mean square of what the best explanation leaves, over that of noise.
+        Mean square of what the best explanation leaves, over that of noise; squared distances are divided by it.
+    trials : sequence of callables
+        Each makes a trial for a bench.
+    progress : callable
+        Called with the title of each trial before it is played.
     """
+    # squared distances in the recorded data
     ways = {way: Recorded(*(rivals.members[place].fit for place in way)) for pair in rivals.pairs for way in pair.ways}
     before = {way: known.least for way, known in ways.items()}
+    # squared distances with each trial
     proposals = []
     for make in trials:
         trial = make(bench)
@@ -137,7 +158,7 @@ def ranked_trials(
         try:
             after = _squares_with(TrialRows.of(trial_cases(trial, bench), recorded), ways)
         except UsageError:
-            # gel and springs of a candidate find no balance there: nothing can be said of this trial
+            # the simulation finds no balance of gel and springs with a candidate: the trial cannot be judged
             continue
         parts = [
             _separation(
@@ -146,22 +167,27 @@ def ranked_trials(
             for pair in rivals.pairs
         ]
         proposals.append(Proposal(trial, bench, tuple(parts)))
-    return sorted(proposals, key=lambda one: one.rank)
+    return sorted(proposals, key=lambda proposal: proposal.rank)
 
 
 def _separation(rivals: Rivals, pair: Pair, before: float, after: float) -> Separation:
-    """What the recorded data have not kept of what they could, a trial does not bring back."""
+    """Return the separation of a pair from squared distances before and after a trial.
+
+    The recorded data may separate the pair by less than their information allows (``pair.known``). A trial adds to what
+    they do separate; it does not recover the rest.
+    """
     kept = min(before, pair.known)
     first, second = (rivals.members[place].name for place in (pair.first, pair.second))
     return Separation(first, second, float(np.sqrt(kept)), float(np.sqrt(kept + after - before)))
 
 
 def _squares_with(trial: TrialRows, ways: dict[Way, Recorded]) -> dict[Way, float]:
+    """Return the squared distance of each pair and direction in recorded data and trial together."""
     truths: dict[int, Array] = {}
-    found = {}
+    squares = {}
     for (first, second), known in ways.items():
         if first not in truths:
             truths[first] = trial.residual(trial.model(known.truth, trial.vector(known.truth)))
-        # more data cannot bring two nearer to one another: below stands what a step leaves undone
-        found[first, second] = max(square_with(trial, known, truths[first]), known.least)
-    return found
+        # more data cannot make the distance smaller: a smaller value means an unfinished refit
+        squares[first, second] = max(square_with(trial, known, truths[first]), known.least)
+    return squares

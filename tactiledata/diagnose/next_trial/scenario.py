@@ -1,4 +1,4 @@
-"""A trial as a scenario file, that the rig can play and a person can follow."""
+"""A trial as a scenario file, which the rig can play and a person can follow."""
 
 from __future__ import annotations
 
@@ -14,34 +14,39 @@ from tactiledata.diagnose.next_trial.trial import Trial
 FORMAT = "tactiledata-scenario/1"
 Entries = Mapping[str, Mapping[str, Any]]
 BACKGROUND = "digit-bg-5"
-"""A bundled one, where nobody names the sensor's own; none that pictures are transferred to."""
+"""Bundled background for a sensor that names none; pictures are never transferred to it."""
 
 
 def trial_scenario(
     trial: Trial, bench: TrialBench, sensors: Entries | None = None, indenters: Entries | None = None
 ) -> dict[str, Any]:
-    """The document, fit for ``schemas/scenario.json``.
+    """Return the scenario document of a trial (``schemas/scenario.json``).
 
     Parameters
     ----------
-    sensors : serial -> entry of the scenario, optional
-        The first is used, with the gel of the bench where it states none.
-    indenters : name -> entry of the scenario, optional
-        In place of those of the bench, by name; a mesh must be given here.
+    trial : Trial
+    bench : TrialBench
+        Gives gel, material, force limit and indenters.
+    sensors : dict, serial -> entry of the scenario, optional
+        The first sensor is used, with the gel of the bench where its entry states none.
+    indenters : dict, name -> entry of the scenario, optional
+        Entries that replace those of the bench; an indenter that is a mesh must be given here.
 
     Raises
     ------
     SchemaError
-        An entry that no scenario can have.
+        A sensor or indenter has an entry that no scenario can have.
     """
+    # the sensor, the indenters that are used, and how recordings are parted
     serial = next(iter(sensors)) if sensors else bench.touch.sensor or "sensor"
     gel = bench.touch.geometry
     pad = {"outline": list(gel.outline), "thickness": gel.thickness}
     entry = dict(sensors[serial]) if sensors else {"background": BACKGROUND}
-    used = dict.fromkeys(one.indenter for one in trial.touches)
+    used = dict.fromkeys(touch.indenter for touch in trial.touches)
     recordings: dict[str, Any] = {"group": "sensor", "tare": "log", "pause": trial.pause, "powered": trial.powered}
     if trial.per_recording:
         recordings["trajectories_per_log"] = trial.per_recording
+    # the document
     document = {
         "format": FORMAT,
         "title": trial.title,
@@ -60,12 +65,12 @@ def trial_scenario(
             {
                 "name": f"{trial.name}-{number}",
                 "sensor": serial,
-                "indenter": one.indenter,
-                "position": list(one.position),
+                "indenter": touch.indenter,
+                "position": list(touch.position),
                 "force_limit": bench.force_limit,
-                "steps": [dict(step) for step in one.steps],
+                "steps": [dict(step) for step in touch.steps],
             }
-            for number, one in enumerate(trial.touches, start=1)
+            for number, touch in enumerate(trial.touches, start=1)
         ],
     }
     check_document(document, "scenario", f"the scenario of trial {trial.name!r}")

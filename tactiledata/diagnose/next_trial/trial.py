@@ -1,4 +1,4 @@
-"""A trial: a few touches that could be recorded next, in the words of a scenario."""
+"""A trial: a few touches that could be recorded next, in the terms of a scenario."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class TrialTouch:
     Parameters
     ----------
     indenter : str
-        Name at the bench.
+        Name of the indenter at the bench.
     steps : tuple of dict
-        As ``schemas/scenario.json`` has them, every number stated.
+        Steps as in ``schemas/scenario.json``, every number stated.
     position : (x, y) m
-        Of the indenter's tip on the gel at first touch.
+        Place of the indenter's tip on the gel at first touch, gel frame.
     """
 
     indenter: str
@@ -29,23 +29,30 @@ class TrialTouch:
 
 @dataclass(frozen=True)
 class Trial:
-    """What to record.
+    """A recording that is proposed.
 
     Parameters
     ----------
-    name, title : str
-        In the registry; for people, an order with its numbers.
+    name : str
+        Name in the registry of trials.
+    title : str
+        An instruction for people, with its numbers.
     touches : tuple of TrialTouch
     capture : "step" or "video"
-        ``burst`` frames after each step, a thirtieth of a second apart, or frames at ``rate`` all the time.
-    rate : Hz
+        Either ``burst`` frames after each step, a thirtieth of a second apart, or frames at ``rate`` all the time.
+    rate : float
+        Frames of a video, Hz.
     burst : int
-    pause : s between touches
-    powered : s since power-on when a recording starts
+        Frames after each step.
+    pause : float
+        Time between two touches, s.
+    powered : float
+        Time since power-on of the sensor when a recording starts, s.
     per_recording : int, optional
-        A new recording begins after so many touches, its sensor freshly switched on; all are in one where ``None``.
+        Number of touches after which a new recording begins with its sensor freshly switched on; ``None``: one
+        recording holds all touches.
     caveat : str
-        What of it the rig cannot play, or the estimate cannot tell.
+        What the rig cannot play, or the estimate cannot know; empty where there is nothing.
     """
 
     name: str
@@ -61,29 +68,61 @@ class Trial:
 
 
 ONE_MOVE = 0.01
-"""m: a step that is longer than any way."""
+"""Step, m, that is longer than any press or slide: the move is made in one step."""
 
 
 def press(depth: float, speed: float, step: float = ONE_MOVE, settle: float = 0.1) -> dict[str, dict[str, Any]]:
-    """To a depth, m, or back to a lesser one, at a mean speed, m/s; with a frame, or a burst, after each step, m."""
+    """Return the step that presses to a depth, or goes back to a smaller one.
+
+    Parameters
+    ----------
+    depth : float
+        Depth below the undeformed surface, m.
+    speed : float
+        Mean speed, m/s.
+    step : float
+        Length, m, after which the motion pauses for a frame or a burst.
+    settle : float
+        Rest before each frame or burst, s.
+    """
     return {"press": {"depth": round(depth, 6), "step": round(step, 7), "speed": speed, "settle": settle}}
 
 
 def dwell(seconds: float, frames: int) -> dict[str, dict[str, Any]]:
-    """At rest."""
+    """Return the step that rests for some seconds and takes evenly spaced frames."""
     return {"dwell": {"time": seconds, "captures": frames}}
 
 
 def shear(x: float, y: float, speed: float, step: float = ONE_MOVE, settle: float = 0.0) -> dict[str, dict[str, Any]]:
-    """By (x, y), m, over the gel, in the same way."""
+    """Return the step that moves the indenter along the gel.
+
+    Parameters
+    ----------
+    x, y : float
+        Displacement, m, gel frame.
+    speed : float
+        Mean speed, m/s.
+    step : float
+        Length, m, after which the motion pauses for a frame or a burst.
+    settle : float
+        Rest before each frame or burst, s.
+    """
     return {"shear": {"by": [x, y], "step": round(step, 7), "speed": speed, "settle": settle}}
 
 
 def turn(x: float, y: float, z: float, settle: float = 1.0) -> dict[str, dict[str, Any]]:
-    """In free air, to a rotation vector, rad, of the gel's axes."""
+    """Return the step that turns the sensor in free air.
+
+    Parameters
+    ----------
+    x, y, z : float
+        Rotation vector, rad, of the gel's axes from their orientation at touch.
+    settle : float
+        Rest before the frame or burst, s.
+    """
     return {"turn": {"to": [x, y, z], "speed": 0.5, "settle": settle}}
 
 
 def retreat(speed: float) -> dict[str, dict[str, Any]]:
-    """Out of the gel at a speed, m/s."""
+    """Return the step that leaves the gel at a speed, m/s."""
     return {"retreat": {"speed": speed}}

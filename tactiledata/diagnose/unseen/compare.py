@@ -1,4 +1,4 @@
-"""What an effect does for data that it was not fitted to."""
+"""Comparison of the plain simulation with the best fit on data that neither was fitted to."""
 
 from __future__ import annotations
 
@@ -18,31 +18,32 @@ from tactiledata.diagnose.unseen.errors import FORCE, HeldOutErrors, held_out_er
 from tactiledata.diagnose.unseen.touch_residuals import known_rows, locate_touches
 
 STRETCHED = 3.0
-"""Standard deviations of its prior, from which on an error of the simulation itself is no usual one."""
+"""Standard deviations of its prior from which on an error of the simulation itself is unusual."""
 
 
 @dataclass(frozen=True)
 class HeldOutComparison:
-    """How much better the simulation tells what it has not seen.
+    """Held-out errors, located structure and black box, before and after the effects that are claimed.
 
     Parameters
     ----------
     names : tuple of str
         Effects that are claimed; empty where none is.
     tried : tuple of str
-        Effects that "after" speaks of: those that are claimed, else the nearest candidate; empty where there is none.
+        Effects of the fit "after": those that are claimed, else the nearest candidate; empty where there is none.
     errors : list of HeldOutErrors
-        Of trajectories, indenters, sensors, in that order.
+        Errors with trajectories, indenters and sensors held out, in that order.
     located : LocatorResults
-        Of the plain simulation.
+        Results of the locators on what the plain simulation leaves.
     left_over : LocatorResults, optional
-        Of what the claimed effects leave; ``None`` where none is claimed.
+        Results of the locators on what the claimed effects leave; ``None`` where none is claimed.
     ceiling : BlackBox
         Boosted trees on what the plain simulation leaves, trajectories held out.
     ceiling_force : float
-        N, the force error that they reach on trajectories.
+        Force error that plain simulation and boosted trees reach together on held-out trajectories, N.
     stretched : dict, words -> float
-        Errors of the simulation itself, in standard deviations of their priors, that the plain fit needs.
+        Errors of the simulation itself that the plain fit needs, in standard deviations of their priors; only those
+        of at least `STRETCHED`.
     """
 
     names: tuple[str, ...]
@@ -56,31 +57,31 @@ class HeldOutComparison:
 
     @property
     def of_trajectories(self) -> HeldOutErrors:
-        """Those of which the pictures are."""
+        """Errors on held-out trajectories, which the page draws."""
         return self.errors[0]
 
     @property
     def hardest(self) -> HeldOutErrors:
-        """Indenters held out, where there are several; else sensors, else trajectories."""
+        """Errors on held-out indenters where there are several; else on sensors, else on trajectories."""
         order = ("indenters", "sensors", "trajectories")
-        return min(self.errors, key=lambda one: order.index(one.unseen))
+        return min(self.errors, key=lambda errors: order.index(errors.unseen))
 
     def worst(self, most: int = 3) -> list[int]:
-        """Numbers of the trajectories that the plain simulation tells worst."""
+        """Return the numbers of the trajectories with the largest force errors of the plain simulation."""
         return [int(number) for number in np.argsort(-self.of_trajectories.by_trajectory, kind="stable")[:most]]
 
     @property
     def flattened(self) -> tuple[Drift, Drift] | None:
-        """The strongest certain dependence, before and after; ``None`` where there is none, or nothing is claimed."""
+        """The strongest certain drift before and after; ``None`` where there is none, or nothing is claimed."""
         if self.left_over is None or not self.located.is_certain("drifting parameters"):
             return None
         covariates = self.located.projection.residuals.covariates
         before, after = (
-            {(drift.parameter, drift.covariate): drift for drift in one.drifts if drift.covariate in covariates}
-            for one in (self.located, self.left_over)
+            {(drift.parameter, drift.covariate): drift for drift in results.drifts if drift.covariate in covariates}
+            for results in (self.located, self.left_over)
         )
         for leading in self.located.leading:
-            # a label that tells the same story as a covariate is no axis; the covariate is
+            # a label cannot be drawn as an axis; a covariate that varies together with it can
             pairs = [(leading.parameter, name) for name in (leading.covariate, *leading.alike)]
             sloped = [
                 pair
@@ -100,15 +101,22 @@ def show(
     located: LocatorResults | None = None,
     left_over: LocatorResults | None = None,
 ) -> HeldOutComparison:
-    """The plain simulation and the best fit on trajectories, indenters and sensors that were held out.
+    """Return how the plain simulation and the best fit do on held-out trajectories, indenters and sensors.
 
-    Held-out numbers are those of `tactiledata.diagnose.unseen.errors`: refits to the others are linearised about
-    the whole fit, then played. Which effect is claimed was decided with all trajectories; its numbers were not.
+    Errors are those of `tactiledata.diagnose.unseen.errors`: refits to the other groups are linearised about the whole
+    fit, then played. Which effect is claimed was decided with all trajectories; its strengths are refitted without the
+    held-out ones.
 
     Parameters
     ----------
+    naming : NamingResult
+        Gives touches, plain fit, best fit and decision.
+    seed : int
+        Draws folds, sign flips and bootstraps.
+    progress : callable
+        Called with a few words when each step begins.
     located, left_over : LocatorResults, optional
-        Of the plain fit and of that with the effects, where they are known already.
+        Results of the locators on the plain fit and on the fit with effects, where they are known already.
 
     Raises
     ------
@@ -119,14 +127,17 @@ def show(
     white, base, decision = naming.whitened, naming.base, naming.decision
     names = decision.best.names if decision.best is not None and decision.verdict in ("named", "one of a set") else ()
     after = decision.best.fit if decision.best is not None else base
+    # where the plain simulation departs
     if located is None:
         progress("where they differ")
         located = locate_touches(white, base, seed)
+    # errors on held-out data, without and with the best candidate, and of a black box
     progress("what is held out")
     numerical = white.simulation_error_wrenches(base.model.material, base.model.offsets)
     errors = held_out_errors(white, (base, after), numerical, seed)
     progress("the ceiling")
     ceiling = black_box(located.projection, seed)
+    # structure that the claimed effects leave
     if not names:
         left_over = None
     elif left_over is None:
@@ -139,11 +150,14 @@ def show(
 
 
 def _ceiling_force(naming: NamingResult, errors: HeldOutErrors, ceiling: BlackBox) -> float:
-    """Root mean square, N, of the force that black box and plain simulation leave together of trajectories held out."""
+    """Return the force error that plain simulation and black box reach together, N, on held-out trajectories.
+
+    It is the root mean square of a component, and at most the error of the plain simulation.
+    """
     white = naming.whitened
     rows = known_rows(white, errors.before)
     whitened = np.zeros((len(rows), 6))
-    # black box and locators count in single noise, see `case_residuals`
+    # residuals of the black box have unit variance in single readings, see `case_residuals`
     whitened[rows] = ceiling.predicted
     single = np.sqrt(np.array([case.noise.inflation for case in white.touch_set.touches]))[white.trajectory, None]
     explained = white.in_newtons(whitened / single)
@@ -152,5 +166,6 @@ def _ceiling_force(naming: NamingResult, errors: HeldOutErrors, ceiling: BlackBo
 
 
 def _stretched(naming: NamingResult, base: JointFit) -> dict[str, float]:
-    found = simulator_share(naming.whitened, base)
-    return {one.what: one.deviations for one in found if abs(one.deviations) >= STRETCHED}
+    """Return the unusual errors of the simulation itself in the plain fit, in standard deviations of their priors."""
+    shares = simulator_share(naming.whitened, base)
+    return {share.what: share.deviations for share in shares if abs(share.deviations) >= STRETCHED}

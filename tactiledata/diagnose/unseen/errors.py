@@ -1,4 +1,4 @@
-"""Wrenches of trajectories that a fit has not seen, played by the simulation itself."""
+"""Errors of force and torque on trajectories, indenters and sensors that had no part in a fit."""
 
 from __future__ import annotations
 
@@ -20,22 +20,26 @@ from tactiledata.diagnose.unseen.touch_residuals import known_rows
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 
 ROUNDS = 2
+"""Gauss-Newton steps of a trajectory's own contact offset."""
 
 
 def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.int64], numerical: Array) -> Array:
-    """Wrenches (N, 6), N and N m, each group's by numbers that were fitted to the others; NaN where not simulated.
+    """Return wrenches (N, 6), N and N m, of each group predicted by a fit to the others; NaN where not simulated.
 
-    E, nu, mu, the effects' numbers and the errors of the simulation move to where the other groups have them: one step
-    of the whole fit's linearisation, as in `tactiledata.diagnose.naming.held_out`. The wrench is then played anew.
-    An indenter that was not fitted has no factor of its own. The contact offset and the sensor's zero, which nobody
-    else can know, are those of the trajectory itself, under their priors.
+    E, nu, mu, the effects' numbers and the errors of the simulation are refitted to the other groups by one step of
+    the whole fit's linearisation, as in `tactiledata.diagnose.naming.held_out`. The wrench is then played anew. An
+    indenter that was not fitted has no factor of its own. The contact offset and the sensor's zero are fitted to the
+    trajectory itself, under their priors: no other trajectory knows them.
 
     Parameters
     ----------
+    white : WhitenedTouches
+    fit : JointFit
+        The fit to all trajectories.
     groups : (t,)
-        Number of each trajectory's group; at least two.
+        Number of each trajectory's group; at least two groups.
     numerical : (N, 6, e) N, N m
-        One standard deviation of each error of the simulation, as in the fit.
+        Wrench of one standard deviation of each error of the simulation, as in the fit.
     """
     refits = LinearRefits.of(white, fit)
     predicted = np.full((len(white.trajectory), 6), np.nan)
@@ -50,13 +54,13 @@ def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.
 
 
 def zero_shares(white: WhitenedTouches) -> Array:
-    """Shares (t,) of a trajectory's mean residual that are taken for its zero, from what its free air tells of it."""
+    """Return the share (t,) of each trajectory's mean residual that its zero takes, by the prior from free air."""
     known = np.add.reduceat(white.weights**2, white.starts) * white.tare
     return known / (1.0 + known)
 
 
 def _own_zeros(part: WhitenedTouches, predicted: Array) -> Array:
-    """Most likely zeros (N, 6), N and N m, of trajectories beside what is predicted of them."""
+    """Return the most likely zero of each row's trajectory (N, 6), N and N m, given the predicted wrenches (N, 6)."""
     weights = np.where(np.isfinite(predicted).all(axis=1), part.weights**2, 0.0)
     off = weights[:, None] * np.nan_to_num(part.measured - predicted)
     total = np.maximum(np.add.reduceat(weights, part.starts), 1e-300)
@@ -65,7 +69,7 @@ def _own_zeros(part: WhitenedTouches, predicted: Array) -> Array:
 
 
 def _with_own_offsets(part: WhitenedTouches, model: JointModel, numerical: Array) -> Array:
-    """What a model says of trajectories (N, 6), their offsets (t,) fitted to them."""
+    """Return the wrenches (N, 6), N and N m, that a model predicts with contact offsets fitted to the trajectories."""
     material, settings, errors = model.material, model.settings, numerical @ model.errors
     offsets = model.offsets
     for _ in range(ROUNDS):
@@ -78,31 +82,33 @@ def _with_own_offsets(part: WhitenedTouches, model: JointModel, numerical: Array
 
 
 FORCE, TORQUE = slice(0, 3), slice(3, 6)
+"""Columns of a wrench."""
 NOISE_DRAWS = 8
+"""Draws of noise over which the floor of the paper's loss is averaged."""
 NOISE_DOUBT = 0.02
 """Share of the floor by which an error must exceed it for a gap to be worth a number."""
 
 
 @dataclass(frozen=True)
 class HeldOutErrors:
-    """Before: the plain simulation. After: with the effects.
+    """Errors on held-out data of the plain simulation ("before") and of the simulation with effects ("after").
 
     Parameters
     ----------
     unseen : str
-        "trajectories", "indenters" or "sensors": what was held out.
+        What was held out: "trajectories", "indenters" or "sensors".
     groups : int
-        Of them; trajectories in five folds, the others each in its turn.
+        Number of what was held out; trajectories in five folds, the others one at a time.
     force : Gap
-        N, root mean square of the three components.
+        Root mean square of the three components of force, N.
     torque : Gap
-        N mm, of the torque about the gel's origin.
+        Root mean square of the three components of torque about the gel's origin, N mm.
     paper : (before, after, floor)
-        N, the SPLIT paper's loss: the mean over trajectories of the mean of | |F measured| - |F simulated| |.
+        The SPLIT paper's loss, N: the mean over trajectories of the mean of | |F measured| - |F simulated| |.
     before, after : (N, 6) N, N m
-        Wrenches; NaN where not simulated.
+        Predicted wrenches; NaN where not simulated.
     by_trajectory : (t,)
-        Root mean square of the force before, N.
+        Root mean square of the force components of each trajectory before, N.
     """
 
     unseen: str
@@ -116,30 +122,34 @@ class HeldOutErrors:
 
     @property
     def has_gap(self) -> bool:
-        """Whether there is a way to go at all, beyond what the noise is known to."""
+        """Whether the force error before exceeds the noise floor by more than the floor is uncertain."""
         return self.force.before > (1.0 + NOISE_DOUBT) * self.force.floor
 
     @property
     def has_torque_gap(self) -> bool:
-        """The same of the torque."""
+        """Whether the torque error before exceeds the noise floor by more than the floor is uncertain."""
         return self.torque.before > (1.0 + NOISE_DOUBT) * self.torque.floor
 
     @property
     def change(self) -> float:
-        """Of the force error, as a share of what it was."""
+        """Change of the force error as a share of the error before; negative where it falls."""
         return self.force.after / self.force.before - 1.0
 
 
 def held_out_errors(
     white: WhitenedTouches, fits: Sequence[JointFit], numerical: Array, seed: int
 ) -> list[HeldOutErrors]:
-    """Of trajectories, and of indenters and sensors where there are at least two.
+    """Return the errors on held-out trajectories, and on held-out indenters and sensors where there are several.
 
     Parameters
     ----------
-    fits : the plain one, and that with effects
+    white : WhitenedTouches
+    fits : sequence of two JointFit
+        The plain fit, and the fit with effects.
     numerical : (N, 6, e) N, N m
-        As in `held_out_wrenches`.
+        Wrench of one standard deviation of each error of the simulation.
+    seed : int
+        Draws the folds of trajectories, the bootstraps of intervals and the noise of the floor.
     """
     sensors = np.unique([case.touch.sensor for case in white.touch_set.touches], return_inverse=True)[1]
     schemes = {
@@ -147,30 +157,33 @@ def held_out_errors(
         "indenters": white.indenter,
         "sensors": sensors.astype(np.int64),
     }
-    found = []
+    listed = []
     for unseen, groups in schemes.items():
         if len(np.unique(groups)) < 2:
             continue
         before, after = (held_out_wrenches(white, fit, groups, numerical) for fit in fits)
         count = len(groups) if unseen == "trajectories" else len(np.unique(groups))
-        found.append(_errors(white, unseen, count, before, after, seed))
-    return found
+        listed.append(_errors(white, unseen, count, before, after, seed))
+    return listed
 
 
 def _errors(white: WhitenedTouches, unseen: str, count: int, before: Array, after: Array, seed: int) -> HeldOutErrors:
+    """Return the errors of predicted wrenches before and after (N, 6), N and N m, on rows that both simulate."""
     rows = known_rows(white, before) & known_rows(white, after)
     frames = np.add.reduceat(rows.astype(np.float64), white.starts)
     floors = _noise(white, frames)
 
+    # force and torque: sums of squares by trajectory, and the gap that is closed
     def squares(predicted: Array, part: slice) -> Array:
         off = np.where(rows[:, None], white.measured - predicted, 0.0)[:, part]
         return np.add.reduceat((off**2).sum(axis=1), white.starts)
 
     def gap(part: slice, unit: float) -> Gap:
         floor = float(np.sqrt((floors[rows][:, part] ** 2).mean()))
-        first, second = (unit**2 * squares(one, part) for one in (before, after))
+        first, second = (unit**2 * squares(predicted, part) for predicted in (before, after))
         return gap_closed(first, second, 3.0 * frames, unit * floor, seed)
 
+    # the paper's loss: norms of force
     norm = np.linalg.norm(white.measured[:, FORCE], axis=1)
 
     def paper(measured: Array, predicted: Array) -> float:
@@ -179,24 +192,24 @@ def _errors(white: WhitenedTouches, unseen: str, count: int, before: Array, afte
         return float(means[frames > 0].mean())
 
     chance = np.random.default_rng(seed)
-    # the whole of what the offset takes is taken along the force, so that its norm has less left than a component
+    # noise floor of the paper's loss: a contact offset fits noise along the force, so the norm keeps less noise
     radial = _noise(white, frames, offsets=1.0)[:, FORCE]
     noisy = [after[:, FORCE] + radial * chance.normal(size=(len(after), 3)) for _ in range(NOISE_DRAWS)]
-    floor = float(np.mean([paper(np.linalg.norm(one, axis=1), after) for one in noisy]))
+    floor = float(np.mean([paper(np.linalg.norm(force, axis=1), after) for force in noisy]))
     by_trajectory = np.sqrt(squares(before, FORCE) / np.maximum(3.0 * frames, 1.0))
     losses = paper(norm, before), paper(norm, after), floor
     return HeldOutErrors(unseen, count, gap(FORCE, 1.0), gap(TORQUE, 1e3), losses, before, after, by_trajectory)
 
 
 def _noise(white: WhitenedTouches, frames: Array, offsets: float = 1.0 / 3.0) -> Array:
-    """What noise alone leaves (N, 6), N and N m, once each trajectory has taken its offset and its zero from itself.
+    """Return the standard deviation (N, 6), N and N m, of noise that each trajectory's own fitted numbers leave.
 
     Parameters
     ----------
     frames : (t,)
-        That are known of each trajectory.
+        Number of known frames of each trajectory.
     offsets : float
-        Numbers that the contact offset takes from a component of force: it is one beside three of them.
+        Degrees of freedom that the contact offset takes from a component of force: one is shared by three components.
     """
     cases = white.touch_set.touches
     inflation = np.array([case.noise.inflation for case in cases])

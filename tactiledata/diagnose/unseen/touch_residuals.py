@@ -1,4 +1,4 @@
-"""How much contrasts scatter where nothing is missing: what a simulation of a gel may itself be off."""
+"""Residuals of a fit to recorded touches, in the form that locators, formulas and black box ask for."""
 
 from __future__ import annotations
 
@@ -25,14 +25,16 @@ OF_THE_GEL: Mapping[str, float] = {
     "shear along the slide": 0.028, "torque of shear along the slide": 0.35,
     "E": 0.013, "nu": 0.01, "mu": 0.03, "contact offset": 0.0025,
 }  # fmt: skip
-"""Standard deviations of contrasts, as in `Contrast`: times the noise, shares of E, nu and mu, mm. Where two solvers of
-one gel play the same touches: ``python benchmarks/locating_worlds.py --mounts 12 --errors 30``."""
+"""Standard deviations of contrasts where nothing is missing: errors of the gel solver, in the units of `Contrast`
+(times the noise, shares of E, nu and mu, mm). Two solvers of one gel gave them on the same touches:
+``python benchmarks/locating_worlds.py --mounts 12 --errors 30``."""
 
 
 def scatter_beyond_noise(sizes: Array, variances: Array) -> float:
-    """The e for which sizes (c,) have a mean square of 1 over their variance by noise (c,) and e^2; 0 where noise does.
+    """Return the standard deviation e by which sizes (c,) scatter beyond the variances (c,) that noise gives them.
 
-    Source: the moment estimator of a variance component (Paule and Mandel, J. Res. NBS 87, 1982).
+    It solves ``mean(sizes^2 / (variances + e^2)) = 1``; 0 where noise alone explains the scatter. Source: the moment
+    estimator of a variance component (Paule and Mandel, J. Res. NBS 87, 1982).
     """
 
     def excess(e: float) -> float:
@@ -46,30 +48,30 @@ def scatter_beyond_noise(sizes: Array, variances: Array) -> float:
 COMPONENTS = ("fx", "fy", "fz", "tx", "ty", "tz")
 UNITS = ("N", "N", "N", "N mm", "N mm", "N mm")
 TO_UNIT = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
-"""N and N m into these units."""
+"""Factors from N and N m to `UNITS`."""
 
 
 def known_rows(white: WhitenedTouches, predicted: Array) -> NDArray[np.bool_]:
-    """Rows (N,) with a measured wrench, and a simulated one (N, 6)."""
+    """Return the mask (N,) of rows with a measured wrench and a predicted one (N, 6)."""
     return (white.weights > 0) & np.isfinite(predicted).all(axis=1)
 
 
 def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
-    """Whitened residuals of a fit, frames that were not measured or not simulated left out.
+    """Return the whitened residuals of a fit, without frames that were not measured or not simulated.
 
-    E, nu and mu may be asked to drift, but for one that stands at its bound. The trajectory's own contact offset and
-    zeros are marginalised under their priors; what zeros follow is asked in free air. What the simulation itself may be
-    off, by a factor on all forces of an indenter, along its law and in sticking shear, and the numbers of effects are
-    refitted with E, nu and mu and never asked: a simulator that errs so is no news.
-
-    Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
+    - E, nu and mu are tested for drifts, except one at its bound.
+    - Each trajectory's contact offset and zeros are marginalised under their priors.
+    - Errors of the simulation itself (a factor on all forces of an indenter, the force law, sticking shear) and the
+      numbers of effects are refitted with E, nu and mu and never tested: they are known to be uncertain.
+    - Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
     """
+    # frames that are known, and slopes of the wrench over the parameters
     cases, model = white.touch_set, fit.model
     answers = contacts(cases, model.material, model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     single = _single(white)
     parameters, fields = _parameters(white, fit)
-    # whitened rows share their trajectory's zero: a frame in free air must not hold what contact leaves
+    # zeros become parameters of their own: else whitening would spread what contact leaves into frames in free air
     slopes = white.with_zeros(np.stack(fields, axis=2))
     zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
     names = tuple(ResidualParameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
@@ -89,7 +91,7 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
 
 
 def slide_ways(white: WhitenedTouches) -> dict[str, Array]:
-    """Directions (N, 6) of shear along each trajectory's first slide, and of its torque; 0 where nothing slides."""
+    """Return unit wrenches (N, 6) of shear along each trajectory's first slide and of its torque; 0 without a slide."""
     ways = np.zeros((len(white.trajectory), 2))
     for number, case in enumerate(white.touch_set.touches):
         steps = np.diff(np.nan_to_num(case.touch.tips[:, :2]), axis=0, prepend=np.nan_to_num(case.touch.tips[:1, :2]))
@@ -103,20 +105,29 @@ def slide_ways(white: WhitenedTouches) -> dict[str, Array]:
 
 
 def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
-    """What each strength of each effect would change in such residuals (n, 6), by the effect's title."""
+    """Return the whitened change (n, 6) of residuals by each strength of each effect, by title and strength.
+
+    Parameters
+    ----------
+    white : WhitenedTouches
+    fit : JointFit
+        The fit whose residuals they are.
+    effects : sequence of str
+        Names in the catalogue of effects.
+    """
     answers = contacts(white.touch_set, fit.model.material, fit.model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     fields: dict[str, Array] = {}
-    for one in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
-        shapes = "".join(f", {name} {value:g}" for name, value in one.shapes.items())
-        for place, strength in enumerate(one.strengths):
-            changed = white.with_zeros(one.field[:, :, place]) * _single(white)
-            fields[f"{EFFECTS[one.effect]().title} ({strength.label}{shapes})"] = changed[rows]
+    for signature in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
+        shapes = "".join(f", {name} {value:g}" for name, value in signature.shapes.items())
+        for place, strength in enumerate(signature.strengths):
+            change = white.with_zeros(signature.field[:, :, place]) * _single(white)
+            fields[f"{EFFECTS[signature.effect]().title} ({strength.label}{shapes})"] = change[rows]
     return fields
 
 
 def case_noise(white: WhitenedTouches, fit: JointFit) -> NoiseModel:
-    """The noise of such residuals, for the gate: that of neighbours alike, and scatter of the simulation."""
+    """Return the noise of the residuals of `case_residuals`: its correlation, and the scatter of the simulation."""
     inflation = float(np.mean([case.noise.inflation for case in white.touch_set.touches]))
     answers = contacts(white.touch_set, fit.model.material, fit.model.offsets)
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
@@ -125,13 +136,29 @@ def case_noise(white: WhitenedTouches, fit: JointFit) -> NoiseModel:
 
 
 def locating(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
-    """How to locate in such residuals: their noise is known, and they are those of a fit."""
+    """Return the options with which locators test the residuals of a fit to touches.
+
+    Parameters
+    ----------
+    white : WhitenedTouches
+    fit : JointFit
+        The fit whose residuals they are.
+    seed, draws : int
+        Seed and number of the sign flips.
+    """
     noise = case_noise(white, fit)
     return LocateOptions(noise=noise, seed=seed, draws=draws, is_fitted=True, errors=OF_THE_GEL)
 
 
 def locate_touches(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocatorResults:
-    """Where recordings and a fit to them differ.
+    """Return the results of all locators on the residuals of a fit to touches.
+
+    Parameters
+    ----------
+    white : WhitenedTouches
+    fit : JointFit
+    seed, draws : int
+        Seed and number of the sign flips.
 
     Raises
     ------
@@ -142,12 +169,16 @@ def locate_touches(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: 
 
 
 def _single(white: WhitenedTouches) -> Array:
-    """Factors (N, 1): noise was widened for neighbours that resemble one another; a value's own variance is to be 1."""
+    """Return factors (N, 1) that give whitened residuals a variance of 1 in single readings.
+
+    Whitening divided by a larger noise, which allows for the correlation of neighbouring readings.
+    """
     return np.sqrt(np.array([case.noise.inflation for case in white.touch_set.touches]))[white.trajectory, None]
 
 
 def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualParameter, ...], list[Array]]:
-    """Parameters and whitened changes (N, 6) over each."""
+    """Return the shared parameters and contact offset of a fit, and the whitened change (N, 6) over each."""
+    # E, nu, mu and the contact offset
     gel, model = fit.model.material, fit.model
     low, high = (end[:3] for end in model.bounds)
     here = model.vector[:3]
@@ -161,10 +192,11 @@ def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualPa
         ResidualParameter("contact offset", "mm", own_deviation=1e3 * PRIOR),
     ]
     fields = [by_log / modulus, fit.shared[:, :, 1], fit.shared[:, :, 2], fit.own / (1e3 * PRIOR)]
-    for place, one in enumerate(model.coordinates):
-        listed.append(ResidualParameter(model.name_of(one), one.parameter.unit, is_tested=False))
+    # numbers of effects
+    for place, coordinate in enumerate(model.coordinates):
+        listed.append(ResidualParameter(model.name_of(coordinate), coordinate.parameter.unit, is_tested=False))
         fields.append(fit.shared[:, :, 3 + place])
-    # a factor on an indenter's forces is a modulus of its own: the very field of E, so that E beside it is no question
+    # a factor on an indenter's forces changes the wrench as E does, for that indenter alone
     owner = white.indenter[white.trajectory]
     kinds = int(white.indenter.max()) + 1
     for kind in range(kinds):
@@ -177,7 +209,7 @@ def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualPa
 
 
 def _labels(white: WhitenedTouches, slides: NDArray[np.bool_]) -> dict[str, Names]:
-    """Labels (N,); a name that says what another one says already is left out."""
+    """Return labels (N,) by name; a label that divides the trajectories as an earlier one does is left out."""
     cases = white.touch_set.touches
     by_trajectory = {
         "indenter": white.touch_set.indenters,

@@ -116,7 +116,7 @@ def test_the_gate_is_one_of_the_locators():
 def test_progress_is_told():
     """Every step, in order, up to the last."""
     told = []
-    explain(planted(9, 16, 8), LocateOptions(), tell=lambda done, total, what="": told.append((done, total)))
+    explain(planted(9, 16, 8), LocateOptions(), progress=lambda done, total, what="": told.append((done, total)))
     assert told[-1] == (5, 5)
     assert told == sorted(told)
 
