@@ -245,7 +245,7 @@ def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
         if role in roles:
             raise UsageError(
                 f"{roles[role][0]} and {column} mean the same",
-                f"one column that is {role}; the words after {role!r} are the unit",
+                f"one column that is {role}; the words after it are the unit",
                 "Drop or rename one of the two columns.",
             )
         roles[role] = (column, unit)
