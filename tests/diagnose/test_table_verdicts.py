@@ -140,7 +140,7 @@ def test_scale_and_offset_that_cannot_be_told_apart_are_said_to_be_so():
     """No share of 7200 % is printed; where the prediction varies enough, or is followed, its scale is asked."""
     table = residuals_of(nearly_constant())
     assert [one.name for one in table.residuals.parameters] == ["the offset of fz"]
-    assert "scale and offset of fz cannot be told apart from these data" in " ".join(table.notes)
+    assert "scale and offset of fz cannot be separated with these data" in " ".join(table.notes)
     sentences = " ".join(explain(table.residuals, LocateOptions(draws=299)).sentences())
     assert "offset of fz" in sentences
     assert "scale of fz" not in sentences

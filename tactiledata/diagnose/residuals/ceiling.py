@@ -1,4 +1,4 @@
-"""Covariates and labels as columns of numbers, for learners that ask for no more."""
+"""The share of the residual that boosted trees predict from the covariates: a ceiling for every formula."""
 
 from __future__ import annotations
 
@@ -14,34 +14,38 @@ from tactiledata.diagnose.residuals.residuals import Residuals
 
 
 def features(residuals: Residuals) -> Array:
-    """Columns (n, f): covariates as they are, labels by number."""
-    columns = [one.values for one in residuals.covariates.values()]
+    """Features (n, f) of each frame: the covariates in their units, then each label as the number of its level."""
+    columns = [covariate.values for covariate in residuals.covariates.values()]
     columns += [np.unique(texts, return_inverse=True)[1].astype(np.float64) for texts in residuals.labels.values()]
     return np.column_stack(columns) if columns else np.zeros((len(residuals.values), 0))
 
 
 LEVEL = 0.01
-"""Small beside the 5 % of all locators, as it is asked beside them."""
+"""Largest p-value at which the trees count as certain; small beside the 5 % that the locators share."""
 WORTH = 0.02
-"""Share of the squares of held-out groups that is worth a sentence."""
+"""Least share of the held-out squares that the trees must explain to be reported."""
 TREES = 60
+"""Trees of each boosted model."""
 LEAVES = 12
+"""Most leaves of a tree."""
 
 
 @dataclass(frozen=True)
 class BlackBox:
-    """The ceiling.
+    """Held-out predictions of the residual by boosted trees, and how much of it they explain.
 
     Parameters
     ----------
     predicted : (n, k)
-        Of trajectories by trees that were grown on others; 0 where they would do harm to all together.
+        Predicted residual, times the noise, by trees that were grown on other units of exchange; all 0 where the
+        predictions would increase the sum of squares.
     squares : (u,)
-        Sums of squares of each unit of exchange that they leave, own parameters at their most likely values.
+        Sum of squares of each unit of exchange after the predictions are subtracted, with each trajectory's own
+        parameters at their most likely values.
     explained : float
-        Share of the squares that they explain, not below 0.
+        Share of the sum of squares that the predictions remove, 0 to 1.
     p : float
-        Of the agreement between residuals and what was predicted of them.
+        p-value of the agreement between residuals and predictions.
     """
 
     predicted: Array
@@ -51,12 +55,18 @@ class BlackBox:
 
     @property
     def is_certain(self) -> bool:
-        """Whether there is structure that they foresee: enough to be said, and not by chance."""
+        """Whether the trees explain at least `WORTH` of the squares, at the level `LEVEL`."""
         return self.explained >= WORTH and self.p <= LEVEL
 
 
 def black_box(projection: ProjectedResiduals, seed: int = 0) -> BlackBox:
-    """Boosted trees on the refitted residual, trajectories held out by fives."""
+    """Fit boosted trees to the refitted residual in five folds of held-out units of exchange.
+
+    Raises
+    ------
+    TactileDataError
+        scikit-learn is not installed.
+    """
     need_learning_library()
     from sklearn.ensemble import HistGradientBoostingRegressor
     from threadpoolctl import threadpool_limits
@@ -80,6 +90,7 @@ def black_box(projection: ProjectedResiduals, seed: int = 0) -> BlackBox:
                     )
                     learner.fit(columns[train], projection.score[train, component])
                     predicted[test, component] = learner.predict(columns[test])
+    # predictions that do harm are dropped, so that the explained share is never negative
     before = float((projection.score**2).sum())
     squares = residuals.by_unit(((projection.score - predicted) ** 2).sum(axis=1))
     if squares.sum() >= before:
@@ -90,10 +101,10 @@ def black_box(projection: ProjectedResiduals, seed: int = 0) -> BlackBox:
 
 
 def _p(projection: ProjectedResiduals, predicted: Array) -> float:
-    """Chance of so much agreement of residuals with their predictions.
+    """One-sided p-value of the products of residual and prediction, one for each unit of exchange.
 
-    A pair of units of different folds predicts one another, so that agreements come in pairs: their sum scatters by the
-    square root of 2 more than it would if they were independent.
+    Two units of different folds predict one another, so that their products are correlated: the standard error of the
+    sum is the square root of 2 times that of independent products.
     """
     agreement = projection.residuals.by_unit((projection.score * predicted).sum(axis=1))
     size = float(np.sqrt(2.0 * (agreement**2).sum()))

@@ -1,4 +1,4 @@
-"""Units as factors to SI and exponents of the base dimensions, so that only what has no dimension is ever fitted."""
+"""Units as a factor to SI and exponents of base dimensions, so that fitted terms can be made dimensionless."""
 
 from __future__ import annotations
 
@@ -7,41 +7,44 @@ import re
 from dataclasses import dataclass
 
 Exponents = tuple[float, ...]
+"""Powers of length, mass, time, temperature, current, pixels and counts of a converter, in this order."""
 
 NONE: Exponents = (0.0,) * 7
-"""Powers of length, mass, time, temperature, current, pixels and counts of a converter."""
+"""The exponents of a pure number."""
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit.
+    """A unit of measurement, as its size in SI units and its dimension.
 
     Parameters
     ----------
     factor : float
-        To SI.
-    exponents : of length, mass, time, temperature, current, pixels, counts of a converter
+        Value of one unit in SI units.
+    exponents : tuple of 7 floats
+        Powers of length, mass, time, temperature, current, pixels and counts of a converter.
     """
 
     factor: float
     exponents: Exponents
 
     def power(self, exponent: float) -> Unit:
-        """The unit to a power."""
-        return Unit(self.factor**exponent, tuple(exponent * each for each in self.exponents))
+        """The unit raised to an exponent."""
+        return Unit(self.factor**exponent, tuple(exponent * own for own in self.exponents))
 
     def times(self, other: Unit) -> Unit:
-        """The product of two units."""
+        """The product of this unit and another one."""
         both = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
         return Unit(self.factor * other.factor, both)
 
     @property
     def is_pure(self) -> bool:
-        """Whether it is a number."""
+        """Whether the unit has no dimension."""
         return not any(self.exponents)
 
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9, "p": 1e-12}
+"""Factor of each prefix."""
 BASE: dict[tuple[int, ...], dict[str, float]] = {
     (1, 0, 0, 0, 0, 0, 0): {"m": 1.0},
     (0, 1, 0, 0, 0, 0, 0): {"g": 1e-3},
@@ -58,7 +61,7 @@ BASE: dict[tuple[int, ...], dict[str, float]] = {
     (0, 0, -1, 0, 0, 0, 0): {"Hz": 1.0},
     (0, 0, 0, 0, 0, 0, 0): {"rad": 1.0},
 }
-"""Units that take a prefix."""
+"""Units that take a prefix: exponents -> name -> factor to SI."""
 PLAIN: dict[tuple[int, ...], dict[str, float]] = {
     (1, 0, 0, 0, 0, 0, 0): {"cm": 1e-2, "in": 0.0254},
     (0, 0, 1, 0, 0, 0, 0): {"min": 60.0, "h": 3600.0},
@@ -71,10 +74,11 @@ PLAIN: dict[tuple[int, ...], dict[str, float]] = {
     (0, 0, 0, 0, 0, 0, 1): {"counts": 1.0},
     (0, 0, 0, 0, 0, 0, 0): {"1": 1.0, "deg": math.pi / 180, "percent": 1e-2, "pct": 1e-2, "%": 1e-2, "ppm": 1e-6},
 }
-"""Units that take none."""
+"""Units that take no prefix: exponents -> name -> factor to SI."""
 
 
 def _table() -> dict[str, Unit]:
+    """Every known unit by its text, with and without prefixes."""
     known = {
         f"{prefix}{name}": Unit(size * factor, tuple(map(float, exponents)))
         for exponents, names in BASE.items()
@@ -90,20 +94,21 @@ def _table() -> dict[str, Unit]:
 
 
 UNITS = _table()
+"""Every known unit by its text, such as ``"mm"`` or ``"degC"``."""
 _POWER = re.compile(r"(?P<name>[^\W\d_]+|%|1)(?:\^?(?P<power>-?\d))?")
 
 
 def find_unit(text: str) -> Unit | None:
-    """The unit that a text means, as ``"N/mm"``, ``"mm^2"``, ``"N m"``, ``"1/s"``; ``None`` where it means none."""
+    """The unit that a text such as ``"N/mm"``, ``"mm^2"`` or ``"N m"`` means; ``None`` where the text is no unit."""
     total = Unit(1.0, NONE)
     for position, part in enumerate(text.strip().split("/")):
         words = part.replace("*", " ").split()
         if not words:
             return None
         for word in words:
-            found = _POWER.fullmatch(word)
-            if found is None or found["name"] not in UNITS:
+            match = _POWER.fullmatch(word)
+            if match is None or match["name"] not in UNITS:
                 return None
-            power = float(found["power"] or 1) * (1.0 if position == 0 else -1.0)
-            total = total.times(UNITS[found["name"]].power(power))
+            power = float(match["power"] or 1) * (1.0 if position == 0 else -1.0)
+            total = total.times(UNITS[match["name"]].power(power))
     return total

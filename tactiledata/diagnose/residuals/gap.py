@@ -1,4 +1,4 @@
-"""How much of the way from the error before to the floor an explanation goes, with an interval over trajectories."""
+"""The share of the gap between error and noise floor that a correction closes, with an interval over trajectories."""
 
 from __future__ import annotations
 
@@ -11,14 +11,22 @@ from scipy.stats import t as student
 from tactiledata.arrays import Array
 
 BOOTSTRAPS = 2000
+"""Bootstrap samples of the interval of a gap."""
 
 
 def scatter(values: Array, starts: NDArray[np.int64]) -> float:
-    """Root mean square of what residuals (n, k) do from frame to frame: a floor where the noise is not known.
+    """Root mean square of the frame-to-frame noise of residuals (n, k): a floor where the noise is not known.
 
-    From second differences inside trajectories (Gasser, Sroka and Jennen-Steinmetz 1986), which smooth structure does
-    not reach. Noise whose neighbours resemble one another is larger than this, so that gaps
-    seem less closed than they are. NaN where no trajectory has three frames.
+    The estimate uses second differences inside trajectories (Gasser, Sroka and Jennen-Steinmetz 1986), which smooth
+    structure does not affect. It is too small where the noise of neighbouring frames is positively correlated; the
+    closed share of a gap is then underestimated. NaN where no trajectory has three frames.
+
+    Parameters
+    ----------
+    values : (n, k)
+        Residuals; the result has their unit.
+    starts : (t,)
+        First row of each trajectory.
     """
     bends = values[2:] - 2.0 * values[1:-1] + values[:-2]
     trajectory = np.searchsorted(starts, np.arange(len(values)), side="right")
@@ -28,16 +36,16 @@ def scatter(values: Array, starts: NDArray[np.int64]) -> float:
 
 @dataclass(frozen=True)
 class Gap:
-    """Errors and the share of the gap that is closed.
+    """Errors before and after a correction, and the share of the gap to the noise floor that it closes.
 
     Parameters
     ----------
     before, after, floor : float
-        Root mean squares.
+        Root mean square errors, all in the unit of the residuals; the floor is the noise.
     closed : float
         ``(before - after) / (before - floor)``; NaN where there is no gap.
     interval : (low, high)
-        95 %, trajectories drawn anew.
+        95 % interval of ``closed``, by a bootstrap over units of exchange.
     """
 
     before: float
@@ -48,19 +56,22 @@ class Gap:
 
 
 def gap_closed(before: Array, after: Array, counts: Array, floor: float, seed: int = 0) -> Gap:
-    """The gap closed by an explanation that was not chosen by these very frames.
+    """The share of the gap that a correction closes, on frames that had no part in choosing it.
 
     Parameters
     ----------
     before, after : (u,)
-        Sums of squares of each unit of exchange.
+        Sum of squared residuals of each unit of exchange, without and with the correction.
     counts : (u,)
-        Values that each sum holds.
+        Number of values in each sum.
     floor : float
-        Root mean square that no explanation can go below.
+        Root mean square of the noise, below which no correction can go.
+    seed : int
+        Random seed of the bootstrap.
     """
     units = len(counts)
     drawn = np.random.default_rng(seed).multinomial(units, np.full(units, 1.0 / units), size=BOOTSTRAPS)
+    # row 0 is the data themselves, the others are bootstrap samples
     weights = np.concatenate([np.ones((1, units)), drawn.astype(np.float64)])
     total = weights @ counts
     first, second = np.sqrt(weights @ before / total), np.sqrt(weights @ after / total)
@@ -72,7 +83,7 @@ def gap_closed(before: Array, after: Array, counts: Array, floor: float, seed: i
 
 
 def is_improved(before: Array, after: Array) -> bool:
-    """Whether sums of squares (u,) of units of exchange are surely less after than before, at the 2.5 % level."""
+    """Whether the sums of squares (u,) fell from before to after, by a one-sided t-test at 2.5 % over units."""
     gained = before - after
     if not gained.any():
         return False

@@ -1,4 +1,4 @@
-"""What a covariate was before, as materials remember it: its largest value so far, and memories that fade."""
+"""Functions of a covariate's past: its running maximum, and an exponentially fading memory of its changes."""
 
 from __future__ import annotations
 
@@ -8,30 +8,33 @@ from tactiledata.arrays import Array, Indices
 
 
 def largest_so_far(values: Array, starts: Indices) -> Array:
-    """The running maximum (n,) inside each trajectory."""
+    """Running maximum (n,) of a covariate inside each trajectory, given the first row ``starts`` (t,) of each."""
     parts = np.split(values, starts[1:])
     return np.concatenate([np.maximum.accumulate(part) for part in parts])
 
 
 def fading_memory(values: Array, seconds: Array, starts: Indices, fading: float) -> Array:
-    """What is left (n,) of all changes of a covariate, each faded for the time since.
+    """Exponentially fading memory (n,) of a covariate's changes, in the covariate's unit.
 
-    ``m(t) = sum of change(s) exp(-(t - s) / fading)``: a Maxwell element's force under a strain that goes with the
-    covariate. It begins at the covariate's first value.
+    ``m(t) = sum of change(s) exp(-(t - s) / fading)``: the force of a Maxwell element whose strain is proportional to
+    the covariate. In each trajectory it begins at the covariate's first value.
 
     Parameters
     ----------
-    values, seconds : (n,)
-        Times ascend inside each trajectory.
+    values : (n,)
+        The covariate.
+    seconds : (n,)
+        Times, ascending inside each trajectory.
     starts : (t,)
         First row of each trajectory.
     fading : float
-        In the unit of the times.
+        Time constant, in the unit of the times.
     """
     memory = values.copy()
     counts = np.diff(starts, append=len(values))
-    for later in range(1, int(counts.max(initial=0))):
-        rows = starts[counts > later] + later
+    # the recursion runs over frames, and over all trajectories at once that are long enough
+    for frame in range(1, int(counts.max(initial=0))):
+        rows = starts[counts > frame] + frame
         kept = np.exp(-(seconds[rows] - seconds[rows - 1]) / fading)
         memory[rows] = memory[rows - 1] * kept + (values[rows] - values[rows - 1])
     return memory

@@ -1,4 +1,4 @@
-"""Instruments by which a parameter may vary with a covariate: steps at its quantiles, a slope, levels of a label."""
+"""Instruments: functions of a covariate or label along which a parameter may vary (steps, a slope, levels)."""
 
 from __future__ import annotations
 
@@ -8,14 +8,25 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Names
 
 DECILES = np.arange(1, 10) / 10
+"""Quantiles of a covariate at which steps are tried."""
 WIDE = 5.0
-"""Factor between the 5 % and 95 % quantiles of a positive covariate from which on its scale is logarithmic."""
+"""Ratio of the 95 % to the 5 % quantile above which the scale of a positive covariate is logarithmic."""
 LOW, HIGH = 0.05, 0.95
+"""Quantiles of a covariate between which a slope rises from 0 to 1."""
 MOST_LEVELS = 40
+"""Most different texts of a label that is tested; a label with more is ignored."""
 
 
 def weighed_quantiles(values: Array, weights: Array, shares: Array) -> Array:
-    """Quantiles of values (n,) that count with weights (n,)."""
+    """Weighted quantiles (q,) of a covariate.
+
+    Parameters
+    ----------
+    values, weights : (n,)
+        Values and their non-negative weights.
+    shares : (q,)
+        Cumulative shares of the weight, 0 to 1.
+    """
     order = np.argsort(values, kind="stable")
     cumulative = np.cumsum(weights[order])
     places = np.searchsorted(cumulative, shares * cumulative[-1])
@@ -23,12 +34,12 @@ def weighed_quantiles(values: Array, weights: Array, shares: Array) -> Array:
 
 
 def cuts(values: Array, weights: Array) -> Array:
-    """Places (c,) at which a step is tried; none where the values hardly vary.
+    """Values (c,) of a covariate at which a step is tried: its deciles; empty where no frame has a weight.
 
     Parameters
     ----------
     values, weights : (n,)
-        Frames that say nothing of the parameter weigh 0.
+        The covariate, and the information of each frame on the parameter; frames without information weigh 0.
     """
     if not weights.sum() > 0:
         return np.zeros(0)
@@ -38,12 +49,12 @@ def cuts(values: Array, weights: Array) -> Array:
 
 
 def steps(values: Array, places: Array) -> Array:
-    """Instruments (n, c): 1 above each place."""
+    """Step instruments (n, c): 1 where a covariate (n,) lies above each of the places (c,), else 0."""
     return (values[:, None] > places).astype(np.float64)
 
 
 def is_logarithmic(values: Array) -> bool:
-    """Whether a covariate's natural scale is its logarithm."""
+    """Whether a covariate (n,) is positive and spans more than a factor `WIDE` between its 5 % and 95 % quantiles."""
     if not (values > 0).all():
         return False
     low, high = np.quantile(values, [LOW, HIGH])
@@ -51,9 +62,14 @@ def is_logarithmic(values: Array) -> bool:
 
 
 def slope(values: Array, weights: Array) -> tuple[Array, float, float]:
-    """An instrument (n, 1) that goes from 0 to 1 between two values of the covariate, and those values.
+    """An instrument (n, 1) that is linear in a covariate or in its logarithm, and the values where it is 0 and 1.
 
-    It is 0 where most of the frames that say anything have one value.
+    These values are the weighted 5 % and 95 % quantiles. The instrument is 0 everywhere where both are equal.
+
+    Parameters
+    ----------
+    values, weights : (n,)
+        The covariate, and the information of each frame on the parameter.
     """
     low, high = weighed_quantiles(values, weights, np.array([LOW, HIGH]))
     scale = np.log if is_logarithmic(values[weights > 0]) and (values > 0).all() else np.asarray
@@ -64,7 +80,7 @@ def slope(values: Array, weights: Array) -> tuple[Array, float, float]:
 
 
 def levels(texts: Names) -> tuple[list[str], Array]:
-    """The levels of a label and an instrument (n, c) for each; none where there is one, or too many to say."""
+    """The levels of a label (n,), and indicator instruments (n, c); none where it has one level or too many."""
     names, inverse = np.unique(texts, return_inverse=True)
     if not 2 <= len(names) <= MOST_LEVELS:
         return [], np.zeros((len(texts), 0))

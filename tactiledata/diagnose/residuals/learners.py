@@ -1,4 +1,4 @@
-"""The library that trees, boosting and Gaussian processes come from, which the base install does not have."""
+"""Access to scikit-learn, which the base install lacks, and folds over units of exchange."""
 
 from __future__ import annotations
 
@@ -12,24 +12,37 @@ from tactiledata.errors import TactileDataError
 
 
 def need_learning_library() -> None:
-    """Nothing, where it is installed.
+    """Refuse to go on where scikit-learn is not installed.
 
     Raises
     ------
     TactileDataError
-        It is not.
+        scikit-learn is not installed.
     """
     if find_spec("sklearn") is None:
         raise TactileDataError(
-            "the package 'scikit-learn' is not installed", "it, for a diagnosis", "pip install 'tactiledata[models]'"
+            "the package 'scikit-learn' is not installed",
+            "scikit-learn, which a diagnosis needs",
+            "pip install 'tactiledata[models]'",
         )
 
 
 FOLDS = 5
+"""Number of folds in which units of exchange are held out."""
 
 
 def folds(residuals: Residuals, seed: int, count: int = FOLDS) -> NDArray[np.int64]:
-    """Fold (n,) of each frame; frames of one unit of exchange share theirs."""
+    """Fold number (n,) of each frame, drawn at random; all frames of a unit of exchange share one fold.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        The n frames and their units of exchange.
+    seed : int
+        Random seed of the draw.
+    count : int
+        Number of folds; fewer where there are fewer units.
+    """
     units = residuals.unit_count
     dealt = np.random.default_rng(seed).permutation(np.arange(units) % min(count, units))
     return dealt[residuals.unit_of_trajectory][residuals.trajectory].astype(np.int64)

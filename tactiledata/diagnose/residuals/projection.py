@@ -1,4 +1,4 @@
-"""A residual without what each trajectory's own parameters and a refit of the shared ones can take from it."""
+"""Residuals after own parameters of trajectories are marginalised and the shared parameters are refitted linearly."""
 
 from __future__ import annotations
 
@@ -10,37 +10,38 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Residuals
 
 ANY = 1e6
-"""Standard deviations of noise that a parameter without prior may move a frame by."""
+"""Prior standard deviation of a parameter without prior, in noise standard deviations of a typical frame."""
 SINGULAR = 1e-10
-"""Of the largest eigenvalue: directions below it are no directions."""
+"""Eigenvalues of the scaled information matrix below this share of the largest one count as 0."""
 
 
 @dataclass(frozen=True)
 class ProjectedResiduals:
-    """Residuals after own parameters are marginalised and shared ones refitted, in the metric that this leaves.
+    """Residuals of n frames and k components after own parameters are marginalised and shared ones refitted.
 
-    A parameter b ~ N(0, v) of one trajectory, with sensitivities s, is the same as the covariance ``I + v s sᵀ`` over
-    its frames; its inverse is ``I - B Bᵀ``. Shared parameters are refitted linearly, so that scores are orthogonal to
-    them: what a refit could take away is no evidence.
+    A parameter b ~ N(0, v) of one trajectory, with sensitivities s, adds ``v s sᵀ`` to the covariance of its frames.
+    The inverse of ``I + v s sᵀ`` is ``I - B Bᵀ``. Shared parameters are refitted linearly, so that scores are
+    orthogonal to them: what a refit could absorb is no evidence.
 
     Parameters
     ----------
     residuals : Residuals
+        What was projected.
     basis : (n, k, o)
-        B of each frame's trajectory.
+        B of each frame's trajectory, one column for each of o own parameters.
     directions : (n, k, p)
-        Sensitivities of the shared parameters.
+        Sensitivities of the p shared parameters, in the order of `Residuals.shared`.
     weighed : (n, k, p)
-        The same, times the inverse covariance.
+        ``directions`` times the inverse covariance.
     inverse : (p, p)
-        Inverse of ``directionsᵀ weighed``.
+        Pseudo-inverse of the information matrix ``directionsᵀ weighed``.
     refit : (p,)
-        By how much the shared parameters move.
+        Shift of each shared parameter in the refit, in the parameter's unit.
     left : (n, k)
-        Residual after the refit.
+        Whitened residual after the refit.
     score : (n, k)
-        The same, times the inverse covariance: what is left when each trajectory's own parameters, too, are at their
-        most likely values.
+        ``left`` times the inverse covariance: the residual when each trajectory's own parameters are at their most
+        likely values, too.
     """
 
     residuals: Residuals
@@ -53,26 +54,26 @@ class ProjectedResiduals:
     score: Array
 
     def weigh(self, field: Array) -> Array:
-        """A field (n, k, …) times the inverse covariance."""
+        """The product of the inverse covariance and a field (n, k, …)."""
         return _weigh(self.basis, self.residuals, field)
 
     def orthogonal(self, field: Array) -> Array:
-        """A field (n, k, c) without what the shared parameters can imitate."""
+        """The part of a field (n, k, c) that is orthogonal to all shared parameters."""
         together = np.einsum("nkp,nkc->pc", self.weighed, field)
         return field - np.einsum("nkp,pc->nkc", self.directions, self.inverse @ together)
 
     def information(self, place: int) -> Array:
-        """What each frame (n,) tells of one of the shared parameters, as a weight."""
-        told: Array = np.einsum("nk,nk->n", self.directions[:, :, place], self.weighed[:, :, place])
-        return np.maximum(told, 0.0)
+        """Fisher information (n,) of each frame on one shared parameter, by its place in `Residuals.shared`."""
+        weights: Array = np.einsum("nk,nk->n", self.directions[:, :, place], self.weighed[:, :, place])
+        return np.maximum(weights, 0.0)
 
     def dot(self, field: Array, other: Array) -> Array:
-        """Products (u, c) over each unit of exchange of fields (n, k, c), the second weighed."""
+        """Inner products (u, c) of two fields (n, k, c) in each unit of exchange; weigh one of them before."""
         return self.residuals.by_unit(np.einsum("nkc,nkc->nc", field, other))
 
 
 def project(residuals: Residuals) -> ProjectedResiduals:
-    """The projection of residuals."""
+    """Marginalise each trajectory's own parameters, refit the shared ones linearly, and return the projection."""
     shared = list(residuals.shared)
     own = [place for place in range(len(residuals.parameters)) if place not in shared]
     basis = _own_basis(residuals, own)
@@ -88,6 +89,7 @@ def project(residuals: Residuals) -> ProjectedResiduals:
 
 
 def _pseudo_inverse(gram: Array) -> Array:
+    """Pseudo-inverse (p, p) of an information matrix, whose rows are scaled first as parameters differ in unit."""
     if not gram.size:
         return gram
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
@@ -96,6 +98,7 @@ def _pseudo_inverse(gram: Array) -> Array:
 
 
 def _own_basis(residuals: Residuals, own: list[int]) -> Array:
+    """B (n, k, o) of the own parameters at the places ``own``, so that ``I - B Bᵀ`` is the inverse covariance."""
     rows, width = residuals.values.shape
     basis = np.zeros((rows, width, len(own)))
     if not own:
@@ -104,18 +107,20 @@ def _own_basis(residuals: Residuals, own: list[int]) -> Array:
     size = np.maximum(np.sqrt(np.mean(slopes**2, axis=(0, 1))), 1e-300)
     priors = [residuals.parameters[place].own_deviation or 0.0 for place in own]
     deviations = np.array(
-        [prior if np.isfinite(prior) else ANY / each for prior, each in zip(priors, size, strict=True)]
+        [prior if np.isfinite(prior) else ANY / effect_size for prior, effect_size in zip(priors, size, strict=True)]
     )
+    # one singular value decomposition for each trajectory
     for start, count in zip(residuals.starts, residuals.counts, strict=True):
-        rows_of = slice(start, start + count)
-        block = (slopes[rows_of] * deviations).reshape(count * width, len(own))
+        members = slice(start, start + count)
+        block = (slopes[members] * deviations).reshape(count * width, len(own))
         left, values, _ = np.linalg.svd(block, full_matrices=False)
         factors = left * (values / np.sqrt(1.0 + values**2))
-        basis[rows_of, :, : factors.shape[1]] = factors.reshape(count, width, -1)
+        basis[members, :, : factors.shape[1]] = factors.reshape(count, width, -1)
     return basis
 
 
 def _weigh(basis: Array, residuals: Residuals, field: Array) -> Array:
+    """The field (n, k, …) times ``I - B Bᵀ`` of each trajectory."""
     if not basis.shape[2]:
         return field
     flat = field.reshape(*field.shape[:2], -1)

@@ -1,4 +1,4 @@
-"""What is left of recordings after their simulation, with all that it may depend on."""
+"""Residuals (measured minus simulated) of all frames, with the covariates, labels and parameters they may depend on."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from tactiledata.arrays import Array, Indices
 from tactiledata.errors import TactileDataError, UsageError
 
 Names = NDArray[np.str_]
+"""Texts (n,), one for each frame."""
 
 FEWEST_UNITS = 8
-"""Signs of 8 units have 256 patterns; with fewer no p-value can be small enough to be worth a sentence."""
+"""Fewest units of exchange for any test: the signs of 8 units have 256 patterns, and fewer allow no small p-value."""
 
 
 @dataclass(frozen=True)
 class Covariate:
-    """What a residual may depend on.
+    """A number of each frame that a residual may depend on, such as depth or speed.
 
     Parameters
     ----------
@@ -29,9 +30,10 @@ class Covariate:
     unit : str
         ``"mm/s"``, ``"N"``, ``"1"`` where it has none, ``"?"`` where it is not known.
     definition : str
-        How it is computed, of one that is made of others.
+        How the covariate is computed from others, in words; empty for one that was recorded.
     steps_of : str
-        Since whose last step it is the time, and while what, in words; empty for all others.
+        Set where the covariate is the time since the last step of another one: the name of that one, with the
+        condition under which the time counts. Empty for all others.
     """
 
     values: Array
@@ -42,19 +44,20 @@ class Covariate:
 
 @dataclass(frozen=True)
 class ResidualParameter:
-    """A parameter of the simulation that was fitted, or might have been.
+    """A parameter of the simulation that was fitted, or could have been.
 
     Parameters
     ----------
     name, unit : str
+        Name and unit in sentences.
     value : float
-        Where it stands; changes are said as shares of it. NaN: they are said in ``unit``.
+        Fitted value in ``unit``; changes are reported as shares of it. NaN: changes are reported in ``unit``.
     own_deviation : float, optional
-        Each trajectory has a value of its own, normal with this standard deviation (``inf``: any); ``None``: all
-        share one.
+        Standard deviation of a normal prior from which each trajectory draws its own value (``inf``: no prior);
+        ``None``: all trajectories share one value.
     is_tested : bool
-        Whether locators ask if it drifts, or what it follows where each trajectory has its own. Numbers that a fit
-        has and nobody doubts, as errors of the simulation itself, are refitted and never asked.
+        Whether locators test if the parameter drifts, or what its values follow where each trajectory has its own.
+        Nuisance parameters, such as errors of the simulation itself, are refitted and never tested.
     """
 
     name: str
@@ -66,38 +69,41 @@ class ResidualParameter:
 
 @dataclass(frozen=True)
 class Residuals:
-    """Whitened residuals of n frames, k components, and what is known of the frames.
+    """Whitened residuals of n frames and k components, with what is known of the frames.
 
     Parameters
     ----------
     values : (n, k)
         Measured minus simulated, in units in which the noise is white and of variance 1.
-    components : k names
+    components : tuple of k str
+        Name of each component, such as ``"fz"``.
     groups : (n,)
-        The trajectory of each frame; frames of one trajectory lie together, in order of time.
+        Trajectory number of each frame; frames of one trajectory lie together, in order of time.
     covariates : dict, name -> Covariate
+        Numbers of each frame that the residual may depend on.
     labels : dict, name -> (n,) texts
         For example indenter, sensor, ``phase`` ("free air", "approach", "press", "dwell", "shear", "leave") and
         ``contact`` ("stick", "slip").
-    parameters : sequence of ResidualParameter
-    sensitivities : (n, k, p)
-        Change of the whitened simulation over that of each parameter.
+    parameters : tuple of p ResidualParameter
+        Parameters of the simulation, in the order of ``sensitivities``.
+    sensitivities : (n, k, p), optional
+        Derivative of the whitened simulation by each parameter; ``None`` where there are no parameters.
     blocks : (n,), optional
-        Units of exchange where they are larger than trajectories, as days of recording are.
-    units : k texts, optional
-        Unit of each component before it was whitened.
+        Number of each frame's unit of exchange, where units are larger than trajectories, such as days of recording.
+    units : tuple of k str, optional
+        Unit of each component before whitening.
     deviations : (k,), optional
-        Standard deviation of the noise in those units.
+        Standard deviation of the noise of each component, in ``units``.
     ways : dict, name -> (n, k)
-        Further directions, of unit length or 0, in which departures are sought: what goes with the slide of each
-        trajectory shows in no component, as trajectories slide to all sides.
+        Further directions, of unit length or 0, in which departures are sought. Example: the direction of slide, which
+        no single component shows, as trajectories slide to all sides.
     scale : str
-        What the values are multiples of, in words: the scatter where the noise is not known.
+        What the values are multiples of, in words: ``"times the noise"``, or the scatter where noise is not known.
 
     Raises
     ------
     UsageError
-        Shapes that do not fit, values that are not finite, or a trajectory in several pieces.
+        Shapes do not fit, values are not finite, or a trajectory lies in several pieces.
     """
 
     values: Array
@@ -132,57 +138,65 @@ class Residuals:
 
     @property
     def slopes(self) -> Array:
-        """The sensitivities (n, k, p), empty where none were given."""
+        """The sensitivities (n, k, p); p is 0 where none were given."""
         if self.sensitivities is not None:
             return self.sensitivities
         return np.zeros((*self.values.shape, 0))
 
     @cached_property
     def starts(self) -> Indices:
-        """First row of each trajectory (t,)."""
+        """Row (t,) at which each trajectory begins."""
         if not len(self.groups):
             return np.zeros(0, dtype=np.int64)
         return np.flatnonzero(np.concatenate([[True], np.diff(self.groups) != 0])).astype(np.int64)
 
     @property
     def counts(self) -> Indices:
-        """Frames of each trajectory (t,)."""
+        """Number of frames (t,) of each trajectory."""
         return np.diff(self.starts, append=len(self.groups)).astype(np.int64)
 
     @cached_property
     def trajectory(self) -> Indices:
-        """Number of each frame's trajectory (n,), counted from 0 in order of the rows."""
+        """Index (n,) of each frame's trajectory, counted from 0 in order of the rows."""
         return np.repeat(np.arange(len(self.starts)), self.counts)
 
     @cached_property
     def unit_of_trajectory(self) -> Indices:
-        """Unit of exchange of each trajectory (t,), counted from 0."""
+        """Index (t,) of each trajectory's unit of exchange, counted from 0."""
         if self.blocks is None:
             return np.arange(len(self.starts))
         return np.unique(self.blocks[self.starts], return_inverse=True)[1].astype(np.int64)
 
     @property
     def unit_count(self) -> int:
-        """Units of exchange."""
+        """Number of units of exchange."""
         return int(self.unit_of_trajectory.max(initial=-1)) + 1
 
     @property
     def tested(self) -> tuple[int, ...]:
-        """Places of the parameters that all trajectories share and locators ask about."""
-        return tuple(place for place, one in enumerate(self.parameters) if one.own_deviation is None and one.is_tested)
+        """Indices of the parameters that all trajectories share and that locators test."""
+        return tuple(
+            place
+            for place, parameter in enumerate(self.parameters)
+            if parameter.own_deviation is None and parameter.is_tested
+        )
 
     @property
     def shared(self) -> tuple[int, ...]:
-        """Places of the parameters that all trajectories share, those that are tested first."""
-        others = (place for place, one in enumerate(self.parameters) if one.own_deviation is None and not one.is_tested)
+        """Indices of the parameters that all trajectories share; those that are tested come first."""
+        others = (
+            place
+            for place, parameter in enumerate(self.parameters)
+            if parameter.own_deviation is None and not parameter.is_tested
+        )
         return (*self.tested, *others)
 
     def by_unit(self, per_frame: Array) -> Array:
-        """Sums (u, …) over the units of exchange of what each frame holds (n, …)."""
+        """Sums (u, …) of per-frame values (n, …) over each unit of exchange."""
         return self.units_of(np.add.reduceat(per_frame, self.starts, axis=0))
 
     def units_of(self, per_trajectory: Array) -> Array:
-        """Sums (u, …) over the units of exchange of what each trajectory holds (t, …)."""
+        """Sums (u, …) of per-trajectory values (t, …) over each unit of exchange."""
         if self.blocks is None:
             return per_trajectory
         total = np.zeros((self.unit_count, *per_trajectory.shape[1:]))
@@ -190,12 +204,14 @@ class Residuals:
         return total
 
     def part(self, rows: NDArray[np.bool_]) -> Residuals:
-        """The frames of a mask (n,)."""
+        """The residuals of the frames in a mask (n,), with their covariates, labels and sensitivities."""
         return replace(
             self,
             values=self.values[rows],
             groups=self.groups[rows],
-            covariates={name: replace(one, values=one.values[rows]) for name, one in self.covariates.items()},
+            covariates={
+                name: replace(covariate, values=covariate.values[rows]) for name, covariate in self.covariates.items()
+            },
             labels={name: texts[rows] for name, texts in self.labels.items()},
             sensitivities=None if self.sensitivities is None else self.sensitivities[rows],
             blocks=None if self.blocks is None else self.blocks[rows],
@@ -203,11 +219,11 @@ class Residuals:
         )
 
     def with_values(self, values: Array) -> Residuals:
-        """The same frames with other residuals (n, k)."""
+        """A copy with other whitened residuals (n, k) of the same frames."""
         return replace(self, values=values)
 
     def with_fields(self, fields: Mapping[str, Array]) -> Residuals:
-        """The same with whitened fields (n, k) as further shared parameters, at the end."""
+        """A copy with further shared parameters at the end, whose whitened sensitivities are the fields (n, k)."""
         if not fields:
             return self
         return replace(
@@ -217,33 +233,35 @@ class Residuals:
         )
 
     def need_units(self, what: str) -> None:
-        """Nothing, where there are units enough.
+        """Refuse a test, named ``what``, for which there are too few units of exchange.
 
         Raises
         ------
         TactileDataError
-            Fewer than `FEWEST_UNITS` of them.
+            There are fewer than `FEWEST_UNITS` units.
         """
         if self.unit_count < FEWEST_UNITS:
             raise TactileDataError(
                 f"{self.unit_count} trajectories or blocks for {what}",
                 f"at least {FEWEST_UNITS}: whole trajectories are exchanged, never frames",
-                "Record more of them.",
+                "Record more trajectories.",
                 units=self.unit_count,
             )
 
 
 def joined_names(names: Sequence[str]) -> str:
-    """Names in a sentence: ``"a"``, ``"a and b"``, ``"a, b and c"``."""
+    """The names joined for a sentence: ``"a"``, ``"a and b"``, ``"a, b and c"``."""
     listed = list(names)
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
 
 
 def _fits(is_right: bool, found: str) -> None:
+    """Refuse residuals whose parts do not fit together; ``found`` says which."""
     if not is_right:
         raise UsageError(f"residuals with {found}", "one row for each frame, frames of a trajectory together")
 
 
 def _finite(what: str, values: Array) -> None:
+    """Refuse values that are NaN or infinite."""
     if not np.isfinite(values).all():
-        raise UsageError(f"{what} with values that are not finite", "finite values", "Leave such frames out before.")
+        raise UsageError(f"{what} with values that are not finite", "finite values", "Leave these frames out.")

@@ -1,4 +1,4 @@
-"""What each trajectory says for letting a parameter vary: contributions to a score, and their chance by sign flips."""
+"""Score tests of a parameter that varies: each unit's contribution, and studentised statistics under sign flips."""
 
 from __future__ import annotations
 
@@ -13,24 +13,27 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 
 FEWEST_EFFECTIVE = 5.0
-"""Units of exchange that an alternative rests on, counted by their information."""
+"""Fewest effective units of exchange (weighted by information) for an alternative to be tested."""
 ROUNDING = 1e-12
+"""Least variance of a score, as a share of its sum of squares: smaller values are rounding errors."""
 IMITATED = 1e-9
-"""Share of an alternative's information that must be left beside the parameters."""
+"""Least share of an alternative's information that must remain after projection; with less it is a linear
+combination of the parameters."""
 
 
 @dataclass(frozen=True)
 class Refit:
-    """Shared parameters that are fitted anew to residuals with other signs.
+    """What is needed to refit the p shared parameters after the signs of u units of exchange are flipped.
 
     Parameters
     ----------
     scores : (u, p)
-        Of the units of exchange, for the shared parameters.
+        Score of each unit for each shared parameter.
     inverse : (p, p)
-        Of their information.
+        Inverse of the information matrix of the shared parameters.
     together : (u, p, c)
-        Products of the alternatives, made orthogonal, with the shared parameters, in each unit; their sums are 0.
+        Inner products of the c orthogonalised alternatives with the shared parameters, in each unit; the sums over
+        units are 0.
     """
 
     scores: Array
@@ -38,7 +41,17 @@ class Refit:
     together: Array
 
     def change_of_variance(self, signs: Array, size: Array, by_unit: Array, information_by_unit: Array) -> Array:
-        """What the refit adds (draws, c) to the sums of squares of the units' scores."""
+        """Change (draws, c) of the sums of squares of the units' scores, caused by the refit.
+
+        Parameters
+        ----------
+        signs : (draws, u)
+            Sign of each unit in each draw.
+        size : (draws, c)
+            Fitted size of each alternative in each draw.
+        by_unit, information_by_unit : (u, c)
+            As in `Contributions`.
+        """
         moved = signs @ self.scores @ self.inverse
         total = np.zeros_like(size)
         squares = np.einsum("upc,uqc->pqc", self.together, self.together)
@@ -52,16 +65,16 @@ class Refit:
 
 @dataclass(frozen=True)
 class Contributions:
-    """Scores of c alternatives ``parameter + size * instrument``.
+    """Scores of c alternatives ``parameter + size * instrument``, one contribution from each of u units of exchange.
 
     Parameters
     ----------
     by_unit : (u, c)
-        Of each unit of exchange; their sum is the score.
+        Contribution of each unit; the sum over units is the score.
     information_by_unit : (u, c)
-        What each unit tells of the size: inverse variances, were the noise all there is.
+        Fisher information of each unit on the size: its inverse variance if there were nothing but noise.
     refit : Refit, optional
-        How the shared parameters follow where signs are thrown anew; ``None``: there are none.
+        How the shared parameters are refitted when signs are flipped; ``None`` where there are none.
     """
 
     by_unit: Array
@@ -70,73 +83,88 @@ class Contributions:
 
     @cached_property
     def information(self) -> Array:
-        """Of all units together (c,)."""
+        """Fisher information (c,) of all units together on the size of each alternative."""
         return np.maximum(self.information_by_unit.sum(axis=0), 0.0)
 
     @cached_property
     def effective(self) -> Array:
-        """Units that each alternative rests on (c,), counted by their information."""
+        """Effective number of units (c,) that each alternative rests on, each weighted by its information."""
         return self.information**2 / np.maximum((self.information_by_unit**2).sum(axis=0), 1e-300)
 
     @property
     def is_testable(self) -> NDArray[np.bool_]:
-        """Alternatives (c,) on which units enough have something to say."""
+        """Mask (c,) of the alternatives that rest on at least `FEWEST_EFFECTIVE` effective units."""
         return np.asarray((self.effective >= FEWEST_EFFECTIVE) & (self.by_unit != 0).any(axis=0))
 
     @property
     def statistic(self) -> Array:
-        """Sizes over their standard errors (c,), as signed standard normal values; 0 where too few units contribute."""
+        """Size over standard error (c,), as signed standard normal values; 0 where too few units contribute."""
         return self.flipped(np.ones((1, len(self.by_unit))))[0]
 
     def flipped(self, signs: Array) -> Array:
-        """The statistics (draws, c) with the units' signs (draws, u) thrown anew.
+        """The statistics (draws, c) after each unit's contribution is multiplied by its sign (draws, u).
 
-        Standard errors are those of the fit with the alternative, all shared parameters refitted to the thrown signs,
-        so that a strong alternative does not hide behind the scatter that it causes itself. Alternatives that rest on
-        few units have wide tails; Wallace's (1959) transformation makes their values comparable with those of others.
+        Standard errors are those of a fit that includes the alternative, with all shared parameters refitted after the
+        flips: otherwise a strong alternative would inflate its own standard error. Alternatives that rest on few units
+        have wide tails; Wallace's (1959) transformation makes their values comparable with those of others.
         """
-        informed = np.maximum(self.information, 1e-300)
+        information = np.maximum(self.information, 1e-300)
         score = signs @ self.by_unit
-        size = score / informed
+        size = score / information
+        # variance of the score around the fitted size, from what the units disagree on
         mixed = signs @ (self.by_unit * self.information_by_unit)
         second, carried = (self.by_unit**2).sum(axis=0), (self.information_by_unit**2).sum(axis=0)
         variance = second - 2.0 * size * mixed + size**2 * carried
         if self.refit is not None:
             variance += self.refit.change_of_variance(signs, size, self.by_unit, self.information_by_unit)
         variance = np.maximum(variance, ROUNDING * second)
+        # Student's t with the effective degrees of freedom, transformed to a standard normal value
         freedom = np.maximum(self.effective - 1.0, 1.0)
         student = score**2 / np.where(variance > 0, variance, 1.0) / freedom * (freedom / (freedom + 1.0))
         normal = np.sqrt(freedom * np.log1p(student)) * ((8.0 * freedom + 1.0) / (8.0 * freedom + 3.0))
         return np.where(self.is_testable, np.copysign(normal, score), 0.0)
 
     def part(self, chosen: NDArray[np.bool_]) -> Contributions:
-        """Some of the alternatives, by a mask (c,)."""
+        """The contributions of the alternatives in a mask (c,)."""
         refit = None if self.refit is None else replace(self.refit, together=self.refit.together[:, :, chosen])
         return Contributions(self.by_unit[:, chosen], self.information_by_unit[:, chosen], refit)
 
     @property
     def size(self) -> Array:
-        """One-step sizes (c,) of the alternatives, in the parameter's unit."""
+        """Fitted size (c,) of each alternative, by one linear step, in the parameter's unit; 0 without information."""
         is_known = self.information > 0
         return np.where(is_known, self.by_unit.sum(axis=0) / np.where(is_known, self.information, 1.0), 0.0)
 
 
 def contributions(projection: ProjectedResiduals, place: int, instruments: Array) -> Contributions:
-    """Scores of letting a shared parameter, by its place among them, vary with instruments: see `along`."""
+    """Scores of letting one shared parameter vary with instruments; see `along`.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals of n frames after the refit.
+    place : int
+        Index of the parameter in `Residuals.shared`.
+    instruments : (n, c)
+        By how much the parameter varies in each frame.
+    """
     return along(projection, projection.directions[:, :, place], instruments)
 
 
 def along(projection: ProjectedResiduals, direction: Array, instruments: Array) -> Contributions:
-    """Scores of fields ``instrument * direction``, orthogonal to all shared and own parameters.
+    """Scores of fields ``instrument * direction``, made orthogonal to all shared and own parameters.
 
     Parameters
     ----------
+    projection : ProjectedResiduals
+        Residuals of n frames after the refit.
     direction : (n, k)
-        The sensitivity of what varies.
+        Whitened sensitivity of what varies: of a parameter, or the unit direction of a component.
     instruments : (n, c)
         By how much it varies in each frame: steps, slopes, kernels.
     """
     residuals = projection.residuals
+    # products with the shared parameters, and the combination of them that imitates each alternative
     score = np.einsum("nk,nk->n", direction, projection.score)
     with_shared = np.einsum("nk,nkp->np", direction, projection.weighed)
     together = np.zeros((residuals.unit_count, with_shared.shape[1], instruments.shape[1]))
@@ -145,6 +173,7 @@ def along(projection: ProjectedResiduals, direction: Array, instruments: Array) 
     imitation = projection.inverse @ together.sum(axis=0)
     of_shared = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score))
     by_unit = residuals.by_unit(instruments * score[:, None]) - of_shared @ imitation
+    # information of each unit, less what own parameters and then the shared ones absorb
     information = residuals.by_unit(instruments**2 * np.einsum("nk,nk->n", direction, direction)[:, None])
     if projection.basis.shape[2]:
         own = np.einsum("nk,nko->no", direction, projection.basis)
@@ -155,15 +184,15 @@ def along(projection: ProjectedResiduals, direction: Array, instruments: Array) 
     information = information - 2.0 * np.einsum("upc,pc->uc", together, imitation)
     information = information + np.einsum("pc,upq,qc->uc", imitation, shared, imitation, optimize=True)
     left = together - np.einsum("upq,qc->upc", shared, imitation)
-    # an alternative that the parameters imitate leaves rounding errors, which are no scores
+    # an alternative that the parameters imitate leaves rounding errors only: its score is set to 0
     is_more = information.sum(axis=0) > IMITATED * alone
     refit = Refit(of_shared, projection.inverse, left * is_more)
     return Contributions(by_unit * is_more, np.maximum(information, 0.0) * is_more, refit)
 
 
 def joined_refits(refits: Sequence[Refit | None]) -> Refit | None:
-    """The refit of the alternatives of several contributions, one after another."""
-    known = [one for one in refits if one is not None]
+    """One refit for the alternatives of several contributions, concatenated; ``None`` where none has a refit."""
+    known = [refit for refit in refits if refit is not None]
     if not known:
         return None
-    return Refit(known[0].scores, known[0].inverse, np.concatenate([one.together for one in known], axis=2))
+    return Refit(known[0].scores, known[0].inverse, np.concatenate([refit.together for refit in known], axis=2))

@@ -1,4 +1,4 @@
-"""Signs of whole trajectories thrown anew: the only chance that the tests here rest on."""
+"""Permutation p-values from random signs of whole units of exchange, alone or for a family of tests."""
 
 from __future__ import annotations
 
@@ -7,28 +7,41 @@ import numpy as np
 from tactiledata.arrays import Array
 
 DRAWS = 1999
+"""Sign vectors of a test: the smallest p-value is 1 / 2000."""
 
 
 def signs(units: int, draws: int, seed: int) -> Array:
-    """Random signs (draws, units) of the units of exchange."""
+    """Random signs (draws, units), each -1 or 1 with equal probability.
+
+    Parameters
+    ----------
+    units : int
+        Number of units of exchange.
+    draws : int
+        Number of sign vectors.
+    seed : int
+        Random seed.
+    """
     return np.random.default_rng(seed).integers(0, 2, (draws, units)).astype(np.float64) * 2.0 - 1.0
 
 
 def p_value(observed: float, drawn: Array) -> float:
-    """Share of statistics at least as large, the observed one counted among them."""
+    """Share of the drawn statistics (draws,) that are at least as large as the observed one, which counts itself."""
     return float((1 + np.count_nonzero(drawn >= observed)) / (1 + len(drawn)))
 
 
 def family_wise(observed: Array, drawn: Array) -> Array:
-    """p-values (m,) that hold for all m statistics together: the step-down maximum of Westfall and Young.
+    """Family-wise p-values (m,) of m statistics: the step-down maximum of Westfall and Young.
 
     Parameters
     ----------
     observed : (m,)
+        Statistics of the data; larger is more extreme.
     drawn : (draws, m)
-        Of the same signs in each row, so that what hangs together stays together.
+        Statistics after sign flips; all of a row share their signs, which keeps the correlation of the tests.
     """
     order = np.argsort(-observed, kind="stable")
+    # column j: maximum over the statistics that rank at or below place j
     highest = np.maximum.accumulate(drawn[:, order[::-1]], axis=1)[:, ::-1]
     exceeding = np.count_nonzero(highest >= observed[order] - 1e-12, axis=0)
     stepped = np.maximum.accumulate((1 + exceeding) / (1 + len(drawn)))
@@ -38,7 +51,7 @@ def family_wise(observed: Array, drawn: Array) -> Array:
 
 
 def holm(p_values: Array) -> Array:
-    """Holm's p-values (m,) of m tests of any dependence."""
+    """Holm's family-wise p-values (m,) of m p-values, valid for tests of any dependence."""
     count = len(p_values)
     order = np.argsort(p_values, kind="stable")
     stepped = np.maximum.accumulate((count - np.arange(count)) * p_values[order])

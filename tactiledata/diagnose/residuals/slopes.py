@@ -1,4 +1,4 @@
-"""By how much a parameter changes over a covariate, with an interval that whole trajectories vouch for."""
+"""The change of a parameter over a covariate, with a 95 % interval from the scatter between whole trajectories."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from tactiledata.diagnose.residuals.wording import TOO, quantity, signed_change,
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a parameter.
+    """A change of a parameter, with its 95 % interval.
 
     Parameters
     ----------
     parameter : ResidualParameter
+        What changes.
     value, half_width : float
         In the parameter's unit; the 95 % interval is value ± half_width.
     """
@@ -31,35 +32,37 @@ class Change:
 
     @property
     def is_relative(self) -> bool:
-        """Whether it is said as a share of the parameter's value."""
+        """Whether the change is reported as a share of the parameter's value: that is known and not 0."""
         return bool(np.isfinite(self.parameter.value) and self.parameter.value != 0)
 
     @property
     def sharpness(self) -> float:
-        """The change over the half width of its interval."""
+        """Absolute change over the half width of its interval; 0 where the half width is 0."""
         return abs(self.value) / self.half_width if self.half_width > 0 else 0.0
 
     @property
     def words(self) -> str:
-        """``"E falls by 11 ± 2 %"``; no number where it is not known to the parameter's own size."""
-        if self._is_untold:
-            return f"{self.parameter.name} changes by more than its own size, which these data cannot tell"
-        return signed_change(self.parameter.name, *self._told)
+        """A clause such as ``"E falls by 11 ± 2 %"``; it has no number where the interval exceeds the value of E."""
+        if self._is_uncertain:
+            return f"{self.parameter.name} changes by an amount that these data do not determine"
+        return signed_change(self.parameter.name, *self._displayed)
 
     @property
     def standing(self) -> str:
-        """Of a change that holds everywhere, ``"E is 11 ± 2 % too high"``."""
-        if self._is_untold:
-            return f"{self.parameter.name} cannot be told from these data"
-        value, half_width, unit = self._told
+        """A clause such as ``"E is 11 ± 2 % too high"``, for a change that holds in all frames."""
+        if self._is_uncertain:
+            return f"{self.parameter.name} is off by an amount that these data do not determine"
+        value, half_width, unit = self._displayed
         return f"{self.parameter.name} is {with_interval(abs(value), half_width, unit)} {TOO[value > 0]}"
 
     @property
-    def _is_untold(self) -> bool:
+    def _is_uncertain(self) -> bool:
+        """Whether the interval is finite and wider than the parameter's value."""
         return self.is_relative and abs(self.parameter.value) < self.half_width < np.inf
 
     @property
-    def _told(self) -> tuple[float, float, str]:
+    def _displayed(self) -> tuple[float, float, str]:
+        """Value, half width and unit for a sentence: in per cent of the parameter's value where it is known."""
         if self.is_relative:
             share = 100.0 / abs(self.parameter.value)
             return self.value * share, self.half_width * share, "%"
@@ -67,9 +70,18 @@ class Change:
 
 
 def change(projection: ProjectedResiduals, place: int, instrument: Array) -> Change:
-    """The change of a shared parameter along an instrument (n,), all other parameters refitted with it.
+    """The change of a shared parameter along an instrument, with all other parameters refitted.
 
-    Its variance is the sandwich of the units of exchange at the fit that includes the change.
+    The variance is the sandwich estimate over units of exchange, at the fit that includes the change.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals of n frames after the refit.
+    place : int
+        Index of the parameter in `Residuals.shared`.
+    instrument : (n,)
+        By how much the parameter changes in each frame, per unit of change.
     """
     alone = (projection.directions[:, :, place] * instrument[:, None])[:, :, None]
     field = projection.orthogonal(alone)
@@ -86,7 +98,10 @@ def change(projection: ProjectedResiduals, place: int, instrument: Array) -> Cha
 
 
 def refitted(projection: ProjectedResiduals) -> list[Change]:
-    """By how much a linear refit moves each shared parameter, with intervals from what the units disagree on."""
+    """The shift of each shared parameter in the linear refit, with intervals from the scatter between units.
+
+    The list is in the order of `Residuals.shared`.
+    """
     residuals, inverse = projection.residuals, projection.inverse
     moved = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score)) @ inverse
     grams = residuals.by_unit(np.einsum("nkp,nkq->npq", projection.directions, projection.weighed))
@@ -98,9 +113,9 @@ def refitted(projection: ProjectedResiduals) -> list[Change]:
 
 
 def _half_width(misfit: Array, shares: Array) -> float:
-    """Half of a 95 % interval from what each unit (u,) moves the value by, and its share of the information.
+    """Half width of a 95 % interval from each unit's shift of the value (u,) and its share of the information (u,).
 
-    A unit that carries much of the information pulls the fit towards itself: its misfit is scaled up for that.
+    A unit with much of the information pulls the fit towards itself: its shift is scaled up by the leverage.
     """
     widened = misfit / (1.0 - np.clip(shares, 0.0, 0.9))
     effective = 1.0 / max(float((shares**2).sum()), 1.0 / len(shares))
@@ -108,5 +123,15 @@ def _half_width(misfit: Array, shares: Array) -> float:
 
 
 def over(name: str, low: float, high: float, unit: str) -> str:
-    """``"between depth 0.2 mm and 1.1 mm"``."""
+    """A phrase such as ``"between depth 0.2 mm and 1.1 mm"``.
+
+    Parameters
+    ----------
+    name : str
+        Name of the covariate.
+    low, high : float
+        Ends of the range, in ``unit``.
+    unit : str
+        Unit of the covariate.
+    """
     return f"between {name} {quantity(low, unit)} and {quantity(high, unit)}"

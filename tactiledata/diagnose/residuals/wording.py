@@ -1,4 +1,4 @@
-"""Numbers, quantities and changes as people say them."""
+"""Numbers, quantities, changes and p-values as text for sentences."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import math
 from tactiledata.diagnose.residuals.gap import Gap
 
 VERBS = {True: "rises", False: "falls"}
+"""Verb of a change, by whether it is positive."""
 ABOVE = {True: "above", False: "below"}
+"""Where the measured value lies, by whether measured minus simulated is positive."""
 TOO = {True: "too low", False: "too high"}
-"""Of what was predicted, where what was measured is more, or is not."""
+"""What is wrong with a parameter, by whether the refit increases it."""
 
 
 def rounded(value: float, digits: int = 2) -> str:
-    """A number with so many significant digits, whole ones whole, without exponent where it can be read without."""
+    """A number as text with ``digits`` significant digits; with an exponent only where it is very large or small."""
     if value == 0 or not math.isfinite(value):
         return f"{value:g}"
     places = digits - 1 - math.floor(math.log10(abs(value)))
@@ -23,49 +25,77 @@ def rounded(value: float, digits: int = 2) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """``"0.30 mm"``; without a unit where there is none."""
+    """A value with its unit, such as ``"0.30 mm"``; the unit is left out where it is 1 or not known."""
     return rounded(value) if unit in ("", "1", "?") else f"{rounded(value)} {unit}"
 
 
 def with_interval(value: float, half_width: float, unit: str) -> str:
-    """``"11 ± 2 %"``: both to the digits that the interval leaves."""
+    """A value with its interval, such as ``"11 ± 2 %"``, both rounded to the precision of the interval.
+
+    Parameters
+    ----------
+    value, half_width : float
+        The interval is value ± half_width; a half width that is 0 or not finite is left out.
+    unit : str
+        Unit of both; left out where it is 1 or not known.
+    """
     if not math.isfinite(half_width) or half_width <= 1e-9 * abs(value):
         return f"{rounded(value)} {unit}".strip()
     places = max(-3, (0 if half_width >= 2 * 10 ** math.floor(math.log10(half_width)) else 1)
                  - math.floor(math.log10(half_width)))  # fmt: skip
     digits = max(places, 0)
-    said = f"{round(value, places):.{digits}f} ± {round(half_width, places):.{digits}f}"
-    return said if unit in ("", "1", "?") else f"{said} {unit}"
+    text = f"{round(value, places):.{digits}f} ± {round(half_width, places):.{digits}f}"
+    return text if unit in ("", "1", "?") else f"{text} {unit}"
 
 
 def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
-    """``"E falls by 11 ± 2 %"``."""
+    """A clause such as ``"E falls by 11 ± 2 %"``.
+
+    Parameters
+    ----------
+    name : str
+        Name of the parameter.
+    value, half_width : float
+        Change and half width of its interval, in ``unit``.
+    unit : str
+        Unit of both.
+    """
     return f"{name} {VERBS[value > 0]} by {with_interval(abs(value), half_width, unit)}"
 
 
 def departs(name: str, size: float, half_width: float, unit: str) -> str:
-    """``"measured fz is 2.2 ± 0.3 times the noise below the simulated one"``: of measured less simulated."""
+    """A clause such as ``"measured fz is 2.2 ± 0.3 times the noise below the simulated one"``.
+
+    Parameters
+    ----------
+    name : str
+        Name of the component.
+    size, half_width : float
+        Measured minus simulated value and half width of its interval, in ``unit``.
+    unit : str
+        Unit of both, such as ``"times the noise"``.
+    """
     return f"measured {name} is {with_interval(abs(size), half_width, unit)} {ABOVE[size > 0]} the simulated one"
 
 
 def percent(share: float) -> str:
-    """``"62 %"``."""
+    """A share from 0 to 1 as a percentage, such as ``"62 %"``."""
     return f"{100 * share:.0f} %"
 
 
 def p_text(value: float) -> str:
-    """``"0.012"``, or ``"< 0.001"``."""
+    """A p-value as text, such as ``"0.012"`` or ``"< 0.001"``."""
     return "< 0.001" if value < 0.001 else rounded(value)
 
 
 def p_words(value: float) -> str:
-    """``"p = 0.012"``, or ``"p < 0.001"``."""
+    """A p-value with its symbol, such as ``"p = 0.012"`` or ``"p < 0.001"``."""
     text = p_text(value)
     return f"p {text}" if text.startswith("<") else f"p = {text}"
 
 
 def gap_words(gap: Gap, has_gap: bool) -> str:
-    """``"82 % (70 % to 90 %)"``, ``"all"`` where it is surely closed, or a dash where there is nothing to close."""
+    """The closed share of a gap, such as ``"82 % (70 % to 90 %)"`` or ``"all"``; a dash where there is no gap."""
     if not has_gap or not math.isfinite(gap.closed):
         return "-"
     if gap.interval[0] >= 1.0:
@@ -75,13 +105,13 @@ def gap_words(gap: Gap, has_gap: bool) -> str:
 
 
 def growth_words(gap: Gap) -> str:
-    """By how much of itself a gap grows: ``"150 % (50 % to 250 %)"``."""
+    """The relative growth of a gap that a correction widens, such as ``"150 % (50 % to 250 %)"``."""
     grown, low, high = (percent(-end) for end in (gap.closed, *reversed(gap.interval)))
     return f"{grown} ({low} to {high})"
 
 
 def change_words(gap: Gap) -> str:
-    """``"82 % (70 % to 90 %) of the gap is closed"``, or by how much it grows."""
+    """A clause that says which share of the gap is closed, or by how much the gap grows."""
     if gap.closed < 0:
         return f"the gap to the noise grows by {growth_words(gap)}"
     return f"{gap_words(gap, True)} of the gap is closed"

@@ -1,4 +1,4 @@
-"""A table from a file of strangers: every column as it stands there, or a refusal."""
+"""A CSV, TSV or Parquet file as a data frame; a file that could be misread is refused with the reason."""
 
 from __future__ import annotations
 
@@ -13,29 +13,34 @@ from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import MissingFile, TactileDataError, UsageError
 
 SUFFIXES = (".csv", ".tsv", ".parquet")
+"""Endings of file names that are read; upper case is accepted."""
 SEPARATORS = {".csv": ",", ".tsv": "\t"}
+"""Separator of the fields, by the ending of the file's name."""
 GZIP = b"\x1f\x8b"
-"""How a compressed file begins."""
+"""First bytes of a file that gzip compressed."""
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
+"""Separators that are suspected where a table seems to have one column."""
 
 
 def read_table(path: Path) -> pd.DataFrame:
-    """The rows of a CSV, TSV or Parquet file; moments are seconds since the first one, durations seconds.
+    """The rows of a CSV, TSV or Parquet file, with dates as seconds since the first one and durations in seconds.
 
     Raises
     ------
-    MissingFile, UsageError
-        Not there, or no table by its name.
+    MissingFile
+        The file does not exist.
+    UsageError
+        The name does not end as a table's, or belongs to a folder.
     TactileDataError
-        It cannot be read as such, holds no rows, or its columns are not clear.
+        The file cannot be read, holds no rows, or names its columns ambiguously.
     """
     if not path.exists():
         raise MissingFile(f"{path} does not exist", f"a table: {', '.join(SUFFIXES)}", path=str(path))
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise UsageError(f"{path} is no table by its name", f"a file that ends in {', '.join(SUFFIXES)}")
+        raise UsageError(f"{path} is in no table format", f"a file that ends in {', '.join(SUFFIXES)}")
     if not path.is_file():
-        raise UsageError(f"{path} is a folder or a device", "a file", "Name the table in it.")
+        raise UsageError(f"{path} is a folder or a device", "a file", "Name the table itself.")
     refuse_lfs_pointer(path)
     try:
         frame = _parquet(path) if suffix == ".parquet" else _text(path, SEPARATORS[suffix])
@@ -43,23 +48,28 @@ def read_table(path: Path) -> pd.DataFrame:
         raise TactileDataError(
             f"{path} holds bytes that are no UTF-8: {error.reason} at {error.start}",
             "text in UTF-8",
-            "It is compressed: unpack it." if error.object.startswith(GZIP) else "Save it as that.",
+            "It is compressed: unpack it." if error.object.startswith(GZIP) else "Save the file as UTF-8.",
         ) from error
     except (ValueError, OSError, csv.Error) as error:
         raise TactileDataError(
-            f"{path} cannot be read: {' '.join(str(error).split())}", f"a table in {suffix[1:]}", "Write it anew."
+            f"{path} cannot be read: {' '.join(str(error).split())}",
+            f"a table in {suffix[1:]}",
+            "Write the file again.",
         ) from error
     if frame.empty:
-        raise TactileDataError(f"{path} holds no rows", "one row for each frame", "Was it written to its end?")
+        raise TactileDataError(f"{path} holds no rows", "one row for each frame", "Was the file written completely?")
     for name in frame.columns:
         if not str(name).isprintable():
             raise TactileDataError(
-                f"the name of column {str(name)!r} holds characters that cannot be printed", "plain names", "Rename it."
+                f"the name of column {str(name)!r} holds characters that cannot be printed",
+                "printable names",
+                "Rename the column.",
             )
     return frame.apply(_as_numbers)
 
 
 def _text(path: Path, separator: str) -> pd.DataFrame:
+    """The rows of a text file; refuse another separator than its name implies, and rows longer than the header."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         names = next(csv.reader(file, delimiter=separator), [])
     _once(names, path)
@@ -68,7 +78,8 @@ def _text(path: Path, separator: str) -> pd.DataFrame:
             if other in names[0] and other != separator:
                 raise TactileDataError(
                     f"{path} has one column, {names[0]!r}: it seems to be separated by {words}",
-                    f"{'commas' if separator == ',' else 'tabs'}, as its name says", "Write it so.",
+                    f"{'commas' if separator == ',' else 'tabs'}, as its name says",
+                    "Save the table with this separator.",
                 )  # fmt: skip
     frame = pd.read_csv(path, sep=separator, encoding="utf-8-sig")
     if not isinstance(frame.index, pd.RangeIndex):
@@ -80,6 +91,7 @@ def _text(path: Path, separator: str) -> pd.DataFrame:
 
 
 def _parquet(path: Path) -> pd.DataFrame:
+    """The rows of a Parquet file; named levels of its index become columns, since the group may be one of them."""
     from pyarrow import parquet
 
     _once(parquet.read_schema(path).names, path)
@@ -88,19 +100,22 @@ def _parquet(path: Path) -> pd.DataFrame:
 
 
 def _once(names: list[str], path: Path) -> None:
+    """Refuse a file that names a column twice."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        raise TactileDataError(f"{path} names column {twice[0]!r} twice", "names that differ", "Rename one of them.")
+        raise TactileDataError(
+            f"{path} names column {twice[0]!r} twice", "a different name for each column", "Rename one of them."
+        )
 
 
 def _as_numbers(column: pd.Series) -> pd.Series:
-    """Moments, durations and numbers of other kinds as floats; anything else as it is."""
+    """A column of dates, durations (both in seconds) or numeric objects as floats; any other column unchanged."""
     if pd.api.types.is_datetime64_any_dtype(column):
         column = column - column.min()
     if pd.api.types.is_timedelta64_dtype(column):
         return column.dt.total_seconds()
     known = column.dropna()
     is_number = column.dtype == object and len(known) > 0 and all(
-        isinstance(one, Number) and not isinstance(one, bool | complex) for one in known
+        isinstance(value, Number) and not isinstance(value, bool | complex) for value in known
     )  # fmt: skip
     return pd.to_numeric(column.map(float, na_action="ignore")) if is_number else column

@@ -1,4 +1,4 @@
-"""A table of predictions and observations as residuals."""
+"""A table of predictions and observations as whitened residuals, each quantity with an offset and a scale."""
 
 from __future__ import annotations
 
@@ -20,30 +20,33 @@ from tactiledata.diagnose.table_input.held_steps import times_since_steps
 from tactiledata.errors import TactileDataError
 
 FAR = 30.0
-"""Times the median distance from the median: 20 standard deviations of a normal distribution."""
+"""Distance of an outlier from the median, in median distances: 20 standard deviations of a normal distribution."""
 MOST_STRAYS = 0.02
-"""Share of the rows; more are no strays."""
+"""Largest share of the rows that are removed as outliers; if there are more, all rows are kept."""
 MOST_ROWS = 20_000
-"""More rows of the same groups cost time and tell little."""
+"""Rows above which groups are thinned: more rows of the same groups cost time and add little information."""
 LARGEST, SMALLEST = 1e30, 1e-30
-"""Of numbers, and of a noise; what lies beyond is a slip, and squares of it cannot be computed with."""
+"""Largest number and smallest noise that are accepted: squares of values beyond would overflow or underflow."""
 SMALLEST_SPREAD = 0.2
-"""Least range of a prediction, over the scatter about it, with which a scale is told from an offset."""
+"""Least standard deviation of a prediction, over the scatter about it, that separates a scale from an offset."""
 MOST_MISSING = 0.2
-"""Share of rows without it from which on a covariate is left out rather than the rows."""
+"""Largest share of rows that a covariate may lack; above it the covariate is left out, not the rows."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """What was read.
+    """A table as residuals, with the meaning of its columns and notes on what was left out.
 
     Parameters
     ----------
     columns : Columns
+        Meaning of each column.
     residuals : Residuals
-        Over the noise, or over their own scatter where the noise is not known.
+        Observed minus predicted, divided by the noise, or by the scatter where the noise is not known.
     is_noise_known : bool
-    notes : what was left out, in words
+        Whether the noise of every quantity is known.
+    notes : tuple of str
+        What was left out and why, in sentences without full stop.
     """
 
     columns: Columns
@@ -53,18 +56,28 @@ class Table:
 
 
 def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, group: str | None = None) -> Table:
-    """Residuals of a table; see docs/diagnose-table.md for what its columns are called.
+    """Whitened residuals of a table of observations and predictions; docs/diagnose-table.md lists the columns' names.
 
-    Each quantity has two parameters, its offset and its scale, so that a prediction that is only off by a constant or a
-    factor is said to be that.
+    Each quantity has two parameters, an offset and a scale, so that a prediction that is wrong by a constant or a
+    factor is recognised as a matter of calibration.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        One row for each frame.
+    document : dict, optional
+        Meaning of the columns as in schemas/columns.json, already checked; without it the names decide.
+    group : str, optional
+        Name of the column of groups; it takes precedence over the document.
 
     Raises
     ------
     UsageError
-        Columns that are not there.
+        A column does not exist or has two meanings.
     TactileDataError
-        Too few groups, or nothing that could be diagnosed.
+        There are too few groups, or the table holds nothing that could be diagnosed.
     """
+    # rows: without gaps and outliers, in order of groups and time, thinned where there are very many
     columns = columns_of(frame, document, group)
     notes: list[str] = []
     rows = _without_strays(_whole_rows(frame, columns, notes), columns, notes)
@@ -73,119 +86,126 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     order = np.lexsort((rows[time].to_numpy(dtype=float), groups)) if time else np.argsort(groups, kind="stable")
     rows, groups = _thinned(rows.iloc[order], groups[order], notes)
     _enough_groups(rows[columns.group], columns.group)
+    # covariates, also the number of the group and the time since steps of a held covariate
     covariates = _covariates(rows, columns, notes)
     covariates.setdefault("index", Covariate(groups.astype(np.float64), "1"))
     starts = np.flatnonzero(np.diff(groups, prepend=-1) != 0)
     covariates = times_since_steps(covariates, starts, columns.time) | covariates
+    # whiten by the noise, or by the scatter about the best line where the noise of a quantity is not known
     observed, predicted, noise = _quantities(rows, columns)
-    is_known = all(one.noise is not None for one in columns.quantities)
+    is_known = all(pair.noise is not None for pair in columns.quantities)
     scatter = _own_scatter(observed, predicted, columns)
     if not is_known:
         noise = np.broadcast_to(scatter, observed.shape)
     parameters, slopes = _offset_and_scale(columns, observed, predicted, scatter, noise, notes)
     residuals = Residuals(
         (observed - predicted) / noise,
-        tuple(one.name for one in columns.quantities),
+        tuple(pair.name for pair in columns.quantities),
         groups,
         covariates,
         _labels(rows, columns, notes),
         parameters,
         slopes,
-        units=tuple(one.unit for one in columns.quantities),
+        units=tuple(pair.unit for pair in columns.quantities),
         deviations=np.median(noise, axis=0),
         scale="times the noise" if is_known else "times the scatter",
     )
     if not in_contact(residuals).any():
         raise TactileDataError(
-            "phase says of no row that something touches", "rows in contact, where prediction and observation differ",
+            "in column phase no row is in contact", "rows in contact, where prediction and observation differ",
             "Rename or drop the column if it means something else.",
         )  # fmt: skip
     return Table(columns, residuals, is_known, tuple(notes))
 
 
 def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """Rows in which everything that counts is known."""
-    needed = [column for one in columns.quantities for column in (one.observed, one.predicted)]
-    needed += [one.noise for one in columns.quantities if isinstance(one.noise, str)]
-    wanted = [column for column, _ in columns.covariates.values()]
-    for column in (*needed, *wanted):
+    """The rows in which group, quantities and covariates are finite numbers; a sparse covariate is left out instead."""
+    needed = [column for pair in columns.quantities for column in (pair.observed, pair.predicted)]
+    needed += [pair.noise for pair in columns.quantities if isinstance(pair.noise, str)]
+    optional = [column for column, _ in columns.covariates.values()]
+    for column in (*needed, *optional):
         if is_text(frame[column]):
             texts = frame[column][pd.to_numeric(frame[column], errors="coerce").isna()].dropna()
-            example = f", as {str(texts.iloc[0])!r}" if len(texts) else ""
-            raise TactileDataError(f"column {column} holds what is no number{example}", "numbers", "Mend or drop it.")
-    numbers = frame[[*needed, *wanted]].astype(np.float64)
+            example = f", such as {str(texts.iloc[0])!r}" if len(texts) else ""
+            raise TactileDataError(f"column {column} holds texts{example}", "numbers", "Correct or drop the column.")
+    # a covariate that many rows lack is dropped; rows with other gaps are dropped
+    numbers = frame[[*needed, *optional]].astype(np.float64)
     numbers = numbers.where(numbers.abs() < LARGEST)
-    missing = numbers[wanted].isna().mean()
-    sparse = [column for column in wanted if missing[column] > MOST_MISSING and column != columns.time]
+    missing = numbers[optional].isna().mean()
+    sparse = [column for column in optional if missing[column] > MOST_MISSING and column != columns.time]
     kept = numbers.drop(columns=sparse).notna().all(axis=1) & frame[columns.group].notna()
     for column in sparse:
         share = f"{100 * missing[column]:.0f} %"
         notes.append(f"column {column} is left out: {share} of its rows are empty, or beyond {LARGEST:g}")
     if not kept.all():
-        gaps = [column for column in [*needed, *wanted] if column not in sparse and numbers[column].isna().any()]
+        gaps = [column for column in [*needed, *optional] if column not in sparse and numbers[column].isna().any()]
         gaps += [columns.group] if frame[columns.group].isna().any() else []
         where = f"empty, or beyond {LARGEST:g}, in {', '.join(gaps)}"
         notes.append(f"{counted(int((~kept).sum()), 'row')} of {len(kept)} left out: {where}")
         if not kept.any():
             raise TactileDataError(
-                f"no row is whole: {where}", "group, observed, predicted and covariates in one row",
+                f"no row is complete: {where}", "group, observed, predicted and covariates in one row",
                 "Fill the gaps, drop a column, or write numbers in larger units.",
             )  # fmt: skip
     return frame.loc[kept]
 
 
 def _without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """Rows without those, where they are few, that lie so far off that no law of the rest could be seen beside them."""
-    stray = pd.Series(False, index=rows.index)
-    for one in columns.quantities:
-        left = rows[one.observed] - rows[one.predicted]
-        apart = (left - left.median()).abs()
-        stray |= (apart > FAR * apart.median()) & (apart.median() > 0)
-    if not 0 < stray.mean() <= MOST_STRAYS:
+    """The rows without outliers, which would dominate every statistic; all rows where outliers are not rare."""
+    is_stray = pd.Series(False, index=rows.index)
+    for pair in columns.quantities:
+        difference = rows[pair.observed] - rows[pair.predicted]
+        distance = (difference - difference.median()).abs()
+        is_stray |= (distance > FAR * distance.median()) & (distance.median() > 0)
+    if not 0 < is_stray.mean() <= MOST_STRAYS:
         return rows
-    first = ", ".join(str(number) for number in rows.index[stray][:5])
+    first = ", ".join(str(number) for number in rows.index[is_stray][:5])
     notes.append(
-        f"{counted(int(stray.sum()), 'row')} left out: observed minus predicted lies more than {FAR:.0f} times as far "
-        f"from its median as it usually does (first: {first}, counted from 0)"
+        f"{counted(int(is_stray.sum()), 'row')} left out: the distance of observed minus predicted from its median is "
+        f"more than {FAR:.0f} times the median distance (first: {first}, counted from 0)"
     )
-    return rows[~stray]
+    return rows[~is_stray]
 
 
 def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:
-    """Every so many-th row of each group, where there are more than serve a test of whole groups."""
-    every = -(-len(rows) // MOST_ROWS)
-    if every == 1:
+    """Evenly spaced rows of each group, its first one included, where the table has more than `MOST_ROWS` rows."""
+    stride = -(-len(rows) // MOST_ROWS)
+    if stride == 1:
         return rows, groups
     starts = np.flatnonzero(np.diff(groups, prepend=-1) != 0)
     place = np.arange(len(groups)) - np.repeat(starts, np.diff(starts, append=len(groups)))
-    kept = place % every == 0
-    notes.append(f"one row of {every} of each group is used: {int(kept.sum())} of {len(rows)}")
+    kept = place % stride == 0
+    notes.append(f"one row of {stride} of each group is used: {int(kept.sum())} of {len(rows)}")
     return rows.loc[kept], groups[kept]
 
 
 def _group_numbers(column: pd.Series) -> NDArray[np.int64]:
-    """Groups by number, in the order in which they appear."""
+    """Number (n,) of each row's group, in the order in which groups appear; refuse cells that are lists."""
     try:
         return pd.factorize(column)[0].astype(np.int64)
     except TypeError as error:
         raise TactileDataError(
-            f"column {column.name} holds lists or tables", "one number or text a row", "Name another column of groups."
+            f"column {column.name} holds lists or tables",
+            "one number or text in each row",
+            "Name another column of groups.",
         ) from error
 
 
 def _enough_groups(column: pd.Series, name: str) -> None:
+    """Refuse a table with fewer than `FEWEST_UNITS` groups."""
     count = column.nunique()
     if count < FEWEST_UNITS:
         found = f"one group only ({column.iloc[0]})" if count == 1 else f"{count} groups only"
         raise TactileDataError(
             f"{found} in column {name}",
-            f"at least {FEWEST_UNITS}: whole groups are exchanged to tell structure from chance, never single rows",
-            "Take the column that says which rows were recorded in one go (--group), or record more of them.",
+            f"at least {FEWEST_UNITS}: the tests compare whole groups, never single rows",
+            "Name the column that says which rows were recorded in one go (--group), or record more groups.",
             groups=count,
         )
 
 
 def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, Covariate]:
+    """The covariates that are complete and vary; a note names those that never change."""
     covariates, constant = {}, []
     for name, (column, unit) in columns.covariates.items():
         values = rows[column].to_numpy(dtype=np.float64)
@@ -201,10 +221,11 @@ def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[
 
 
 def _labels(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, NDArray[np.str_]]:
+    """The labels with at most `MOST_LEVELS` different texts; empty cells are "unknown"."""
     labels = {}
     for name in columns.labels:
         known = rows[name].astype(object).where(rows[name].notna(), "unknown")
-        texts = np.array([_printable(str(one)) for one in known], dtype=str)
+        texts = np.array([_printable(str(text)) for text in known], dtype=str)
         if len(np.unique(texts)) <= MOST_LEVELS:
             labels[name] = texts
         else:
@@ -213,42 +234,46 @@ def _labels(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str,
 
 
 def _printable(text: str) -> str:
-    return "".join(one if one.isprintable() else "\N{REPLACEMENT CHARACTER}" for one in text)
+    """The text with a replacement character for each character that cannot be printed, such as an escape sequence."""
+    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in text)
 
 
 def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Array]:
-    """Observed, predicted and noise (n, k); the noise is 1 where it is not known."""
+    """Observed, predicted and noise (n, k) in the quantities' units; the noise is 1 where it is not known.
+
+    A constant observation and a noise that is not positive are refused.
+    """
     observed, predicted, noise = (np.ones((len(rows), len(columns.quantities))) for _ in range(3))
-    for place, one in enumerate(columns.quantities):
-        observed[:, place], predicted[:, place] = rows[one.observed], rows[one.predicted]
+    for place, pair in enumerate(columns.quantities):
+        observed[:, place], predicted[:, place] = rows[pair.observed], rows[pair.predicted]
         if np.ptp(observed[:, place]) == 0:
             raise TactileDataError(
-                f"column {one.observed} is {observed[0, place]:g} in every row", "an observation that varies",
-                "Is the instrument connected? Leave the column out, or take other rows.",
+                f"column {pair.observed} is {observed[0, place]:g} in every row", "an observation that varies",
+                "Is the instrument connected? Leave the column out, or use other rows.",
             )  # fmt: skip
-        if one.noise is not None:
-            noise[:, place] = rows[one.noise] if isinstance(one.noise, str) else one.noise
+        if pair.noise is not None:
+            noise[:, place] = rows[pair.noise] if isinstance(pair.noise, str) else pair.noise
         if not (noise[:, place] > SMALLEST).all():
             bad = noise[:, place][~(noise[:, place] > SMALLEST)][0]
             raise TactileDataError(
-                f"the noise of {one.name} ({one.noise}) is {bad:g} somewhere",
+                f"the noise of {pair.name} ({pair.noise}) is {bad:g} somewhere",
                 f"standard deviations above {SMALLEST:g}",
-                "Mend the column, or leave the noise out: its size is then taken from the scatter.",
+                "Correct the column, or leave the noise out: it is then estimated from the scatter.",
             )  # fmt: skip
     return observed, predicted, noise
 
 
 def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
-    """Standard deviation (k,) of what an offset and a scale leave."""
+    """Root mean square (k,) of each quantity's residual after an offset and a scale are fitted; refuse exact copies."""
     scatter = np.empty(observed.shape[1])
-    for place, one in enumerate(columns.quantities):
+    for place, pair in enumerate(columns.quantities):
         line = np.column_stack([np.ones(len(predicted)), predicted[:, place]])
-        left = observed[:, place] - line @ np.linalg.lstsq(line, observed[:, place], rcond=None)[0]
-        scatter[place] = np.sqrt(np.mean(left**2))
+        difference = observed[:, place] - line @ np.linalg.lstsq(line, observed[:, place], rcond=None)[0]
+        scatter[place] = np.sqrt(np.mean(difference**2))
         if scatter[place] <= 1e-9 * np.std(observed[:, place]):
             raise TactileDataError(
-                f"{one.predicted} gives {one.observed} exactly, up to an offset and a factor", "residuals that vary",
-                "There is nothing to diagnose; is one column a copy of the other?",
+                f"{pair.predicted} gives {pair.observed} exactly, up to an offset and a factor", "residuals that vary",
+                "There is nothing to diagnose. Is one column a copy of the other?",
             )  # fmt: skip
     return scatter
 
@@ -256,14 +281,29 @@ def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
 def _offset_and_scale(
     columns: Columns, observed: Array, predicted: Array, scatter: Array, noise: Array, notes: list[str]
 ) -> tuple[tuple[ResidualParameter, ...], Array]:
+    """Offset and scale of each quantity as parameters, with whitened sensitivities (n, k, p).
+
+    Parameters
+    ----------
+    columns : Columns
+        The k quantities and their units.
+    observed, predicted : (n, k)
+        Values in the quantities' units.
+    scatter : (k,)
+        Root mean square of what offset and scale leave.
+    noise : (n, k)
+        Standard deviation by which residuals are divided.
+    notes : list of str
+        Receives a note for each quantity whose scale cannot be separated from its offset.
+    """
     parameters, slopes = [], []
-    for place, one in enumerate(columns.quantities):
+    for place, pair in enumerate(columns.quantities):
         has_scale = _tells_scale(observed[:, place], predicted[:, place], float(scatter[place]))
         if not has_scale:
             notes.append(
-                f"scale and offset of {one.name} cannot be told apart from these data: its prediction varies by "
-                f"{quantity(float(np.std(predicted[:, place])), one.unit)}, and observations scatter by "
-                f"{quantity(float(scatter[place]), one.unit)} about it; only the offset is asked"
+                f"scale and offset of {pair.name} cannot be separated with these data: its prediction varies by "
+                f"{quantity(float(np.std(predicted[:, place])), pair.unit)}, and observations scatter by "
+                f"{quantity(float(scatter[place]), pair.unit)} about it; only the offset is estimated"
             )
         for name, field, value in (("offset", np.ones(len(predicted)), np.nan), ("scale", predicted[:, place], 1.0)):
             if name == "scale" and not has_scale:
@@ -272,13 +312,21 @@ def _offset_and_scale(
             slope[:, place] = field / noise[:, place]
             slopes.append(slope)
             parameters.append(
-                ResidualParameter(f"the {name} of {one.name}", one.unit if name == "offset" else "1", value)
+                ResidualParameter(f"the {name} of {pair.name}", pair.unit if name == "offset" else "1", value)
             )
     return tuple(parameters), np.stack(slopes, axis=2)
 
 
 def _tells_scale(observed: Array, predicted: Array, scatter: float) -> bool:
-    """Whether a prediction tells its scale from an offset: it varies enough, or explains most of the observation."""
+    """Whether the data separate a scale from an offset: the prediction varies enough, or explains the observation.
+
+    Parameters
+    ----------
+    observed, predicted : (n,)
+        Values of one quantity.
+    scatter : float
+        Root mean square of what offset and scale leave.
+    """
     spread = float(np.std(predicted))
     is_followed = scatter**2 < 0.5 * float(np.var(observed))
     return spread > 0 and (is_followed or spread > SMALLEST_SPREAD * scatter)

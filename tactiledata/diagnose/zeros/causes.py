@@ -1,4 +1,4 @@
-"""Why the zero of a force sensor differs from trajectory to trajectory: the tool's weight, a drift, the cable."""
+"""Why the zero of a force sensor differs from trajectory to trajectory: weight of the tool, drift, or cable drag."""
 
 from __future__ import annotations
 
@@ -14,34 +14,40 @@ from tactiledata.diagnose.residuals.wording import p_words, percent
 from tactiledata.diagnose.zeros.readings import ForceZeros
 
 GRAVITY = 9.81
-"""m/s^2"""
+"""Acceleration of gravity in m/s^2."""
 TIMES = (100.0, 300.0, 900.0, 2700.0)
-"""s: time constants of a drift that are tried."""
+"""Time constants of a drift that are tried, in s."""
 DRAWS = 299
+"""Permutations of trajectories in each test: the smallest p-value is 1 / 300."""
 LEVEL = 0.01
+"""Largest p-value at which a cause is reported."""
 WORTH = 0.2
-"""Share of the squares beyond the noise of trajectories that were not fitted, from which on a cause is named."""
+"""Least share of the held-out squares beyond the noise that a cause must explain to be reported."""
 LEAST = 0.02
-"""N: zeros that differ by less are no news."""
+"""Least root mean square of the zeros' force in N; smaller differences are not analysed."""
 FEWEST = 8
-"""Trajectories."""
+"""Fewest trajectories with readings in free air; the cable, with its 18 columns, needs twice as many."""
 
 
 @dataclass(frozen=True)
 class ZeroCause:
-    """Something that the zero follows.
+    """A cause that the zero of the force sensor follows.
 
     Parameters
     ----------
-    effect : name in the catalogue of effects
+    effect : str
+        Name in the catalogue of effects: ``tool_weight``, ``sensor_drift`` or ``cable_drag``.
     p : float
-        Trajectories exchanged.
+        p-value by permutation of whole trajectories.
     explained : float
-        Share of the squares, beyond what the noise of pieces makes of them, of trajectories that were held out.
-    before, after : N
-        Root mean square of the zeros' force about their mean, without it and with it; a cause may be in torques alone.
-    values : dict, name -> number
+        Share of the squares of held-out trajectories, beyond the noise, that the cause explains; 0 to 1.
+    before, after : float
+        Root mean square of the zeros' force about their mean in N, without and with the cause. Both are nearly equal
+        where the cause acts on torques alone.
+    values : dict, name -> float
+        Fitted numbers of the cause, in SI units.
     words : str
+        The cause as sentences for the user.
     """
 
     effect: str
@@ -54,13 +60,25 @@ class ZeroCause:
 
     @property
     def document(self) -> dict[str, Any]:
-        """For schemas/diagnosis.json."""
+        """The cause as it stands in ``diagnosis.json`` (schemas/diagnosis.json)."""
         return dict(vars(self))
 
 
 @dataclass(frozen=True)
 class _Model:
-    """A linear cause: columns (6 n, k) on loads in units of their scatter."""
+    """A linear model of one cause of the zeros.
+
+    Parameters
+    ----------
+    effect : str
+        Name in the catalogue of effects.
+    field : (6 n, k)
+        Design matrix of the loads, which are divided by the scatter of their component.
+    values : callable
+        Makes named numbers of the k fitted coefficients.
+    words : callable
+        Makes a clause for the user of these numbers.
+    """
 
     effect: str
     field: Array
@@ -69,11 +87,11 @@ class _Model:
 
 
 def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
-    """What the zeros follow, the strongest first; empty where nothing is certain, or there are too few of them.
+    """The causes that the zeros follow, the strongest first; empty where none is certain or there is too little data.
 
-    Each moment at which the sensor was set to zero begins a zero of its own, which is fitted. Causes are added one
-    after another: each has to tell trajectories that it was not fitted to, and to do so better than with trajectories
-    exchanged.
+    The zero changes at each moment at which the sensor was tared; the mean of each stretch between two such moments is
+    subtracted. Causes are added one after another. Each must predict trajectories that it was not fitted to, and must
+    fit better than after a permutation of the trajectories.
     """
     if zeros.trajectories < FEWEST:
         return []
@@ -82,47 +100,50 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
     if spread < LEAST:
         return []
     models, taken = _models(zeros, scale), np.empty((6 * len(zeros), 0))
-    found: list[ZeroCause] = []
+    causes: list[ZeroCause] = []
     target = (_centred(zeros, zeros.load) / scale).ravel()
     before, floor = spread, _noise(zeros, scale)
+    # forward selection: in each round the cause that predicts held-out trajectories best
     for _ in range(len(models)):
-        rest = [model for model in models if model.effect not in {cause.effect for cause in found}]
+        rest = [model for model in models if model.effect not in {cause.effect for cause in causes}]
         tried = [(_unseen(zeros, np.hstack([taken, model.field]), target), model) for model in rest]
         if not tried:
             break
         base = _unseen(zeros, taken, target)
-        cost, best = min(tried, key=lambda one: one[0])
+        cost, best = min(tried, key=lambda attempt: attempt[0])
         explained = min(1.0, (base - cost) / max(base - floor, base - cost, 1e-300))
         p = _exchanged(zeros, taken, best.field, target, seed)
         if explained < WORTH or p > LEVEL:
             break
+        # the cause is accepted: fit it together with those before
         design = np.hstack([taken, best.field])
         numbers: Array = np.linalg.lstsq(design, target, rcond=None)[0].astype(np.float64)
         left = ((target - design @ numbers).reshape(-1, 6) * scale)[:, :3]
         after = float(np.sqrt((left**2).sum(axis=1).mean()))
         values = best.values(numbers[taken.shape[1] :])
         words = (
-            f"In free air, {best.words(values)} ({p_words(p)}); that tells {percent(explained)} of how much zeros of"
-            " other trajectories differ. Zeros are taken anew for each trajectory, so contact forces keep only what"
-            " changes within one."
+            f"In free air, {best.words(values)} ({p_words(p)}). This explains {percent(explained)} of the differences"
+            " between the zeros of held-out trajectories. Each trajectory gets a zero of its own, so that contact"
+            " forces contain only what changes within a trajectory."
         )
-        found.append(ZeroCause(best.effect, p, explained, before, after, values, words))
+        causes.append(ZeroCause(best.effect, p, explained, before, after, values, words))
         taken, before = design, after
-    return found
+    return causes
 
 
 def no_zeros(zeros: ForceZeros) -> str:
-    """Why nothing can be said of zeros; empty where something can."""
+    """A sentence that says why the zeros cannot be analysed; empty where they can."""
     if zeros.trajectories >= FEWEST:
         return ""
     return (
-        f"Only {counted(zeros.trajectories, 'trajectory')} with readings in free air: whether the tool's weight, the"
-        f" cable or a drift is in the force sensor's zero needs {FEWEST}. Begin recordings half a second before the"
-        " touch."
+        f"Only {counted(zeros.trajectories, 'trajectory')} with readings in free air: at least {FEWEST} are needed to"
+        " see whether the tool's weight, the cable or a drift changes the zero of the force sensor. Begin recordings"
+        " half a second before the touch."
     )
 
 
 def _models(zeros: ForceZeros, scale: Array) -> list[_Model]:
+    """The models that these data allow; one whose columns never change is left out. ``scale`` (6,) as `_scatter`."""
     listed = [_weight(zeros, scale)]
     listed += [_drift(zeros, scale, time) for time in TIMES]
     if zeros.joints is not None and zeros.trajectories >= 2 * FEWEST:
@@ -131,7 +152,7 @@ def _models(zeros: ForceZeros, scale: Array) -> list[_Model]:
 
 
 def _weight(zeros: ForceZeros, scale: Array) -> _Model:
-    """Mass, and its moment about the sensor's origin: linear in both."""
+    """Weight of the tool: linear in its mass (kg) and in its first moment about the sensor's origin (kg m)."""
     force = GRAVITY * zeros.down
     columns = np.zeros((len(zeros), 6, 4))
     columns[:, :3, 0] = force
@@ -140,24 +161,26 @@ def _weight(zeros: ForceZeros, scale: Array) -> _Model:
     return _Model(
         "tool_weight",
         _shaped(zeros, columns, scale),
-        lambda found: {"mass": found[0], "moment_x": found[1], "moment_y": found[2], "moment_z": found[3]},
-        lambda found: (
-            f"the force follows the direction of gravity: the tool weighs {1e3 * found['mass']:+.0f} g beside what"
-            f" robot.tool in log.yaml states, with a moment of {_moment(found)} g mm about the force sensor"
+        lambda numbers: {"mass": numbers[0], "moment_x": numbers[1], "moment_y": numbers[2], "moment_z": numbers[3]},
+        lambda values: (
+            f"the force follows the direction of gravity: the mass of the tool differs by {1e3 * values['mass']:+.0f} g"
+            f" from robot.tool in log.yaml, with a moment of {_moment(values)} g mm about the force sensor"
         ),
     )
 
 
-def _moment(found: dict[str, float]) -> str:
-    return f"({', '.join(f'{1e6 * found[name]:+.0f}' for name in ('moment_x', 'moment_y', 'moment_z'))})"
+def _moment(values: dict[str, float]) -> str:
+    """The first moment in g mm as text, such as ``"(+120, -30, +4)"``."""
+    return f"({', '.join(f'{1e6 * values[name]:+.0f}' for name in ('moment_x', 'moment_y', 'moment_z'))})"
 
 
 def _drift(zeros: ForceZeros, scale: Array, time: float) -> _Model:
+    """Exponential drift of each component since power-on, with one time constant in s."""
     warm = -np.expm1(-zeros.seconds / time)
     names = ("fx", "fy", "fz", "tx", "ty", "tz")
 
-    def words(found: dict[str, float]) -> str:
-        size = float(np.linalg.norm([found[name] for name in names[:3]]))
+    def words(values: dict[str, float]) -> str:
+        size = float(np.linalg.norm([values[name] for name in names[:3]]))
         span = float(np.ptp(warm))
         return (
             f"the force sensor's zero drifts with the time since power-on, by {size * span:.2f} N over these"
@@ -167,95 +190,115 @@ def _drift(zeros: ForceZeros, scale: Array, time: float) -> _Model:
     return _Model(
         "sensor_drift",
         _shaped(zeros, warm[:, None, None] * np.eye(6), scale),
-        lambda found: {**dict(zip(names, found.tolist(), strict=True)), "time": time},
+        lambda numbers: {**dict(zip(names, numbers.tolist(), strict=True)), "time": time},
         words,
     )
 
 
 def _cable(zeros: ForceZeros, scale: Array) -> _Model:
+    """Drag of the cable: each component as sine and cosine of the last joint's angle, and linear in the one before."""
     assert zeros.joints is not None
     last, wrist = zeros.joints[:, 5], zeros.joints[:, 4]
     shapes = np.stack([np.sin(last), np.cos(last), wrist - wrist.mean()], axis=1)
     columns = np.concatenate([shapes[:, None, k, None] * np.eye(6) for k in range(3)], axis=2)
 
-    def words(found: dict[str, float]) -> str:
-        size = np.hypot(found["sine"], found["cosine"])
-        return (
-            f"the force follows the angle of the last joint, by up to {size:.2f} N, as a cable that drags would make it"
-        )
+    def words(values: dict[str, float]) -> str:
+        size = np.hypot(values["sine"], values["cosine"])
+        return f"the force follows the angle of the last joint, by up to {size:.2f} N, as if a cable pulled on the tool"
 
     return _Model(
         "cable_drag",
         _shaped(zeros, columns, scale),
-        lambda found: {
-            "sine": float(np.linalg.norm(found[:3])),
-            "cosine": float(np.linalg.norm(found[6:9])),
-            "wrist": float(np.linalg.norm(found[12:15])),
+        lambda numbers: {
+            "sine": float(np.linalg.norm(numbers[:3])),
+            "cosine": float(np.linalg.norm(numbers[6:9])),
+            "wrist": float(np.linalg.norm(numbers[12:15])),
         },
         words,
     )
 
 
 def _shaped(zeros: ForceZeros, columns: Array, scale: Array) -> Array:
-    """Columns (n, 6, k), about their mean between moments of zeroing, over the scatter: (6 n, k)."""
+    """Design matrix (6 n, k) from columns (n, 6, k): centred in each stretch between tares, over the scatter (6,)."""
     return (_centred(zeros, columns) / scale[:, None]).reshape(6 * len(zeros), -1)
 
 
 def _centred(zeros: ForceZeros, rows: Array) -> Array:
-    out = rows.copy()
+    """Rows (n, …) minus their mean over each stretch between two moments of taring."""
+    centred = rows.copy()
     for stretch in np.unique(zeros.zeroed):
         members = zeros.zeroed == stretch
-        out[members] -= rows[members].mean(axis=0)
-    return out
+        centred[members] -= rows[members].mean(axis=0)
+    return centred
 
 
 def _scatter(zeros: ForceZeros) -> Array:
-    """Of each component (6,), over trajectories: forces alike, torques alike."""
+    """Scatter (6,) of the centred loads in N and N m: one value for the three forces, one for the three torques."""
     deviations = _centred(zeros, zeros.load).std(axis=0).reshape(2, 3)
     sizes: Array = np.repeat(np.maximum(deviations.mean(axis=1), 1e-9), 3)
     return sizes
 
 
 def _noise(zeros: ForceZeros, scale: Array) -> float:
-    """Squares that noise alone leaves, from pieces of one trajectory that follow one another."""
+    """Sum of scaled squares that noise alone would leave, from differences of successive pieces of a trajectory."""
     together = np.diff(zeros.trajectory) == 0
     steps = np.diff(zeros.load, axis=0)[together] / scale
     return float((steps**2).sum(axis=1).mean() / 2.0 * len(zeros)) if together.any() else 0.0
 
 
 def _unseen(zeros: ForceZeros, design: Array, target: Array) -> float:
-    """Squares of trajectories, each told by a fit to the others."""
+    """Sum of squared prediction errors over trajectories, each predicted by a fit to all others."""
     owner = np.repeat(zeros.trajectory, 6)
-    left = 0.0
+    total = 0.0
     for number in np.unique(zeros.trajectory):
-        out = owner == number
-        told = design[out] @ np.linalg.lstsq(design[~out], target[~out], rcond=None)[0] if design.shape[1] else 0.0
-        left += float(((target[out] - told) ** 2).sum())
-    return left
+        held_out = owner == number
+        predicted = (
+            design[held_out] @ np.linalg.lstsq(design[~held_out], target[~held_out], rcond=None)[0]
+            if design.shape[1]
+            else 0.0
+        )
+        total += float(((target[held_out] - predicted) ** 2).sum())
+    return total
 
 
 def _exchanged(zeros: ForceZeros, taken: Array, field: Array, target: Array, seed: int) -> float:
-    """Share of exchanges of whole trajectories that fit as well (Freedman and Lane 1983)."""
+    """p-value of a further model: share of permutations of trajectories that fit as well (Freedman and Lane 1983).
+
+    Parameters
+    ----------
+    zeros : ForceZeros
+        The n pieces and their trajectories.
+    taken : (6 n, j)
+        Design matrix of the causes that are already accepted.
+    field : (6 n, k)
+        Design matrix of the further cause.
+    target : (6 n,)
+        Centred loads over their scatter.
+    seed : int
+        Random seed of the permutations.
+    """
     rest = target - taken @ np.linalg.lstsq(taken, target, rcond=None)[0] if taken.shape[1] else target
     basis, sizes, _ = np.linalg.svd(field - taken @ np.linalg.pinv(taken) @ field if taken.shape[1] else field, False)
     basis = basis[:, sizes > 1e-9 * sizes[0]]
-    chance = np.random.default_rng(seed)
+    # means of trajectories are permuted; the scatter of pieces within a trajectory stays in place
+    rng = np.random.default_rng(seed)
     fitted = float(((basis.T @ rest) ** 2).sum())
     means = _by_trajectory(zeros, rest)
     within = rest - np.concatenate([means[place] for place in _places(zeros)])
     count = 0
     for _ in range(DRAWS):
-        order = chance.permutation(len(means))
+        order = rng.permutation(len(means))
         drawn = within + np.concatenate([means[order[place]] for place in _places(zeros)])
         count += float(((basis.T @ drawn) ** 2).sum()) >= fitted
     return (count + 1) / (DRAWS + 1)
 
 
 def _places(zeros: ForceZeros) -> Sequence[int]:
+    """Index of each piece's trajectory, counted from 0."""
     return np.unique(zeros.trajectory, return_inverse=True)[1].tolist()
 
 
 def _by_trajectory(zeros: ForceZeros, rows: Array) -> Array:
-    """Means (t, 6) over the pieces of each trajectory."""
+    """Means (t, 6) of rows (6 n,) over the pieces of each trajectory."""
     shaped = rows.reshape(-1, 6)
     return np.array([shaped[zeros.trajectory == number].mean(axis=0) for number in np.unique(zeros.trajectory)])

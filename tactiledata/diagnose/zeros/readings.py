@@ -1,4 +1,4 @@
-"""What the force sensor reads while nothing touches, over all trajectories of a store."""
+"""Readings of the force sensor in free air (its zero), over all trajectories of a store."""
 
 from __future__ import annotations
 
@@ -23,27 +23,29 @@ from tactiledata.store.read.signal_rows import SignalRows
 from tactiledata.transforms import pose_matrices
 
 PIECES = 8
-"""Most pieces that a stretch of free air is cut into, each with the mean of its readings."""
+"""Most pieces into which a stretch of free air is cut; each gives one mean reading."""
 FEWEST_READINGS = 10
-"""Of a piece."""
+"""Fewest readings of a piece."""
 
 
 @dataclass(frozen=True)
 class ForceZeros:
-    """Pieces of free air, n of them, in the order of trajectories.
+    """Mean readings of n pieces of free air, in the order of trajectories.
 
     Parameters
     ----------
     load : (n, 6) N, N m
-        Mean reading, as a load on the sensor, the stated weight of the tool taken off; force sensor's frame.
+        Mean reading as a load on the sensor, minus the stated weight of the tool; force sensor's frame.
     trajectory : (n,)
+        Number of the trajectory in the store.
     zeroed : (n,)
-        Number of the stretch between two moments at which the sensor was set to zero.
+        Number of the stretch between two moments at which the sensor was tared (set to zero).
     down : (n, 3)
-        Direction of gravity in the force sensor's frame, unit length.
+        Unit vector of gravity in the force sensor's frame.
     seconds : (n,)
-        Since the sensor was switched on, where the log says so, else since the log's start.
+        Time in s since the sensor was switched on, where the log states it; else since the start of the log.
     joints : (n, 6) rad, optional
+        Joint angles of the robot; ``None`` where any piece lacks them.
     """
 
     load: Array
@@ -58,12 +60,12 @@ class ForceZeros:
 
     @property
     def trajectories(self) -> int:
-        """How many have any."""
+        """Number of trajectories that have at least one piece."""
         return len(np.unique(self.trajectory))
 
 
 def read_zeros(store: Store) -> ForceZeros:
-    """Of all trajectories that begin in free air and whose poses are known; empty where there are none."""
+    """Zeros of all trajectories of a store that begin in free air and have poses; empty where there are none."""
     reader = _Reader(store)
     table = store.trajectories(["source", "sensor", "signal_rows"]).to_pylist()
     pieces = [piece for number, row in enumerate(table) for piece in reader.pieces(number, row)]
@@ -74,23 +76,27 @@ def read_zeros(store: Store) -> ForceZeros:
         np.unique([f"{piece['zeroed']}" for piece in pieces], return_inverse=True)[1].astype(np.int64),
         np.array([piece["down"] for piece in pieces]).reshape(-1, 3),
         np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
-        np.array(joints) if joints and all(one is not None for one in joints) else None,
+        np.array(joints) if joints and all(angles is not None for angles in joints) else None,
     )
 
 
 class _Reader:
+    """Reads pieces of free air from one store, whose log descriptions are parsed once."""
+
     def __init__(self, store: Store) -> None:
         self._store = store
         texts = store.sources(["description"])["description"].to_pylist()
         self._descriptions = [LogDescription(json.loads(text)) for text in texts]
 
     def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """The pieces of one trajectory, from its row of the table; keys as the fields of `ForceZeros`."""
         spans = json.loads(row["signal_rows"])
         description = self._descriptions[row["source"]]
         tcp_from_ft = description.transform("tcp_from_ft")
         wrench, tcp = self._signal("wrench", spans), self._signal("tcp", spans)
         if wrench is None or tcp is None or tcp_from_ft is None:
             return []
+        # readings as loads on the sensor, without the weight that log.yaml states
         stated = description.wrench
         load = wrench.values if stated.get("sign", "load_on_sensor") == "load_on_sensor" else -wrench.values
         if (
@@ -98,18 +104,20 @@ class _Reader:
             and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
         ):
             load = np.where(without_pose(tcp, wrench.t_ns)[:, None], np.nan, load - weight)
+        # stretches of free air between tares, and the time that they are counted from
         tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
         air = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
         joints = self._signal("joints", spans)
         switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
         since = self._start(row["source"]) if switched_on is None else switched_on
-        found = []
+        # one mean reading for each piece, with pose and joints at its middle
+        listed = []
         parts = [(*stretch, part) for stretch in air for part in pieces_of(len(stretch[1]))]
         for zeroed, readings, t_ns, part in parts:
             middle = int(t_ns[part[len(part) // 2]])
             pose = pose_matrices(_nearest(tcp, middle)[None])[0]
             angles = None if joints is None else _nearest(joints, middle)[:6]
-            found.append({
+            listed.append({
                 "load": readings[part].mean(axis=0),
                 "trajectory": number,
                 "zeroed": (row["source"], zeroed),
@@ -117,63 +125,78 @@ class _Reader:
                 "seconds": (middle - since) / 1e9,
                 "joints": angles,
             })  # fmt: skip
-        return [piece for piece in found if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
+        return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
 
-    def _signal(self, wanted: str, spans: Mapping[str, Any]) -> StoredSignal | None:
-        """The rows of a trajectory."""
-        name = next((name for name in spans if name.partition("@")[0] == wanted), None)
+    def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
+        """The finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
+
+        ``spans`` holds the first and last row of each signal of the trajectory.
+        """
+        name = next((name for name in spans if name.partition("@")[0] == stream), None)
         if name is None or spans[name][0] == spans[name][1]:
             return None
         signal: SignalRows = self._store.signal(name)
         values, t_ns = signal.values(*spans[name]), signal.t_ns(*spans[name])
-        sound = np.isfinite(values).all(axis=1)
-        if not sound.any():
+        is_finite = np.isfinite(values).all(axis=1)
+        if not is_finite.any():
             return None
-        return StoredSignal(t_ns[sound], values[sound], signal.columns, signal.units, signal.frame, Stamps(t_ns[sound]))
+        return StoredSignal(
+            t_ns[is_finite], values[is_finite], signal.columns, signal.units, signal.frame, Stamps(t_ns[is_finite])
+        )
 
     def _start(self, source: int) -> int:
+        """Time in ns at which the first trajectory of a source begins."""
         table = self._store.trajectories(["source", "start_ns"])
         starts = np.asarray(table["start_ns"])[np.asarray(table["source"]) == source]
         return int(starts.min())
 
 
 def pieces_of(count: int) -> list[Indices]:
-    """Rows of so many readings, cut into pieces; none where they are too few."""
+    """Row indices of each piece of ``count`` readings; empty where there are fewer than `FEWEST_READINGS`."""
     pieces = min(PIECES, count // FEWEST_READINGS)
     return np.array_split(np.arange(count), pieces) if pieces else []
 
 
 def free_air_readings(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
-    """Readings (n, 6) of a trajectory before its first touch, each reading once, and their times (n,)."""
+    """Readings (n, 6) of a trajectory before its first touch, without repeated readings, and their times (n,) in ns."""
     air = free_air_between(load, t_ns, [], np.zeros((0, 6)))
     return (air[0][1], air[0][2]) if air else (load[:0], t_ns[:0])
 
 
 def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Array) -> list[tuple[int, Array, Indices]]:
-    """Readings of a trajectory before its first touch, each once, in the stretches between tare events.
+    """Readings of a trajectory before its first touch, in the stretches between tare events.
 
-    Each with the number of events before it, and its times (n,). A jump of the zero is no touch.
+    A jump of the zero at a tare is not taken for a touch.
 
     Parameters
     ----------
     load : (n, 6) N, N m
+        Load on the sensor; repeated readings are dropped.
     t_ns : (n,) int64
+        Time of each reading in ns.
     tare_ns : list of int
-        Stated tare events, of the whole recording.
+        Stated tare events of the whole recording, in ns.
     zeros : (len(tare_ns), 6) N, N m
-        The load that a reading of zero is at each.
+        Load, without the tool's weight, that a reading of 0 means at each tare event.
+
+    Returns
+    -------
+    list of (int, (m, 6), (m,))
+        For each stretch: the number of tare events before it, its loads and its times in ns.
     """
     is_new = np.ones(len(load), dtype=bool)
     is_new[1:] = (np.diff(load, axis=0) != 0).any(axis=1)
     load, t_ns = load[is_new], t_ns[is_new]
     if len(load) < FEWEST_READINGS:
         return []
+    # the first touch is sought in readings from which the jumps at tares are removed
     noise = component_noise(load)
     inside = [tare for tare in locate_tares(t_ns, load, tare_ns, zeros, noise)[0] if tare.row > 0]
     steady = without_steps(load, inside, 0, len(load))
     from_start = steady[:, :3] - np.median(steady[:FEWEST_READINGS, :3], axis=0)
     touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(noise)))
     first = int(touched[0]) if len(touched) else len(load)
+    # each stretch ends safely before the first touch
     borders = [0, *(tare.row for tare in inside), len(load)]
     before = sum(moment < t_ns[0] for moment in tare_ns)
     stretches = []
@@ -185,5 +208,6 @@ def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Arra
 
 
 def _nearest(signal: StoredSignal, moment: int) -> Array:
+    """The row of a signal whose time is nearest to a moment in ns."""
     place = int(np.argmin(np.abs(signal.t_ns - moment)))
     return np.asarray(signal.values[place])
