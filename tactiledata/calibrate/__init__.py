@@ -1,1 +1,15 @@
-"""E, nu and mu of the gel from measured wrenches, and whether they can be known."""
+"""Which Young's modulus, Poisson's ratio and friction does the gel have, and can measured wrenches fix them?
+
+Read in this order:
+
+- ``options``, ``bounds``, ``gent``: what a user chooses, the box that is searched, the start of the search;
+- ``measured``, ``touches``: which trajectories of a store can be used, and why others cannot;
+- ``plan``, ``player``, ``kept_plays``, ``play_progress``: at which parameters the gel is simulated, and the cache;
+- ``response``, ``experiment``: simulated wrenches interpolated at any parameters, beside the measured ones;
+- ``losses``, ``search``, ``least_squares``, ``fit``: the distance between the two, and its minimum;
+- ``intervals``, ``simulation_error``, ``coverage``: how well the parameters are known, and how often that is true;
+- ``calibrate``: all steps in a row; ``remarks``, ``document``, ``surface``, ``page``: the result for a reader.
+
+The room simulates through ``gel`` and takes its noise models from ``nuisance``. It writes no store, and it does not
+ask which physics is missing: that is ``diagnose``.
+"""

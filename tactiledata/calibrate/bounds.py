@@ -1,4 +1,4 @@
-"""What is sought, and where."""
+"""The three gel parameters that are fitted, and the boxes in which they are searched."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ SYMBOLS = {"youngs_modulus": "E", "poisson_ratio": "nu", "friction": "mu"}
 
 @dataclass(frozen=True)
 class Bounds:
-    """The box that is searched.
+    """The box of E, nu and mu that is searched.
 
     Parameters
     ----------
     name : str
+        Key in ``BOUNDS``.
     low, high : (3,)
-        Of E (Pa), nu and mu.
+        Smallest and largest E (Pa), nu and mu.
     friction_nodes : ascending
-        Coefficients of friction at which the gel is played; they span the box.
+        Coefficients of friction at which the gel is simulated; they span the box.
     """
 
     name: str
@@ -34,24 +35,27 @@ class Bounds:
 
     @property
     def span(self) -> Array:
-        """Width (3,) of the box."""
+        """Width (3,) of the box in E (Pa), nu and mu."""
         return np.subtract(self.high, self.low)
 
     def inside(self, values: Array) -> Array:
-        """The values (3,), moved into the box."""
+        """Return parameters (3,), each clipped to the box."""
         return np.clip(values, self.low, self.high)
 
     def scaled(self, shares: Array) -> Array:
-        """Parameters (3,) at shares (3,) of the way from low to high."""
+        """Parameters E (Pa), nu, mu (3,) at shares (3,) of the way from low to high."""
         return self.inside(self.low + np.asarray(shares) * self.span)
 
     def shares(self, values: Array) -> Array:
-        """Shares (3,) of the way from low to high."""
+        """Return parameters (3,) as shares (3,) of the way from low (0) to high (1)."""
         return (np.asarray(values) - self.low) / self.span
 
     @property
     def with_free_modulus(self) -> Bounds:
-        """The same with E where the widest box has it: E only multiplies what is played."""
+        """Copy of the box with E as free as in the widest box.
+
+        E only multiplies simulated wrenches, so a wider range costs no simulation.
+        """
         low, high = BOUNDS["wide"].low[0], BOUNDS["wide"].high[0]
         return replace(self, low=(low, *self.low[1:]), high=(high, *self.high[1:]))
 
@@ -60,7 +64,7 @@ class Bounds:
 
 
 LARGEST_NU = 0.495
-"""The paper searches to 0.5, where no gel of finite bulk modulus is; the grid of responses ends here."""
+"""Largest Poisson's ratio of any box: the paper searches to 0.5, which would take an infinite bulk modulus."""
 
 BOUNDS = {
     "paper": Bounds("paper", (838e3, 0.45, 0.5), (970e3, LARGEST_NU, 0.99), (0.5, 0.7, 0.99)),
@@ -69,7 +73,7 @@ BOUNDS = {
 
 
 def find_bounds(name: str) -> Bounds:
-    """The box of a name."""
+    """Return the box of a name in ``BOUNDS``; refuse an unknown name."""
     if name not in BOUNDS:
         raise UnknownName("bounds", name, BOUNDS)
     return BOUNDS[name]

@@ -1,4 +1,4 @@
-"""`calibrate`: read, play, fit, check, say."""
+"""`calibrate` in a row: read touches, simulate them, fit E, nu and mu, check the interpolation, collect findings."""
 
 from __future__ import annotations
 
@@ -25,23 +25,30 @@ from tactiledata.store.read.simulated import simulated_trajectories
 
 @dataclass(frozen=True)
 class Calibration:
-    """A calibration and all that it rests on.
+    """A fit of E, nu and mu with the data, options and checks that it rests on.
 
     Parameters
     ----------
     options : CalibrationOptions
+        What the user chose.
     bounds : Bounds
+        The box that was searched.
     measured : Measured
+        All usable touches of the store, and why others were left out.
     experiment : Experiment
+        The frames that were fitted or held out, with their simulated response.
     fit : Fit
+        Parameters, intervals and losses.
     played : (n, 6) N, N m
-        Played, not interpolated, at the optimum and the offsets found.
+        Wrenches of all frames, simulated (not interpolated) at the optimum and at the fitted contact offsets.
     interpolation_error : (2,) N
         Root mean square and largest difference of the interpolated forces from those played.
     findings : tuple of Finding
-    store : str, digest of the store
+        What a reader should know of the fit.
+    store : str
+        Digest of the store.
     simulated : SimulatedCount
-        Of the trajectories that took part.
+        How many of the trajectories that took part are themselves simulated.
     """
 
     options: CalibrationOptions
@@ -56,8 +63,17 @@ class Calibration:
     simulated: SimulatedCount = NOTHING_STATED
 
 
-def calibrate(store: Store, options: CalibrationOptions, tell: Progress = no_progress) -> Calibration:
-    """E, nu and mu of the gel of a store's trajectories.
+def calibrate(store: Store, options: CalibrationOptions, report_progress: Progress = no_progress) -> Calibration:
+    """Fit E, nu and mu of the gel to a store's trajectories.
+
+    Parameters
+    ----------
+    store : Store
+        Its contact wrenches, poses and indenters are read.
+    options : CalibrationOptions
+        Which trajectories, loss, engine and bounds.
+    report_progress : callable
+        Called with the number of finished plays, their total and a label.
 
     Raises
     ------
@@ -69,53 +85,89 @@ def calibrate(store: Store, options: CalibrationOptions, tell: Progress = no_pro
     measured = read_measured(store, options)
     if measured.mesh is None or len(measured.touches) < FEWEST:
         raise too_few(len(measured.touches), measured.left_out)
-    done = calibrate_measured(measured, options, store.digest, tell)
-    return replace(done, simulated=simulated_trajectories(store, [touch.uid for touch in done.experiment.touches]))
+    calibration = calibrate_measured(measured, options, store.digest, report_progress)
+    return replace(
+        calibration, simulated=simulated_trajectories(store, [touch.uid for touch in calibration.experiment.touches])
+    )
 
 
 def calibrate_measured(
-    measured: Measured, options: CalibrationOptions, store: str, tell: Progress = no_progress
+    measured: Measured, options: CalibrationOptions, store: str, report_progress: Progress = no_progress
 ) -> Calibration:
-    """The same from touches that were read."""
+    """Fit E, nu and mu to touches that were already read.
+
+    Parameters
+    ----------
+    measured : Measured
+        Touches with a mesh and the noise of their wrenches.
+    options : CalibrationOptions
+        Which loss, engine and bounds; its choice of trajectories is not applied again.
+    store : str
+        Digest of the store, for the provenance.
+    report_progress : callable
+        Called with the number of finished plays, their total and a label.
+
+    Raises
+    ------
+    TactileDataError
+        Fewer than two touches have enough frames that the gel could be solved for.
+    """
     assert measured.mesh is not None
     bounds = find_bounds(options.bounds)
+    # simulate every touch at the nodes over nu, mu and offset
     plan = ResponsePlan.of(bounds)
-    plays = play_nodes(measured.mesh, options.mechanics, measured.touches, list(plan.nodes()), options.workers, tell)
+    plays = play_nodes(
+        measured.mesh, options.mechanics, measured.touches, list(plan.nodes()), options.workers, report_progress
+    )
     experiment = assemble(measured.touches, plan, plays)
     if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
         reasons = experiment if isinstance(experiment, dict) else experiment.left_out
         raise too_few(0 if isinstance(experiment, dict) else len(experiment.touches), {**measured.left_out, **reasons})
-    found = fit(experiment, measured.noise, bounds, options)
-    played, error = check_interpolation(experiment, found, measured, options)
+    # fit, then simulate once more at the optimum to check the interpolation
+    optimum = fit(experiment, measured.noise, bounds, options)
+    played, error = check_interpolation(experiment, optimum, measured, options)
     left_out = {**measured.left_out, **experiment.left_out}
-    said = remarks(found, bounds, options.offset_prior, left_out, options.loss == "vector", options.shape_share)
-    return Calibration(options, bounds, measured, experiment, found, played, error, tuple(said), store)
+    findings = remarks(optimum, bounds, options.offset_prior, left_out, options.loss == "vector", options.shape_share)
+    return Calibration(options, bounds, measured, experiment, optimum, played, error, tuple(findings), store)
 
 
 def check_interpolation(
-    experiment: Experiment, found: Fit, measured: Measured, options: CalibrationOptions
+    experiment: Experiment, optimum: Fit, measured: Measured, options: CalibrationOptions
 ) -> tuple[Array, tuple[float, float]]:
-    """Wrenches (n, 6) played at the optimum, and how far the interpolated forces are from them: rms and largest, N.
+    """Wrenches (n, 6) in N, N m simulated at the optimum, and the error of the interpolated forces: rms, largest (N).
 
-    A frame that cannot be solved there keeps its interpolated wrench.
+    A frame that the gel cannot be solved for at the optimum keeps its interpolated wrench. Both errors are NaN where
+    no frame can be solved.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        The frames and their interpolated response.
+    optimum : Fit
+        Parameters, and one contact offset for each touch.
+    measured : Measured
+        Gives the mesh.
+    options : CalibrationOptions
+        Gives the engine and its fidelity.
     """
     assert measured.mesh is not None
-    modulus, ratio, friction = (float(value) for value in found.parameters)
-    offsets = np.round(found.offsets, 9)
+    modulus, ratio, friction = (float(value) for value in optimum.parameters)
+    # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
+    offsets = np.round(optimum.offsets, 9)
     plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets)
     played = modulus * experiment.rows([play.wrench for play in plays])
     response = experiment.response
-    between = modulus * response.at(ratio, friction).at(np.repeat(offsets, response.counts))
-    apart = np.linalg.norm((played - between)[:, :3], axis=1)
-    known = np.isfinite(apart)
+    interpolated = modulus * response.at(ratio, friction).at(np.repeat(offsets, response.counts))
+    difference = np.linalg.norm((played - interpolated)[:, :3], axis=1)
+    known = np.isfinite(difference)
     if not known.any():
-        return between, (float("nan"), float("nan"))
-    error = (float(np.sqrt(np.mean(apart[known] ** 2))), float(apart[known].max()))
-    return np.where(known[:, None], played, between), error
+        return interpolated, (float("nan"), float("nan"))
+    error = (float(np.sqrt(np.mean(difference[known] ** 2))), float(difference[known].max()))
+    return np.where(known[:, None], played, interpolated), error
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
-    """Nothing can be calibrated, and why."""
+    """Error for a store with too few usable trajectories; it counts the reasons of those left out."""
     reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items())) or "the store holds none"
     return TactileDataError(
         f"{count} trajectories can be used ({reasons})",

@@ -1,4 +1,4 @@
-"""A calibration as a file: ``calibration.json`` (schemas/calibration.json)."""
+"""The file ``calibration.json`` of a calibration (schemas/calibration.json)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FORMAT = "tactiledata-calibration/1"
 
 
 def calibration_document(calibration: Calibration) -> dict[str, Any]:
-    """The content of ``calibration.json``; the same for the same store, options and engine."""
+    """Return the content of ``calibration.json``; it is the same for the same store, options and engine."""
     fit, measured, options = calibration.fit, calibration.measured, calibration.options
     assert measured.mesh is not None
     touches = calibration.experiment.touches
@@ -69,17 +69,19 @@ def calibration_document(calibration: Calibration) -> dict[str, Any]:
 
 
 def write_calibration(calibration: Calibration, path: Path) -> dict[str, Any]:
-    """Write the document, whole or not at all, and return it."""
+    """Write ``calibration.json`` atomically to a path, and return its content."""
     document = calibration_document(calibration)
     write_json_atomic(path, document)
     return document
 
 
 def _by_name(values: Any) -> dict[str, float]:
+    """Values of E, nu and mu (3,) under the names of the parameters."""
     return {name: float(value) for name, value in zip(NAMES, values, strict=True)}
 
 
 def _intervals(calibration: Calibration) -> dict[str, Any]:
+    """Return the 95 % intervals with and without the simulation's own errors, as JSON values."""
     known, options, erring = calibration.fit.intervals, calibration.options, calibration.fit.simulation_error
     return {
         "method": "profile likelihood" if options.loss == "vector" else "bootstrap over trajectories",
@@ -102,4 +104,5 @@ def _intervals(calibration: Calibration) -> dict[str, Any]:
 
 
 def _number(value: float) -> float | None:
+    """Return the value, or ``None`` where it is not finite, which JSON cannot write."""
     return float(value) if math.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""Measured touches beside what the gel answers to them: the frames that both know, in one row after another."""
+"""Measured wrenches beside simulated ones: the frames that both know, as rows of one array."""
 
 from __future__ import annotations
 
@@ -17,22 +17,27 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.gel.contact.history import FrameStatus
 
 FEWEST_FRAMES = 3
+"""Fewest usable frames of a trajectory that takes part."""
 KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
+"""States of a simulated frame whose wrench is known."""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """What is fitted.
+    """The frames of t trajectories that a fit compares: measured wrenches and their simulated response.
 
     Parameters
     ----------
-    touches : t of them
+    touches : tuple of MeasuredTouch
+        The t trajectories that take part.
     frames : tuple of (n_i,)
-        Which frames of each touch take part.
+        Which frames of each touch take part; n of them in all.
     response : Response
-        Of n frames.
+        Simulated wrenches of the n frames, over nu, mu and contact offset.
     measured : (n, 6) N, N m
+        Contact wrenches of the same frames, gel frame.
     left_out : dict, reason -> number of trajectories
+        Why other trajectories take no part.
     """
 
     touches: tuple[MeasuredTouch, ...]
@@ -43,35 +48,46 @@ class Experiment:
 
     @property
     def free_samples(self) -> Array:
-        """Of each touch (t,)."""
+        """Number (t,) of samples in free air from which each touch's zero was taken."""
         return np.array([touch.free_samples for touch in self.touches])
 
     def rows(self, wrenches: Sequence[Array]) -> Array:
-        """Wrenches of whole touches, the frames that take part one after another (n, 6)."""
+        """Rows (n, 6) of the frames that take part, from one wrench array (frames, 6) for each touch."""
         return np.concatenate([wrench[kept] for wrench, kept in zip(wrenches, self.frames, strict=True)])
 
 
 def assemble(
     touches: Sequence[MeasuredTouch], plan: ResponsePlan, plays: Mapping[Node, Sequence[Play]]
 ) -> Experiment | dict[str, int]:
-    """The experiment, or where no touch is left, the reasons.
+    """Return the experiment, or where no touch is left, the number of trajectories under each reason.
 
-    A frame takes part where its wrench is known and every play has solved it, or found nothing that touches.
+    A frame takes part where its wrench is known and every play either solved it or found no contact.
+
+    Parameters
+    ----------
+    touches : sequence of MeasuredTouch
+        Candidates.
+    plan : ResponsePlan
+        The nodes over nu, mu and offset.
+    plays : mapping, node -> plays in the order of ``touches``
+        Simulated with Young's modulus 1.
     """
     left_out: Counter[str] = Counter()
     kept: list[tuple[int, Indices]] = []
+    # keep the touches with enough usable frames
     for number, touch in enumerate(touches):
-        every = [plays[node][number] for node in plays]
+        touch_plays = [plays[node][number] for node in plays]
         usable: NDArray[np.bool_] = np.asarray(np.isfinite(touch.wrench).all(axis=1))
-        for play in every:
+        for play in touch_plays:
             usable = np.logical_and(usable, np.isin(play.status, KNOWN) & np.isfinite(play.wrench).all(axis=1))
-        reason = _reason(touch, every, usable)
+        reason = _reason(touch, touch_plays, usable)
         if reason:
             left_out[reason] += 1
         else:
             kept.append((number, np.flatnonzero(usable)))
     if not kept:
         return dict(left_out)
+    # stack the frames that take part, trajectory after trajectory
     used = tuple(touches[number] for number, _ in kept)
     frames = tuple(rows for _, rows in kept)
     starts = np.concatenate([[0], np.cumsum([len(rows) for rows in frames])[:-1]]).astype(np.int64)
@@ -83,7 +99,7 @@ def assemble(
 
 
 def _reason(touch: MeasuredTouch, plays: Sequence[Play], usable: NDArray[np.bool_]) -> str:
-    """Why a touch takes no part; empty where it does."""
+    """Return why a touch takes no part, or an empty text where it does."""
     is_pressed = np.any([play.status == FrameStatus.SOLVED for play in plays], axis=0)
     if usable.sum() >= FEWEST_FRAMES and (is_pressed & usable).any():
         return ""

@@ -1,15 +1,15 @@
-"""Young's modulus from a durometer's reading."""
+"""Young's modulus of rubber from its Shore A hardness (Gent 1958)."""
 
 from __future__ import annotations
 
 from tactiledata.errors import UsageError
 
 DIGIT_SHORE_A = 24.5
-"""The maker's 75 on the Shore 00 scale, as the SPLIT paper converts it: 24 to 25 on the Shore A scale."""
+"""Shore A hardness of the DIGIT's gel: the maker states 75 on the Shore 00 scale, which is 24 to 25 on Shore A."""
 
 
 def youngs_modulus_of_shore_a(hardness: float) -> float:
-    """Young's modulus, Pa, of rubber of a Shore A hardness.
+    """Return Young's modulus, Pa, of rubber of a Shore A hardness.
 
     Gent, On the relation between indentation hardness and Young's modulus (1958), in the form that the SPLIT paper
     prints.

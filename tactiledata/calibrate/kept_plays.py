@@ -1,4 +1,4 @@
-"""Plays that are kept on disk: one small file for each touch, nu, mu and offset."""
+"""Cache of simulated touches on disk: one small file for each touch, nu, mu and contact offset."""
 
 from __future__ import annotations
 
@@ -23,15 +23,16 @@ from tactiledata.gel.elasticity.compliance import cache_folder
 
 @dataclass(frozen=True)
 class Play:
-    """What the gel answered to a touch.
+    """Simulated wrench, solver status and contact area of each of the n frames of a touch.
 
     Parameters
     ----------
     wrench : (n, 6) m^2, m^3
-        Over Young's modulus; NaN where a frame could not be solved.
-    status : (n,) int8, of ``FrameStatus``
+        Contact wrench over Young's modulus, gel frame; NaN where a frame could not be solved.
+    status : (n,) int8
+        Values of ``FrameStatus``.
     area : (n,) m^2
-        Of the patches that are pressed; 0 where none is.
+        Area of the pressed surface patches; 0 where none is pressed.
     """
 
     wrench: Array
@@ -40,22 +41,34 @@ class Play:
 
 
 def play_path(touch: GelTouch, mesh_digest: str, mechanics: str, ratio: float, friction: float) -> Path:
-    """Where a play is kept; another pose, indenter, mesh, material or engine has another place."""
-    whole = hashlib.sha256()
+    """Return the file of the cache in which a play is kept; its name is a hash of all that the play depends on.
+
+    Parameters
+    ----------
+    touch : GelTouch
+        Poses and indenter.
+    mesh_digest : str
+        Digest of the pad's mesh.
+    mechanics : str
+        Engine and fidelity.
+    ratio, friction : float
+        Poisson's ratio and coefficient of friction of the gel.
+    """
+    digest = hashlib.sha256()
     settings = [mesh_digest, mechanics, repr(ratio), repr(friction), _engine_digest(), touch.indenter.document]
-    whole.update(json.dumps(settings, sort_keys=True).encode())
+    digest.update(json.dumps(settings, sort_keys=True).encode())
     solid = touch.indenter.mesh()
     for part in (touch.poses, np.asarray(solid.vertices), np.asarray(solid.faces)):
-        whole.update(str(part.shape).encode() + np.ascontiguousarray(part).tobytes())
-    key = whole.hexdigest()
+        digest.update(str(part.shape).encode() + np.ascontiguousarray(part).tobytes())
+    key = digest.hexdigest()
     return cache_folder() / "calibrate" / key[:2] / f"{key}.npz"
 
 
 def load_play(path: Path) -> Play | None:
-    """The play, or ``None`` where there is none that can be read."""
+    """Read a play from the cache, or return ``None`` where the file is missing or damaged."""
     try:
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as kept:
-            play = Play(kept["wrench"], kept["status"], kept["area"])
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as arrays:
+            play = Play(arrays["wrench"], arrays["status"], arrays["area"])
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
     frames = len(play.status)
@@ -63,7 +76,10 @@ def load_play(path: Path) -> Play | None:
 
 
 def keep_play(path: Path, play: Play) -> None:
-    """Write it, whole or not at all; a folder that cannot be written costs time at the next run, nothing else."""
+    """Write a play to the cache atomically.
+
+    A folder that cannot be written is no error: the next run only has to simulate the touch again.
+    """
     content = io.BytesIO()
     np.savez(content, wrench=play.wrench, status=play.status, area=play.area)
     with contextlib.suppress(OSError):
@@ -72,10 +88,10 @@ def keep_play(path: Path, play: Play) -> None:
 
 @cache
 def _engine_digest() -> str:
-    """Of the programs that a play depends on."""
-    whole = hashlib.sha256()
+    """Hash of the source files on which a play depends."""
+    digest = hashlib.sha256()
     for package in ("tactiledata.gel", "tactiledata.indenters"):
         folder = Path(str(resources.files(package)))
         for source in sorted(folder.rglob("*.py")):
-            whole.update(source.relative_to(folder).as_posix().encode() + source.read_bytes())
-    return whole.hexdigest()
+            digest.update(source.relative_to(folder).as_posix().encode() + source.read_bytes())
+    return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""How far measured and simulated wrenches are apart: the vector loss, and the SPLIT paper's norm loss."""
+"""Distance of measured from simulated wrenches: the vector loss, and the norm loss of the SPLIT paper."""
 
 from __future__ import annotations
 
@@ -19,32 +19,35 @@ LossName = Literal["vector", "norm"]
 
 
 class Loss(Protocol):
-    """What is made small."""
+    """A function of E, nu and mu that a fit minimises."""
 
     def value(self, parameters: Array) -> float:
-        """At E (Pa), nu, mu."""
+        """Value of the loss at parameters (3,): E (Pa), nu, mu."""
 
     def offsets(self, parameters: Array) -> Array:
-        """Contact offsets (t,), m, at E, nu, mu."""
+        """Contact offsets (t,), m, that fit best at parameters (3,): E (Pa), nu, mu."""
 
 
 @dataclass(frozen=True)
 class VectorLoss:
-    """Whitened forces and torques, each trajectory with a zero and an offset of its own.
+    """Squared difference of whitened forces and torques; each trajectory has a force zero and a contact offset.
 
     Parameters
     ----------
     response : Response
+        Simulated wrenches of the n frames of t trajectories.
     measured : (n, 6) N, N m
+        Contact wrenches of the same frames.
     noise : WrenchNoise
+        Covariance of the measurement; it whitens the difference.
     free_samples : (t,)
-        Samples in free air from which each trajectory's zero was taken.
+        Number of samples in free air from which each trajectory's zero was taken.
     prior : m
-        Standard deviation of the offsets; 0 leaves them out.
+        Standard deviation of the contact offsets; 0 leaves them out.
     shapes : (t,), optional
-        Number of each trajectory's indenter: its forces have a factor in common.
+        Number of each trajectory's indenter; simulated forces of one indenter share a factor. All are one by default.
     shape_error : float
-        Standard deviation of those factors about 1.
+        Standard deviation of those factors about 1; 0 leaves them out.
     """
 
     response: Response
@@ -56,34 +59,41 @@ class VectorLoss:
     shape_error: float = 0.0
 
     def value(self, parameters: Array) -> float:
-        """Root mean square of the whitened residual, offsets profiled; about 1 where the noise is all there is."""
-        whole = self.residual(parameters)
-        return float(np.sqrt((whole @ whole) / self.measured.size))
+        """Root mean square of the whitened residual, offsets profiled; about 1 where only noise is left."""
+        residual = self.residual(parameters)
+        return float(np.sqrt((residual @ residual) / self.measured.size))
 
     def residual(self, parameters: Array) -> Array:
-        """Whitened rows of all frames (6 n,), offsets over their prior (t,), factors over theirs (s,); profiled."""
+        """Whitened residuals of all frames (6 n,), then offsets (t,) and factors (s,) over their prior deviations.
+
+        Offsets and factors are profiled: fitted anew at these parameters.
+        """
         series = self._series(parameters)
         offsets, factors = self._profiled(series)
         simulated = series.at(np.repeat(offsets, self.response.counts)) * self._by_row(factors)
-        off = (factors - 1.0) / self.shape_error if self.shape_error > 0 else factors[:0]
+        factor_rows = (factors - 1.0) / self.shape_error if self.shape_error > 0 else factors[:0]
         return np.concatenate(
-            [(self._white_measured - simulated).ravel(), offsets / self.prior if self.prior > 0 else offsets, off]
+            [
+                (self._white_measured - simulated).ravel(),
+                offsets / self.prior if self.prior > 0 else offsets,
+                factor_rows,
+            ]
         )
 
     def offsets(self, parameters: Array) -> Array:
-        """Contact offsets (t,), m."""
+        """Contact offsets (t,), m, that fit best at these parameters."""
         return self._profiled(self._series(parameters))[0]
 
     def factors(self, parameters: Array) -> Array:
-        """On the forces of each indenter (s,)."""
+        """Measured over simulated force of each indenter (s,) that fits best at these parameters."""
         return self._profiled(self._series(parameters))[1]
 
     def with_measured(self, measured: Array) -> VectorLoss:
-        """The same with other measurements (n, 6)."""
+        """Return this loss with other measured wrenches (n, 6), N and N m."""
         return replace(self, measured=measured)
 
     def owner(self) -> Indices:
-        """The trajectory of each entry of ``residual``."""
+        """Number of the trajectory to which each entry of ``residual`` belongs."""
         count = len(self.response.starts)
         rows = np.repeat(np.arange(count), self.response.counts * 6)
         # a factor belongs to all trajectories of its indenter; it is counted with the first of them
@@ -95,6 +105,7 @@ class VectorLoss:
         return self._white(self.measured)
 
     def _profiled(self, series: OffsetSeries) -> tuple[Array, Array]:
+        """Contact offsets (t,), m, and indenter factors (s,) that fit best to a whitened response."""
         return profile_shapes(
             self._white_measured, series, self.response.starts, self._shapes, self.prior, self.shape_error
         )
@@ -104,21 +115,24 @@ class VectorLoss:
         return np.zeros(len(self.response.starts), dtype=np.int64) if self.shapes is None else self.shapes
 
     def _by_row(self, factors: Array) -> Array:
+        """Factor (n, 1) of each frame's indenter."""
         return np.repeat(factors[self._shapes], self.response.counts)[:, None]
 
     def _series(self, parameters: Array) -> OffsetSeries:
+        """Whitened response over the contact offset at parameters (3,)."""
         modulus, ratio, friction = parameters
-        raw = self.response.at(ratio, friction)
-        return OffsetSeries(*(self._white(modulus * part) for part in (raw.level, raw.slope, raw.curvature)))
+        series = self.response.at(ratio, friction)
+        return OffsetSeries(*(self._white(modulus * part) for part in (series.level, series.slope, series.curvature)))
 
     def _white(self, wrench: Array) -> Array:
+        """Wrenches (n, 6), whitened, weighted and with the unknown zero of each trajectory removed."""
         rows = self.noise.whitened(wrench) * self.weights[:, None]
         zeros = tare_variance(self.free_samples, self.noise.reading_variance)
         return without_tare(rows, self.response.starts, zeros, self.weights)
 
     @cached_property
     def weights(self) -> Array:
-        """Of the frames (n,): large forces are simulated with larger errors."""
+        """Weights (n,) of the frames: large forces are simulated with larger errors and count less."""
         return frame_weights(self.measured[:, :3], float(self.noise.deviations[:3].mean()))
 
 
@@ -131,9 +145,11 @@ class NormLoss:
     Parameters
     ----------
     response : Response
+        Simulated wrenches of the n frames of t trajectories.
     measured : (n, 6) N, N m
+        Contact wrenches of the same frames.
     shares : (t,), optional
-        How often each trajectory counts; 1 by default.
+        Weight of each trajectory in the mean; equal by default.
     """
 
     response: Response
@@ -141,13 +157,13 @@ class NormLoss:
     shares: Array | None = None
 
     def value(self, parameters: Array) -> float:
-        """N."""
+        """Mean difference of the force norms at parameters (3,), N."""
         modulus, ratio, friction = parameters
         simulated = modulus * np.linalg.norm(self.response.level_at(ratio, friction)[:, :3], axis=1)
-        apart = np.abs(np.linalg.norm(self.measured[:, :3], axis=1) - simulated)
-        means = np.add.reduceat(apart, self.response.starts) / self.response.counts
+        difference = np.abs(np.linalg.norm(self.measured[:, :3], axis=1) - simulated)
+        means = np.add.reduceat(difference, self.response.starts) / self.response.counts
         return float(np.average(means, weights=self.shares))
 
     def offsets(self, parameters: Array) -> Array:
-        """None are sought."""
+        """Zeros (t,): this loss has no contact offsets."""
         return np.zeros(len(self.response.starts))

@@ -1,4 +1,4 @@
-"""The touches of a store that a calibration can use, and the reasons why others cannot."""
+"""The touches of a store that a calibration can use, and the reasons why others cannot be used."""
 
 from __future__ import annotations
 
@@ -27,23 +27,29 @@ from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
 
 WRENCH = "contact_wrench"
+"""Stream of a store that is fitted."""
 LEAST_FORCE = 1.0
-"""N: a touch that the sensor felt less says nothing of the gel (the SPLIT paper's lower limit, too)."""
+"""Smallest peak force, N, of a touch that says anything of the gel; the SPLIT paper has the same limit."""
 MOST_FRAMES = 24
-"""Of one trajectory that are played; of more, so many are taken at even distances."""
+"""Most frames of one trajectory that are simulated; of a longer one this many are taken at even distances."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a store gives to a calibration.
+    """The touches, the mesh and the noise that a store gives to a calibration.
 
     Parameters
     ----------
     touches : tuple of MeasuredTouch
-    mesh : PadMesh
-    described : what the mesh was made of
+        The trajectories that were drawn.
+    mesh : PadMesh, optional
+        Pad of the sensor; ``None`` where no trajectory is usable.
+    described : dict
+        Dimensions of the pad from which the mesh was made.
     noise : WrenchNoise
+        Noise of the contact wrenches, measured at rest, or that of the sensor's data sheet.
     left_out : dict, reason -> number of trajectories
+        Why others were not taken.
     """
 
     touches: tuple[MeasuredTouch, ...]
@@ -54,7 +60,7 @@ class Measured:
 
 
 def read_measured(store: Store, options: CalibrationOptions) -> Measured:
-    """So many trajectories of a store as the options ask for, drawn by the seed, indenters in turn.
+    """Read as many trajectories of a store as the options ask for, drawn by the seed, indenters in turn.
 
     Raises
     ------
@@ -70,11 +76,12 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
     for indenter in options.indenters:
         if indenter not in known:
             raise UnknownName("indenter", indenter, known)
+    # draw trajectories in turn until there are enough with a contact wrench
     left_out: Counter[str] = Counter()
     usable = _usable(store, plan, options, left_out)
     reader = _WrenchReader(store)
     touches: list[MeasuredTouch] = []
-    stretches: list[Array] = []
+    free_air_readings: list[Array] = []
     for planned in drawn_in_turn(usable, options.seed):
         if len(touches) == options.trajectories:
             break
@@ -83,26 +90,29 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
             left_out["no contact wrench in the gel frame"] += 1
             continue
         readings, distinct = reader.free_air(planned)
-        stretches.append(readings)
+        free_air_readings.append(readings)
         touches.append(_measured(store, planned, wrench, distinct))
-    noise = noise_at_rest(stretches, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
+    # too little free air to measure the noise: take the data sheet's
+    noise = noise_at_rest(free_air_readings, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
     pad = plan.pads[usable[0].pad] if usable else None
     mesh, described = (pad.mesh, pad.described) if pad else (None, {})
     return Measured(tuple(touches), mesh, described, noise, dict(left_out))
 
 
 def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_out: Counter[str]) -> list[PlannedTouch]:
+    """Chosen touches on the most frequent pad that can be simulated; the others are counted in ``left_out``."""
     peaks = dict(zip(*(store.trajectories(["uid", "peak_force"])[name].to_pylist() for name in ("uid", "peak_force")),
                      strict=True))  # fmt: skip
-    wanted = [
+    chosen = [
         touch
         for touch in plan.touches
         if options.sensor in (None, touch.sensor) and (not options.indenters or touch.indenter in options.indenters)
     ]
-    pads = Counter(touch.pad for touch in wanted if touch.obstacle is None)
+    # one mesh for all: the pad of most of them
+    pads = Counter(touch.pad for touch in chosen if touch.obstacle is None)
     pad = pads.most_common(1)[0][0] if pads else -1
     usable = []
-    for touch in wanted:
+    for touch in chosen:
         peak = peaks.get(touch.uid)
         if touch.obstacle is not None:
             left_out[touch.reason] += 1
@@ -118,18 +128,19 @@ def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_ou
 
 
 def drawn_in_turn(touches: Sequence[PlannedTouch], seed: int) -> list[PlannedTouch]:
-    """All touches in an order of chance, one of each indenter before the second of any."""
-    chance = np.random.default_rng(seed)
-    shuffled = [touches[place] for place in chance.permutation(len(touches))]
-    turn: Counter[str] = Counter()
+    """Shuffle touches so that each indenter comes once before any comes a second time."""
+    rng = np.random.default_rng(seed)
+    shuffled = [touches[place] for place in rng.permutation(len(touches))]
+    times_drawn: Counter[str] = Counter()
     ranked = []
     for place, touch in enumerate(shuffled):
-        ranked.append((turn[touch.indenter], place, touch))
-        turn[touch.indenter] += 1
+        ranked.append((times_drawn[touch.indenter], place, touch))
+        times_drawn[touch.indenter] += 1
     return [touch for _, _, touch in sorted(ranked, key=lambda entry: entry[:2])]
 
 
 def _measured(store: Store, planned: PlannedTouch, wrench: Array, free_samples: int) -> MeasuredTouch:
+    """Measured touch of a planned one with its contact wrench (frames, 6), thinned to ``MOST_FRAMES``."""
     rows = np.arange(*planned.frames)
     t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])[rows]
     kept = kept_rows(len(rows))
@@ -147,24 +158,25 @@ def _measured(store: Store, planned: PlannedTouch, wrench: Array, free_samples: 
 
 
 def kept_rows(count: int) -> NDArray[np.int64]:
-    """Which of a trajectory's frames are played: all, or ``MOST_FRAMES`` at even distances."""
+    """Frames of a trajectory of ``count`` that are simulated: all, or ``MOST_FRAMES`` at even distances."""
     if count <= MOST_FRAMES:
         return np.arange(count)
     return np.unique(np.linspace(0, count - 1, MOST_FRAMES).astype(np.int64))
 
 
 def _stated_noise() -> WrenchNoise:
+    """Return the noise that the data sheet of the Robotiq FT 300-S states."""
     assert ROBOTIQ_FT300S.force is not None
     return specified_noise(ROBOTIQ_FT300S.force)
 
 
 class _WrenchReader:
-    """Contact wrenches of a store, at frames and at their native rate."""
+    """Reader of a store's contact wrenches in the gel frame, at frames and at the native rate."""
 
     def __init__(self, store: Store) -> None:
         self._store = store
-        named = [name for name in store.aligned_names if name.partition("@")[0] == WRENCH]
-        self._names = [name for name in named if store.meaning("aligned", name).frame == "gel"]
+        wrenches = [name for name in store.aligned_names if name.partition("@")[0] == WRENCH]
+        self._names = [name for name in wrenches if store.meaning("aligned", name).frame == "gel"]
         need_sound_values(store, self._names)
         table = store.trajectories(["uid", "signal_rows"])
         self._spans = {
@@ -176,7 +188,7 @@ class _WrenchReader:
         self._frame_t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])
 
     def wrench(self, planned: PlannedTouch) -> Array | None:
-        """At the frames (n, 6), NaN where not known; ``None`` where nowhere."""
+        """Contact wrench (n, 6), N and N m, at a touch's frames, NaN where unknown; ``None`` if known at no frame."""
         for name in self._names:
             values, gap_ns = self._store.aligned(name, np.arange(*planned.frames))
             values = np.where((gap_ns > GAP_LIMIT_NS)[:, None], np.nan, values)
@@ -190,6 +202,7 @@ class _WrenchReader:
         name = next((name for name in self._names if name in spans), None)
         if name is None:
             return np.empty((0, 6)), 0
+        # the trajectory's known samples, their rate, and where frames lie between them
         signal = self._store.signal(name)
         start, stop = spans[name]
         samples = signal.values(start, stop)
@@ -198,9 +211,11 @@ class _WrenchReader:
         if len(t_ns) > 1:
             self._periods.append(float(np.ptp(t_ns)) / 1e9 / (len(t_ns) - 1))
         self._fractions.append(fractions_between(t_ns, self._frame_t_ns[slice(*planned.frames)]))
+        # a sensor that is polled faster than it measures repeats its last reading
         is_new = np.ones(len(samples), dtype=bool)
         is_new[1:] = (np.diff(samples, axis=0) != 0).any(axis=1)
         readings = samples[is_new]
+        # stop well before the force first rises above its noise
         threshold = touch_threshold(component_noise(readings))
         contact = np.flatnonzero(touching(np.linalg.norm(readings[:, :3], axis=1), threshold))
         first = int(contact[0]) if len(contact) else len(readings)
@@ -210,11 +225,11 @@ class _WrenchReader:
         return samples[:end], distinct
 
     def fractions(self) -> Array:
-        """Return where the frames (f,) of the touches that were read lie between two samples, 0 to 1."""
+        """Return the position (f,) of each frame of the touches read between its two samples, 0 to 1."""
         return np.concatenate([np.empty(0), *self._fractions])
 
     def samples_a_frame(self, touches: Sequence[MeasuredTouch]) -> int:
-        """Samples at the native rate from one frame to the next."""
+        """Number of samples at the native rate from one frame to the next; at least 1."""
         steps = [step for touch in touches for step in np.diff(touch.seconds)]
         if not steps or not self._periods:
             return 1

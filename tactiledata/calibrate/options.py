@@ -1,4 +1,4 @@
-"""What a user may choose of a calibration."""
+"""The options of a calibration and their allowed ranges."""
 
 from __future__ import annotations
 
@@ -19,41 +19,46 @@ from tactiledata.nuisance.offsets import PRIOR
 from tactiledata.replay.plan import MakePad
 
 FEWEST = 2
-"""Trajectories to fit: fewer cannot disagree."""
+"""Fewest trajectories to fit: a single one cannot disagree with another."""
 
 
 @dataclass(frozen=True)
 class CalibrationOptions:
-    """What shapes a calibration, beside the store.
+    """All that decides a calibration, apart from the store.
 
     Parameters
     ----------
     loss : "vector" or "norm"
+        Whitened forces and torques, or the SPLIT paper's difference of force norms.
     engine : "fem" or "mujoco-flex"
-        The latter is for comparison: see ``FlexEngine``.
+        What simulates the gel; the latter is for comparison, see ``FlexEngine``.
     fidelity : "finite-strain" or "linear"
+        Strain measure of the FEM engine; linear is a preview.
     bounds : "paper" or "wide"
+        The box that is searched.
     trajectories : int
-        Drawn from the store, those held out among them.
-    hold_out : share of them that is not fitted, 0 to below 1
+        How many are drawn from the store, those held out included.
+    hold_out : float
+        Share of them that is not fitted, 0 to below 1.
     seed : int
-        Of what is drawn.
-    shore_a : durometer reading, for the start (Gent)
+        Seed of all draws.
+    shore_a : float
+        Durometer reading of the gel; Gent's formula turns it into the start of the search.
     offset_prior : m
-        Standard deviation of each trajectory's contact offset; 0: the recorded poses are taken as they are.
-    shape_error : share, optional
-        Standard deviation of a factor that the forces of each indenter have in common; that of the engine and its
-        fidelity where it is not given, 0: the simulation is taken to be exact.
+        Standard deviation of each trajectory's contact offset; 0 takes the recorded poses as exact.
+    shape_error : float, optional
+        Standard deviation, as a share, of the force factor that each indenter has. The default is that of the engine
+        and its fidelity; 0 takes the simulation as exact.
     sensor : str, optional
         Only trajectories of this sensor.
     indenters : tuple of str
-        Only trajectories of these; all where it is empty.
+        Only trajectories of these indenters; empty takes all.
     workers : int
-        Processes that play trajectories.
+        Processes that simulate trajectories.
     make_pad : callable, optional
-        A pad of one's own for each sensor model, instead of the low-resolution ones.
+        Makes the pad mesh of a sensor model; structured pads of low resolution by default.
     indenter_folder : Path, optional
-        Where the meshes of indenters lie that recordings name by a path.
+        Folder of the mesh files that recordings name by a relative path.
 
     Raises
     ------
@@ -90,27 +95,27 @@ class CalibrationOptions:
             ("shape_error", 0.0 <= self.shape_share < 0.5, "a share, 0 to below 0.5"),
             ("seed", self.seed >= 0, "0 or more"),
         )
-        for name, holds, wanted in checks:
+        for name, holds, expected in checks:
             if not holds:
-                raise UsageError(f"{name} {getattr(self, name)}", wanted, "Correct the option.", option=name)
+                raise UsageError(f"{name} {getattr(self, name)}", expected, "Correct the option.", option=name)
 
     @property
     def mechanics(self) -> Mechanics:
-        """What plays the touches."""
+        """Engine and fidelity that simulate the touches."""
         return mechanics_of(self.engine, self.fidelity)
 
     @property
     def shape_share(self) -> float:
-        """``shape_error``, or that of what plays the touches."""
+        """Standard deviation of indenter factors: ``shape_error``, or where it is not given, that of the mechanics."""
         return SHAPE_ERROR[self.mechanics] if self.shape_error is None else self.shape_error
 
     @property
     def pads(self) -> MakePad:
-        """What makes the pads."""
+        """Function that makes the pad mesh of a sensor model."""
         return self.make_pad or partial(pad_mesh, resolution="low")
 
     def document(self) -> dict[str, Any]:
-        """What the result depends on, for provenance."""
+        """Return the options on which the result depends, for the provenance."""
         names = ("loss", "engine", "fidelity", "bounds", "trajectories", "hold_out", "seed", "shore_a", "offset_prior")
         return {name: getattr(self, name) for name in (*names, "sensor")} | {
             "shape_error": self.shape_share,

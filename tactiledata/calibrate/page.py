@@ -1,4 +1,4 @@
-"""A calibration as a page to read."""
+"""The HTML page of a calibration: result, losses, findings, measured and simulated forces, loss around the optimum."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 
 MOST_OVERLAYS = 12
+"""Most trajectories whose measured and simulated forces are drawn."""
 LABELS = {"youngs_modulus": "E, kPa", "poisson_ratio": "nu", "friction": "mu"}
 
 
 def calibration_page(calibration: Calibration) -> str:
-    """The page as HTML."""
+    """Return the page of a calibration as HTML."""
     options, experiment = calibration.options, calibration.experiment
     fit = calibration.fit
     sentences = [
@@ -39,7 +40,7 @@ def calibration_page(calibration: Calibration) -> str:
 
 
 def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
-    """Parameter, value, 95 % interval, the same with the simulation's own errors, start."""
+    """One row of texts per parameter: symbol, value, 95 % interval, interval with simulation error, start."""
     fit = calibration.fit
     rows: list[tuple[str, ...]] = []
     for k, name in enumerate(NAMES):
@@ -48,13 +49,13 @@ def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
             for end, is_open in zip(fit.intervals.ends[k], fit.intervals.is_open[k], strict=True)
         ]
         value, start = in_words(name, float(fit.parameters[k])), in_words(name, float(fit.start[k]))
-        wide = " to ".join(in_words(name, float(end)) for end in fit.simulation_error.ends[k])
-        rows.append((SYMBOLS[name], value, " to ".join(ends), wide, start))
+        with_simulation_error = " to ".join(in_words(name, float(end)) for end in fit.simulation_error.ends[k])
+        rows.append((SYMBOLS[name], value, " to ".join(ends), with_simulation_error, start))
     return rows
 
 
 def loss_rows(calibration: Calibration) -> list[tuple[str, ...]]:
-    """Loss, at the start, fitted, held out at the start, held out."""
+    """One row of texts per loss: name and unit, at the start, at the optimum, held out at both."""
     units = {"vector": "times the noise", "norm": "N"}
     return [
         (f"{name} ({units[name]})", *(f"{value:.3f}" if np.isfinite(value) else "-" for value in vars(values).values()))
@@ -63,6 +64,7 @@ def loss_rows(calibration: Calibration) -> list[tuple[str, ...]]:
 
 
 def _result(calibration: Calibration) -> Section:
+    """Section with the parameters' table and the sentences on interpolation and simulation errors."""
     rms, largest = calibration.interpolation_error
     text = (
         f"Forces interpolated in the grid of responses differ by {rms:.3f} N rms, {largest:.3f} N at most, from those "
@@ -71,10 +73,10 @@ def _result(calibration: Calibration) -> Section:
     if calibration.fit.shape_factors:
         parts = [f"{name} {factor:.3f}" for name, factor in calibration.fit.shape_factors.items()]
         text += " Measured over simulated force, by indenter: " + ", ".join(parts) + "."
-    erring = calibration.fit.simulation_error
+    errors = calibration.fit.simulation_error
     text += (
-        f" With simulation error: two simulations of one gel differ by {100 * erring.force:.0f} % in all forces alike "
-        f"and by {100 * erring.law:.0f} % in how forces grow over a factor e."
+        f" With simulation error: two simulations of one gel differ by {100 * errors.force:.0f} % in all forces alike "
+        f"and by {100 * errors.law:.0f} % in how forces grow over a factor e."
     )
     columns = ("", "value", "95 % interval", "with simulation error", "start")
     return Section("Result", [("info", text)], columns, result_rows(calibration))
@@ -86,21 +88,22 @@ def _losses(calibration: Calibration) -> Section:
 
 
 def _remarks(calibration: Calibration) -> Section:
-    said = [(finding.severity, f"{finding.message} [{finding.code}]") for finding in calibration.findings]
-    return Section("What to know", said or [("", "Nothing stands out.")])
+    sentences = [(finding.severity, f"{finding.message} [{finding.code}]") for finding in calibration.findings]
+    return Section("What to know", sentences or [("", "Nothing stands out.")])
 
 
 def _overlays(calibration: Calibration) -> Section:
+    """Section with measured and simulated forces over time; held-out trajectories come first."""
     experiment, fit = calibration.experiment, calibration.fit
-    held = set(fit.held_out.tolist())
-    order = sorted(range(len(experiment.touches)), key=lambda place: (place not in held, place))[:MOST_OVERLAYS]
+    held_out = set(fit.held_out.tolist())
+    order = sorted(range(len(experiment.touches)), key=lambda place: (place not in held_out, place))[:MOST_OVERLAYS]
     overlays = []
     for place in order:
         touch, start = experiment.touches[place], experiment.response.starts[place]
         rows = slice(start, start + experiment.response.counts[place])
         overlays.append(
             Overlay(
-                f"{touch.name} {touch.indenter}" + (" (held out)" if place in held else ""),
+                f"{touch.name} {touch.indenter}" + (" (held out)" if place in held_out else ""),
                 touch.seconds[experiment.frames[place]],
                 experiment.measured[rows, :3],
                 calibration.played[rows, :3],
@@ -112,6 +115,7 @@ def _overlays(calibration: Calibration) -> Section:
 
 
 def _surfaces(calibration: Calibration) -> Section:
+    """Section with the loss over E and nu, and over E and mu, the third parameter at its optimum."""
     fit, bounds, options = calibration.fit, calibration.bounds, calibration.options
     loss: Loss
     if options.loss == "vector":
@@ -121,6 +125,7 @@ def _surfaces(calibration: Calibration) -> Section:
     else:
         loss = norm_loss(calibration.experiment, fit.fitted)
     surfaces = []
+    # E lies on the horizontal axis, in kPa; nu or mu on the vertical one
     for up in (1, 2):
         x, y, values = loss_surface(loss, bounds, fit.parameters, 0, up)
         best = (float(fit.parameters[0]) / 1e3, float(fit.parameters[up]))
@@ -133,6 +138,6 @@ def _surfaces(calibration: Calibration) -> Section:
 
 def _residuals(calibration: Calibration) -> Section:
     measured = calibration.experiment.measured
-    drawn = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("fx", "fy", "fz"))
-    png = png_bytes(drawn, heading=calibration.simulated.heading)
+    figure = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("fx", "fy", "fz"))
+    png = png_bytes(figure, heading=calibration.simulated.heading)
     return Section("What is left", pictures=[Picture(png, "Residual forces of all frames.")])

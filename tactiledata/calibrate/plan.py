@@ -1,4 +1,4 @@
-"""Which plays of the trajectories hold the response over nu, mu and the contact offset."""
+"""The nodes over nu, mu and contact offset at which trajectories are simulated."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ import numpy as np
 from tactiledata.calibrate.bounds import Bounds
 
 OFFSET = 5e-5
-"""m: trajectories are played this much deeper and less deep, too."""
+"""Contact offset, m, by which trajectories are also simulated deeper and less deep."""
 NU_NODES = 3
-"""Chebyshev nodes over nu."""
+"""Number of Chebyshev nodes over nu."""
 
 
 @dataclass(frozen=True)
 class Node:
-    """One play of all trajectories.
+    """Poisson's ratio, friction and contact offset of one simulation of all trajectories.
 
     Parameters
     ----------
     poisson_ratio, friction : float
+        Of the gel.
     offset : m
         By how much the indenter is deeper than recorded, along the gel frame's -z.
     """
@@ -33,15 +34,17 @@ class Node:
 
 @dataclass(frozen=True)
 class ResponsePlan:
-    """Every pair of nu and mu without an offset; offsets along the two lines through the middle of the pairs.
+    """All pairs of nu and mu nodes without an offset, and offsets at the middle nu and at the middle mu only.
 
-    What an offset changes is taken to depend on nu and on mu, but not on both together: a third of the plays of a full
-    grid, and within the noise (docs/calibration.md).
+    The effect of an offset is taken to depend on nu and on mu, but not on their product. That costs a third of the
+    simulations of a full grid, and the error stays within the noise (docs/calibration.md).
 
     Parameters
     ----------
-    ratios, frictions : ascending nodes
+    ratios, frictions : ascending
+        Nodes over Poisson's ratio and friction.
     offset : m
+        Step of the contact offset, taken in both directions.
     """
 
     ratios: tuple[float, ...]
@@ -50,7 +53,7 @@ class ResponsePlan:
 
     @classmethod
     def of(cls, bounds: Bounds) -> ResponsePlan:
-        """The nodes for a box."""
+        """Return the nodes for a box: Chebyshev over nu, the box's own over friction."""
         low, high = bounds.low[1], bounds.high[1]
         angles = np.pi * (2 * np.arange(NU_NODES)[::-1] + 1) / (2 * NU_NODES)
         ratios = (low + high) / 2 + (high - low) / 2 * np.cos(angles)
@@ -58,11 +61,11 @@ class ResponsePlan:
 
     @property
     def middle(self) -> tuple[int, int]:
-        """Places of the pair through which the lines of offsets go."""
+        """Places of the middle nu and the middle mu, at which offsets are simulated."""
         return len(self.ratios) // 2, len(self.frictions) // 2
 
     def nodes(self) -> Iterator[Node]:
-        """All plays, those of one nu and mu side by side."""
+        """Yield all nodes; those of one nu and mu follow one another."""
         nu_middle, mu_middle = self.middle
         for i, ratio in enumerate(self.ratios):
             for j, friction in enumerate(self.frictions):

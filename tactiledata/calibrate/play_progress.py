@@ -1,4 +1,4 @@
-"""Progress of plays, counted touch by touch while other processes play them."""
+"""Progress of simulations in other processes, from the files that they have finished."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from types import TracebackType
 from tactiledata.contract.progress import Progress
 
 INTERVAL = 1.0
-"""Seconds between two looks at the files of finished plays."""
+"""Seconds between two counts of the finished files."""
 
 
 class PlayProgress:
-    """Reports how many plays are finished: workers keep each in a file of its own, and the files are counted.
+    """Report of how many simulated touches are finished, counted by their files in the cache.
 
-    A cache that cannot be written leaves no files; then `finished` alone moves the count, batch by batch.
+    A cache that cannot be written leaves no files; then only `finished` raises the count, batch by batch.
 
     Parameters
     ----------
@@ -47,13 +47,14 @@ class PlayProgress:
         self._thread.join()
 
     def finished(self, count: int, what: str) -> None:
-        """Report that at least so many plays are finished, and what they were."""
+        """Report that at least ``count`` plays are finished; ``what`` is a label of the last ones."""
         with self._lock:
             if count > self._done or what != self._what:
                 self._done, self._what = max(count, self._done), what
                 self._report(self._done, self._total, what)
 
     def _watch(self) -> None:
+        """Count the finished files at each interval, until the work ends."""
         while not self._stop.wait(self._interval):
             self._missing = [path for path in self._missing if not path.exists()]
             self.finished(self._total - len(self._missing), self._what)

@@ -1,4 +1,4 @@
-"""Playing measured touches through the gel at the nodes of a plan; what was played before is read from disk."""
+"""Simulation of measured touches at the nodes of a plan; touches simulated before are read from the cache."""
 
 from __future__ import annotations
 
@@ -27,7 +27,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PlayBatch:
-    """Touches to be played at one nu and one mu."""
+    """Touches to be simulated at one nu and one mu.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh of the gel.
+    mechanics : str
+        Engine and fidelity.
+    ratio, friction : float
+        Poisson's ratio and coefficient of friction of the gel.
+    touches : tuple of GelTouch
+        Poses and indenter of each touch.
+    """
 
     mesh: PadMesh
     mechanics: Mechanics
@@ -42,31 +54,52 @@ def play_nodes(
     touches: Sequence[MeasuredTouch],
     nodes: Sequence[Node],
     workers: int = 1,
-    tell: Progress = no_progress,
+    report_progress: Progress = no_progress,
 ) -> dict[Node, list[Play]]:
-    """The plays of all touches at each node, in the order of the touches.
+    """Simulate all touches at each node, and return the plays of each node in the order of the touches.
 
-    Nodes of one nu and mu are played together, so that more trajectories are in lockstep; batches go to ``workers``
-    processes. What is finished is kept (``TACTILEDATA_CACHE``): a run that was killed goes on. ``tell`` hears how many
-    plays of touches are finished.
+    Nodes of one nu and mu are simulated together, so that more trajectories advance in lockstep. Finished plays are
+    kept in the cache (``TACTILEDATA_CACHE``), so that an interrupted run continues where it ended.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh of the gel.
+    mechanics : str
+        Engine and fidelity.
+    touches : sequence of MeasuredTouch
+        Poses and indenters.
+    nodes : sequence of Node
+        Nodes of one nu and mu must follow one another.
+    workers : int
+        Processes; one batch, of one nu and mu, goes to each.
+    report_progress : callable
+        Called with the number of finished plays of touches, their total and a label.
+
+    Raises
+    ------
+    Exception
+        The error of a batch that failed.
     """
+    # one batch for each pair of nu and mu: its touches at all its offsets
     batches, members = [], []
     for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
         members.append(list(group))
         shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
         batches.append(PlayBatch(mesh, mechanics, ratio, friction, shifted))
-    found: dict[Node, list[Play]] = {}
+    # run the batches, and sort their plays by node
+    plays_of: dict[Node, list[Play]] = {}
     paths = [path for batch in batches for path in batch_paths(batch)]
-    with PlayProgress(paths, tell) as progress:
-        for played, outcome in zip(members, LocalScheduler(workers).outcomes(play_batch, batches), strict=True):
+    with PlayProgress(paths, report_progress) as progress:
+        for batch_nodes, outcome in zip(members, LocalScheduler(workers).outcomes(play_batch, batches), strict=True):
             if outcome.error is not None:
                 raise outcome.error
             plays = iter(outcome.result or ())
-            for node in played:
-                found[node] = list(itertools.islice(plays, len(touches)))
-            finished = len(found) * len(touches)
+            for node in batch_nodes:
+                plays_of[node] = list(itertools.islice(plays, len(touches)))
+            finished = len(plays_of) * len(touches)
             progress.finished(finished, f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
-    return found
+    return plays_of
 
 
 def play_at(
@@ -77,13 +110,27 @@ def play_at(
     friction: float,
     offsets: Array,
 ) -> list[Play]:
-    """The plays of touches, each at an offset (t,), m, of its own."""
+    """Simulate touches at one nu and mu, each at its own contact offset.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh of the gel.
+    mechanics : str
+        Engine and fidelity.
+    touches : sequence of MeasuredTouch
+        The t touches.
+    ratio, friction : float
+        Poisson's ratio and coefficient of friction of the gel.
+    offsets : (t,) m
+        By how much each indenter is deeper than recorded.
+    """
     shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
     return play_batch(PlayBatch(mesh, mechanics, ratio, friction, shifted))
 
 
 def play_batch(batch: PlayBatch) -> list[Play]:
-    """The plays of a batch, in its order."""
+    """Return the plays of a batch in its order, simulated with Young's modulus 1 or read from the cache."""
     return played_or_kept(
         batch.touches,
         batch_paths(batch),
@@ -93,7 +140,7 @@ def play_batch(batch: PlayBatch) -> list[Play]:
 
 
 def batch_paths(batch: PlayBatch) -> list[Path]:
-    """Return the files in which the plays of a batch are kept, in its order."""
+    """Return the cache file of each touch of a batch, in its order."""
     digest = batch.mesh.digest
     return [play_path(touch, digest, batch.mechanics, batch.ratio, batch.friction) for touch in batch.touches]
 
@@ -104,24 +151,25 @@ def played_or_kept(
     material: GelMaterial,
     engine: Callable[[], FemEngine | FlexEngine],
 ) -> list[Play]:
-    """The plays of touches: those that are kept are read, the others played and kept.
+    """Return the plays of touches: those in the cache are read, the others are simulated and added to it.
 
     Parameters
     ----------
     touches : sequence of GelTouch
+        Poses and indenters.
     paths : sequence of Path
-        Where the play of each is kept.
+        Cache file of each touch.
     material : GelMaterial
-        Of the gel.
+        Material of the gel.
     engine : callable
-        Makes the engine, where anything is to be played.
+        Makes the engine; called only where a touch must be simulated.
     """
     plays = {number: play for number, path in enumerate(paths) if (play := load_play(path)) is not None}
-    missing = [number for number in range(len(paths)) if number not in plays]
-    if missing:
-        made = engine()
-        for place, history in made.play([touches[number] for number in missing], material, keep="none"):
-            play = Play(history.wrench, history.status, history.pressed @ made.surface.patch_areas)
-            plays[missing[place]] = play
-            keep_play(paths[missing[place]], play)
+    to_simulate = [number for number in range(len(paths)) if number not in plays]
+    if to_simulate:
+        made_engine = engine()
+        for place, history in made_engine.play([touches[number] for number in to_simulate], material, keep="none"):
+            play = Play(history.wrench, history.status, history.pressed @ made_engine.surface.patch_areas)
+            plays[to_simulate[place]] = play
+            keep_play(paths[to_simulate[place]], play)
     return [plays[number] for number in range(len(paths))]

@@ -1,4 +1,4 @@
-"""What a person should know of a calibration, in words."""
+"""Findings on a calibration: bounds that were hit, parameters that stay unknown, misfit, offsets, what was left out."""
 
 from __future__ import annotations
 
@@ -12,28 +12,45 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 
 AT_BOUND = 0.01
-"""Share of the box: a parameter this near its bound stands there."""
+"""Largest distance from a bound, as a share of the box, at which a parameter counts as being at it."""
 SINGULAR = 0.95
-"""Correlation from which on two parameters are not told apart."""
+"""Smallest correlation (absolute) at which two parameters cannot be distinguished."""
 WIDE = 0.8
-"""Share of the box: an interval this wide says no more than the box did."""
+"""Width of an interval, as a share of the box, above which the data add nothing to the box."""
 MISFIT = 1.5
-"""Root mean square of the whitened residual that noise does not explain."""
+"""Root mean square of the whitened residual above which noise does not explain it."""
 FAR = 3.0
-"""Standard deviations of the prior."""
+"""Standard deviations of the prior beyond which an offset or a factor is reported."""
 
 
 def remarks(
     fit: Fit, bounds: Bounds, prior: float, left_out: Mapping[str, int], has_vector: bool, shape_error: float = 0.0
 ) -> list[Finding]:
-    """Findings of a fit, and what was left out."""
-    found = [*_bound_hits(fit, bounds), *_unidentified(fit, bounds), *_singular_pairs(fit)]
+    """Return the findings of a fit.
+
+    Parameters
+    ----------
+    fit : Fit
+        Parameters, intervals, offsets and losses.
+    bounds : Bounds
+        The box that was searched.
+    prior : m
+        Standard deviation of the contact offsets; 0 where they were not fitted.
+    left_out : mapping, reason -> number of trajectories
+        Why trajectories took no part.
+    has_vector : bool
+        Whether the vector loss was minimised; only then are there offsets and factors.
+    shape_error : float
+        Standard deviation of the force factors of indenters about 1.
+    """
+    findings = [*_bound_hits(fit, bounds), *_unidentified(fit, bounds), *_singular_pairs(fit)]
     if has_vector:
-        found += [*_misfit(fit), *_far_offsets(fit, prior), *_far_shapes(fit, shape_error)]
-    return found + list(_left_out(left_out))
+        findings += [*_misfit(fit), *_far_offsets(fit, prior), *_far_shapes(fit, shape_error)]
+    return findings + list(_left_out(left_out))
 
 
 def _bound_hits(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
+    """Yield a warning for each parameter at a bound of the box."""
     shares = bounds.shares(fit.parameters)
     for k, (name, low, high) in enumerate(bounds):
         for side, value, is_there in (
@@ -42,14 +59,15 @@ def _bound_hits(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
         ):
             if is_there:
                 text = (
-                    f"{SYMBOLS[name]} stands at its {side} bound, {in_words(name, value)}: the data would rather have "
-                    "it further out. A bound that is hit is a symptom, not a result: something that is not modelled "
-                    "may be absorbed, or the bounds are wrong for this gel; compare --bounds wide"
+                    f"{SYMBOLS[name]} stands at its {side} bound, {in_words(name, value)}: the data favour a value "
+                    "beyond it. A bound that is hit is a symptom, not a result: the parameter may have absorbed "
+                    "something that is not modelled, or the bounds are wrong for this gel. Compare --bounds wide"
                 )
                 yield Finding("calibration-bound", "warning", text)
 
 
 def _unidentified(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
+    """Yield a warning for each parameter whose interval nearly fills the box, with advice on what to record."""
     widths = np.ptp(fit.intervals.ends, axis=1) / bounds.span
     for k, (name, _, _) in enumerate(bounds):
         if widths[k] > WIDE:
@@ -61,22 +79,24 @@ def _unidentified(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
 
 
 _ADVICE = {
-    "youngs_modulus": "More, deeper touches help.",
-    "poisson_ratio": "Flat indenters and deep touches on a thin pad tell it; spheres alone hardly do.",
-    "friction": "Only touches that slip tell it: shear further than the gel sticks.",
+    "youngs_modulus": "More and deeper touches help.",
+    "poisson_ratio": "Flat indenters and deep touches on a thin pad determine it; spheres alone hardly do.",
+    "friction": "Only touches that slip determine it: shear further than the gel sticks.",
 }
+"""What to record where a parameter cannot be known."""
 
 
 def _singular_pairs(fit: Fit) -> Iterator[Finding]:
+    """Yield a warning for each pair of parameters of which the data fix only a combination."""
     names = list(SYMBOLS)
     for i in range(3):
         for j in range(i):
-            together = float(fit.intervals.correlation[i, j])
-            if abs(together) > SINGULAR:
+            correlation = float(fit.intervals.correlation[i, j])
+            if abs(correlation) > SINGULAR:
                 pair = f"{SYMBOLS[names[j]]} and {SYMBOLS[names[i]]}"
                 text = (
-                    f"{pair} are a singular pair (correlation {together:+.3f}): the data fix a combination of the two, "
-                    "not each. Take neither for a property of the material"
+                    f"{pair} are a singular pair (correlation {correlation:+.3f}): the data fix a combination of the "
+                    "two, not each. Take neither for a property of the material"
                 )
                 if (names[j], names[i]) == ("youngs_modulus", "poisson_ratio"):
                     text += "; an error of the pad's thickness looks the same"
@@ -84,17 +104,19 @@ def _singular_pairs(fit: Fit) -> Iterator[Finding]:
 
 
 def _misfit(fit: Fit) -> Iterator[Finding]:
-    left = fit.losses["vector"].fitted
-    if left > MISFIT:
+    """Yield a warning where the residual is larger than the noise explains."""
+    residual = fit.losses["vector"].fitted
+    if residual > MISFIT:
         text = (
-            f"the residual is {left:.1f} times the noise: the gel model leaves something out, and E, nu and mu may "
-            "have absorbed a part of it. The intervals are widened for what trajectories disagree on, not for what "
-            "all of them share"
+            f"the residual is {residual:.1f} times the noise: the gel model leaves something out, and E, nu and mu may "
+            "have absorbed a part of it. The intervals are widened for errors in which trajectories differ, not for "
+            "errors that all of them share"
         )
         yield Finding("calibration-misfit", "warning", text)
 
 
 def _far_offsets(fit: Fit, prior: float) -> Iterator[Finding]:
+    """Yield warnings for contact offsets far beyond their prior, and for a mean offset that all share."""
     if prior <= 0:
         return
     far = np.abs(fit.offsets) > FAR * prior
@@ -116,26 +138,29 @@ def _far_offsets(fit: Fit, prior: float) -> Iterator[Finding]:
 
 
 def _far_shapes(fit: Fit, share: float) -> Iterator[Finding]:
+    """Yield a warning that lists the indenters whose force factor is far from 1."""
     far = {name: factor for name, factor in fit.shape_factors.items() if abs(factor - 1.0) > FAR * share}
     if far:
-        said = ", ".join(f"{name} {100 * (factor - 1):+.0f} %" for name, factor in sorted(far.items()))
+        indenters = ", ".join(f"{name} {100 * (factor - 1):+.0f} %" for name, factor in sorted(far.items()))
         text = (
-            f"measured forces are off those simulated by more than {100 * FAR * share:.0f} % for {said}: sizes, "
-            "edges or the tilt of these indenters may not be as stated, or the simulation does not serve for them"
+            f"measured forces differ from simulated ones by more than {100 * FAR * share:.0f} % for {indenters}: "
+            "sizes, edges or the tilt of these indenters may not be as stated, or the simulation is not valid for them"
         )
         yield Finding("calibration-shape", "warning", text, count=len(far))
 
 
 def _left_out(left_out: Mapping[str, int]) -> Iterator[Finding]:
+    """Yield the number of trajectories left out under each reason."""
     for reason, count in sorted(left_out.items()):
         yield Finding("calibration-left-out", "info", f"{counted(count, 'trajectory')} left out: {reason}", count=count)
 
 
 def in_words(name: str, value: float) -> str:
-    """A parameter's value with its unit."""
+    """Text of a parameter's value: kPa for ``youngs_modulus`` (given in Pa), else a number."""
     return f"{value / 1e3:.1f} kPa" if name == "youngs_modulus" else f"{value:.3f}"
 
 
 def _interval(name: str, fit: Fit, k: int) -> str:
+    """Text of the 95 % interval of parameter k."""
     low, high = fit.intervals.ends[k]
     return f"{in_words(name, low)} to {in_words(name, high)}"

@@ -1,4 +1,4 @@
-"""What the gel answers at any nu, mu and offset, from a grid of plays; Young's modulus multiplies it exactly."""
+"""Simulated wrenches at any nu, mu and offset, interpolated in a grid of plays; Young's modulus is an exact factor."""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ from tactiledata.nuisance.offsets import OffsetSeries
 
 @dataclass(frozen=True)
 class Response:
-    """Wrenches of n frames of t trajectories over Young's modulus, interpolated.
+    """Interpolated wrenches of n frames of t trajectories, divided by Young's modulus.
 
-    Over nu by the polynomial through its nodes, over mu by a monotone cubic (friction is a straight line while all
-    slips and a constant while all sticks), over the offset by a parabola.
+    Over nu they follow the polynomial through the nodes, over the offset a parabola, and over mu a monotone cubic:
+    the wrench is linear in mu while the whole contact slips and constant while all of it sticks.
 
     Parameters
     ----------
     plan : ResponsePlan
+        The nodes.
     starts : (t,)
         First row of each trajectory.
     level : (n_nu, n_mu, n, 6) m^2, m^3
-        Without offset.
+        Wrenches without offset.
     by_ratio : (n_nu, 2, n, 6)
-        Slope and curvature over the offset, at the middle mu.
+        Slope and curvature over the offset (per m and m^2), at the middle mu.
     by_friction : (n_mu, 2, n, 6)
-        The same at the middle nu.
+        Slope and curvature over the offset, at the middle nu.
     """
 
     plan: ResponsePlan
@@ -42,12 +43,25 @@ class Response:
 
     @classmethod
     def of(cls, plan: ResponsePlan, plays: Mapping[Node, Array], starts: Indices) -> Response:
-        """From the plays' wrenches (n, 6), Young's modulus 1."""
+        """Response from simulated wrenches.
+
+        Parameters
+        ----------
+        plan : ResponsePlan
+            The nodes.
+        plays : mapping, node -> (n, 6) m^2, m^3
+            Wrenches of every node of the plan, with Young's modulus 1.
+        starts : (t,)
+            First row of each trajectory.
+        """
         nu_middle, mu_middle = plan.middle
 
         def over_offset(ratio: float, friction: float) -> Array:
-            less, none, more = (plays[Node(ratio, friction, z)] for z in (-plan.offset, 0.0, plan.offset))
-            return np.stack([(more - less) / (2 * plan.offset), (more + less - 2 * none) / (2 * plan.offset**2)])
+            """Slope and curvature (2, n, 6) over the offset, by central differences."""
+            shallower, level, deeper = (plays[Node(ratio, friction, z)] for z in (-plan.offset, 0.0, plan.offset))
+            return np.stack(
+                [(deeper - shallower) / (2 * plan.offset), (deeper + shallower - 2 * level) / (2 * plan.offset**2)]
+            )
 
         return cls(
             plan,
@@ -67,11 +81,12 @@ class Response:
 
     @property
     def counts(self) -> Indices:
-        """Frames (t,) of each trajectory."""
+        """Number of frames (t,) of each trajectory."""
         return np.diff(self.starts, append=self.level.shape[2])
 
     def at(self, ratio: float, friction: float) -> OffsetSeries:
-        """The response over the offset, Young's modulus 1."""
+        """Response at one nu and mu as a parabola over the offset, Young's modulus 1."""
+        # effects of nu and of mu on slope and curvature add up; at the middle mu the correction is zero
         mu_middle = self.plan.middle[1]
         weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
         slope, curvature = (
@@ -86,7 +101,7 @@ class Response:
         )
 
     def part(self, trajectories: Indices) -> Response:
-        """The response of some trajectories, in the order given."""
+        """Response of the trajectories at these places, in the order given."""
         counts = self.counts[trajectories]
         rows = np.concatenate([np.arange(s, s + c) for s, c in zip(self.starts[trajectories], counts, strict=True)])
         return Response(
@@ -99,7 +114,7 @@ class Response:
 
 
 def polynomial_weights(nodes: Array, place: float) -> Array:
-    """Weights (n,) that give the polynomial through values at nodes (n,), at a place (Lagrange)."""
+    """Lagrange weights (n,) of values at nodes (n,): their sum is the interpolating polynomial at ``place``."""
     gaps = nodes[:, None] - nodes
     np.fill_diagonal(gaps, 1.0)
     factors = np.broadcast_to(place - nodes, gaps.shape).copy()

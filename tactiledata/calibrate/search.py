@@ -1,4 +1,4 @@
-"""The least loss inside the bounds: nlopt, the whole box first, then downhill from the best place."""
+"""Global minimum of a loss inside the bounds, with nlopt: DIRECT-L over the whole box, then Subplex downhill."""
 
 from __future__ import annotations
 
@@ -10,34 +10,57 @@ from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.losses import Loss
 
 GLOBAL_EVALUATIONS = 300
+"""Most evaluations of the loss by DIRECT-L."""
 LOCAL_EVALUATIONS = 1500
+"""Most evaluations of the loss by each Subplex search."""
 PRECISION = 1e-6
-"""Share of the box within which the optimum is found."""
+"""Change of the parameters, relative to the box, at which a search ends."""
 
 
 def search(loss: Loss, bounds: Bounds, start: Array) -> Array:
-    """E (Pa), nu, mu of the least loss (3,).
+    """Return E (Pa), nu, mu (3,) of the smallest loss in the box.
 
-    DIRECT-L divides the box, without chance; Subplex then goes downhill from the best place and from ``start``.
+    DIRECT-L divides the box deterministically; Subplex then descends from its best point and from ``start``.
+
+    Parameters
+    ----------
+    loss : Loss
+        Minimised.
+    bounds : Bounds
+        The box.
+    start : (3,)
+        E (Pa), nu, mu of a first guess.
     """
-    found = _minimise(loss, bounds, start, nlopt.GN_DIRECT_L, GLOBAL_EVALUATIONS)
-    candidates = [descend(loss, bounds, place) for place in (found, start)]
+    global_best = _minimise(loss, bounds, start, nlopt.GN_DIRECT_L, GLOBAL_EVALUATIONS)
+    candidates = [descend(loss, bounds, place) for place in (global_best, start)]
     return min(candidates, key=loss.value)
 
 
 def descend(loss: Loss, bounds: Bounds, start: Array) -> Array:
-    """Downhill from a start (3,)."""
+    """Return the local minimum E (Pa), nu, mu (3,) that Subplex reaches from a start.
+
+    Parameters
+    ----------
+    loss : Loss
+        Minimised.
+    bounds : Bounds
+        The box.
+    start : (3,)
+        E (Pa), nu, mu.
+    """
     return _minimise(loss, bounds, start, nlopt.LN_SBPLX, LOCAL_EVALUATIONS)
 
 
 def _minimise(loss: Loss, bounds: Bounds, start: Array, algorithm: int, evaluations: int) -> Array:
-    seeker = nlopt.opt(algorithm, 3)
-    seeker.set_lower_bounds(np.zeros(3))
-    seeker.set_upper_bounds(np.ones(3))
-    seeker.set_maxeval(evaluations)
-    seeker.set_xtol_rel(PRECISION)
-    seeker.set_min_objective(lambda shares, _gradient: loss.value(bounds.scaled(shares)))
+    """Return the minimum (3,) that an nlopt algorithm reaches from a start, in shares of the box internally."""
+    optimiser = nlopt.opt(algorithm, 3)
+    optimiser.set_lower_bounds(np.zeros(3))
+    optimiser.set_upper_bounds(np.ones(3))
+    optimiser.set_maxeval(evaluations)
+    optimiser.set_xtol_rel(PRECISION)
+    optimiser.set_min_objective(lambda shares, _gradient: loss.value(bounds.scaled(shares)))
     if algorithm == nlopt.LN_SBPLX:
-        seeker.set_initial_step(np.full(3, 0.1))
+        optimiser.set_initial_step(np.full(3, 0.1))
+    # a start exactly on a bound would leave Subplex no room on one side
     first = np.clip(bounds.shares(bounds.inside(start)), 1e-6, 1 - 1e-6)
-    return bounds.scaled(np.asarray(seeker.optimize(first)))
+    return bounds.scaled(np.asarray(optimiser.optimize(first)))

@@ -1,4 +1,4 @@
-"""Touches that were measured: poses, indenter, contact wrench and what is known of the force sensor's zero."""
+"""A measured touch: poses, indenter, contact wrench, and from how many samples its force zero was taken."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from tactiledata.gel.contact.history import GelTouch
 
 @dataclass(frozen=True)
 class MeasuredTouch:
-    """One trajectory.
+    """One measured trajectory of n frames, as a calibration uses it.
 
     Parameters
     ----------
     uid, name, sensor, indenter : str
+        Identity and name of the trajectory, names of the sensor and the indenter.
     touch : GelTouch
-        n frames.
+        Poses of n frames, and the indenter.
     wrench : (n, 6) N, N m
         Contact wrench at the frames, gel frame, about the gel's origin: pressing gives fz > 0; NaN where not known.
-    seconds : (n,) s, from the trajectory's start
+    seconds : (n,) s
+        Time from the trajectory's start.
     free_samples : float
-        Samples in free air before the touch, from which its zero was taken.
+        Number of samples in free air before the touch, from which its zero was taken.
     """
 
     uid: str
@@ -34,7 +36,7 @@ class MeasuredTouch:
     free_samples: float
 
     def deeper(self, offset: float) -> GelTouch:
-        """The touch with the indenter deeper by an offset, m, along the gel frame's -z."""
+        """Return the touch with the indenter deeper by ``offset``, m, along the gel frame's -z."""
         poses = self.touch.poses.copy()
         poses[:, 2, 3] -= offset
         return GelTouch(self.touch.indenter, poses)

@@ -1,4 +1,4 @@
-"""The gel engines by name."""
+"""Gel engines by the names that a user gives."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ if TYPE_CHECKING:
 
 EngineName = Literal["fem", "mujoco-flex"]
 Mechanics = Literal["finite-strain", "linear", "mujoco-flex"]
-"""What an engine's ``fidelity`` says: the two of ``fem``, and the other engine."""
+"""Engine and fidelity in one word: the two fidelities of ``fem``, and the other engine."""
 ENGINES = ("fem", "mujoco-flex")
 
 
 def mechanics_of(engine: str, fidelity: str) -> Mechanics:
-    """What two options name together.
+    """Return the mechanics that the options ``engine`` and ``fidelity`` name together.
 
     Raises
     ------
     UsageError
-        No such engine or fidelity; ``linear`` of an engine that does not have it.
+        An unknown engine or fidelity, or ``linear`` for an engine that does not have it.
     """
-    for what, name, known in (("engine", engine, ENGINES), ("fidelity", fidelity, ("finite-strain", "linear"))):
+    for option, name, known in (("engine", engine, ENGINES), ("fidelity", fidelity, ("finite-strain", "linear"))):
         if name not in known:
-            raise UsageError(f"{what} {name!r}", " or ".join(known), "Name one of them.")
+            raise UsageError(f"{option} {name!r}", " or ".join(known), "Name one of them.")
     if engine == "fem":
         return fidelity  # type: ignore[return-value]
     if fidelity == "linear":
@@ -36,7 +36,17 @@ def mechanics_of(engine: str, fidelity: str) -> Mechanics:
 
 
 def make_engine(mesh: PadMesh, poisson_ratio: float, mechanics: Mechanics) -> FemEngine | FlexEngine:
-    """The engine for a pad and a Poisson's ratio."""
+    """Make the engine for a pad.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh of the pad.
+    poisson_ratio : float
+        0 to below 0.5.
+    mechanics : str
+        Engine and fidelity.
+    """
     if mechanics == "mujoco-flex":
         from tactiledata.gel.flex.engine import FlexEngine
 

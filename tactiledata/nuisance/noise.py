@@ -1,4 +1,4 @@
-"""The noise of a wrench, from stretches in which nothing happens."""
+"""Noise of a wrench at a frame, from stretches of readings at rest or from a data sheet."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from tactiledata.arrays import Array
 from tactiledata.sensors.base import ForceSpecification
 
 FEWEST_SAMPLES = 60
-"""Samples at rest that a covariance of six components is taken from, at least."""
+"""Fewest samples at rest from which a covariance of six components is estimated."""
 SMALLEST_SHARE = 1e-3
-"""Of the largest variance of forces or of torques: a component that stands still is not known without error."""
+"""Floor of a variance, as a share of the largest of the forces or torques: no component is without error."""
 
 
 @dataclass(frozen=True)
@@ -24,13 +24,13 @@ class WrenchNoise:
     Parameters
     ----------
     covariance : (6, 6) N, N m
-        Forces and torques are correlated: a torque about the gel's origin holds the force times its lever.
+        Forces and torques are correlated: a torque about the gel's origin contains the force times its lever.
     inflation : float
-        Factor on the covariance at the frames' spacing: neighbours that resemble one another count for less.
+        Factor on the covariance for frames that are correlated in time.
     source : str
-        Where it comes from, in words.
+        Where the figures come from, in words.
     reading_variance : float
-        Variance of a single reading of the sensor over that of a wrench at a frame, the mean of six components.
+        Variance of a single reading of the sensor over that of a wrench at a frame, mean of six components.
     """
 
     covariance: Array
@@ -40,11 +40,11 @@ class WrenchNoise:
 
     @property
     def deviations(self) -> Array:
-        """Standard deviations (6,), N and N m."""
+        """Standard deviations (6,) of one frame, N and N m, without the inflation."""
         return np.sqrt(np.diag(self.covariance))
 
     def whitened(self, wrench: Array) -> Array:
-        """Wrenches (…, 6) in units in which the noise is white and of variance 1."""
+        """Return wrenches (…, 6) in units in which the inflated noise is white and of variance 1."""
         return wrench @ self._whitening
 
     @cached_property
@@ -64,46 +64,50 @@ def noise_at_rest(
     Parameters
     ----------
     stretches : sequence of (n, 6), N, N m
-        Consecutive readings in free air, or while nothing moves, repeated ones included. A straight line is taken off
-        each.
+        Consecutive readings in free air, or while nothing moves, repeated ones included. A straight line is subtracted
+        from each.
     lag : int
         Readings from one frame to the next, for the correlation of neighbouring frames.
     fractions : (f,)
-        Where the frames lie between two readings, 0 to 1; 0 where frames and readings coincide.
+        Position of frames between two readings, 0 to 1; 0 where frames and readings coincide.
     """
     parts = [_about_line(stretch) for stretch in stretches if len(stretch) >= 4]
     rows = sum(len(part) for part in parts)
     if rows < FEWEST_SAMPLES:
         return None
+    # share of a reading's own covariance after the interpolation
     u = np.asarray(fractions, dtype=np.float64)
-    own = float(((1.0 - u) ** 2 + u**2).mean()) if len(u) else 1.0
-    of_reading = _lagged(parts, 0)
-    covariance = own * of_reading + (1.0 - own) * _lagged(parts, 1)
+    own_share = float(((1.0 - u) ** 2 + u**2).mean()) if len(u) else 1.0
+    reading_covariance = _lagged(parts, 0)
+    covariance = own_share * reading_covariance + (1.0 - own_share) * _lagged(parts, 1)
+    # raise variances of a component that stands still, among forces and among torques
     for block in (slice(0, 3), slice(3, 6)):
         floor = SMALLEST_SHARE * covariance.diagonal()[block].max()
         covariance[block, block] += np.diag(np.maximum(floor - covariance.diagonal()[block], 0.0))
     if not covariance.diagonal().min() > 0:
         return None
-    variances = of_reading.diagonal()
-    moves = variances > 0
-    ratio = float((variances[moves] / covariance.diagonal()[moves]).mean())
-    return WrenchNoise(covariance, _inflation(parts, lag, own), f"{rows} samples at rest", ratio)
+    variances = reading_covariance.diagonal()
+    is_noisy = variances > 0
+    ratio = float((variances[is_noisy] / covariance.diagonal()[is_noisy]).mean())
+    return WrenchNoise(covariance, _inflation(parts, lag, own_share), f"{rows} samples at rest", ratio)
 
 
 def specified_noise(force: ForceSpecification) -> WrenchNoise:
-    """The noise that the maker of a force sensor states, with the rounding to its digits."""
-    of_force = force.force_noise**2 + force.force_quantum**2 / 12
-    of_torque = force.torque_noise**2 + force.torque_quantum**2 / 12
-    return WrenchNoise(np.diag([of_force] * 3 + [of_torque] * 3), 1.0, "the force sensor's specification")
+    """Return the noise that a force sensor's data sheet states, with the rounding of its readings."""
+    # a uniform error of width q, the quantum, has the variance q^2 / 12
+    force_variance = force.force_noise**2 + force.force_quantum**2 / 12
+    torque_variance = force.torque_noise**2 + force.torque_quantum**2 / 12
+    return WrenchNoise(np.diag([force_variance] * 3 + [torque_variance] * 3), 1.0, "the force sensor's specification")
 
 
 def _about_line(stretch: Array) -> Array:
+    """Readings (n, 6) minus their least-squares straight line in time."""
     line = np.column_stack([np.ones(len(stretch)), np.linspace(-1.0, 1.0, len(stretch))])
     return stretch - line @ np.linalg.lstsq(line, stretch, rcond=None)[0]
 
 
 def _lagged(parts: Sequence[Array], lag: int) -> Array:
-    """Return the symmetric covariance (6, 6) of readings so many places apart, each part about its own line."""
+    """Return the symmetric covariance (6, 6) of readings ``lag`` places apart, each part about its own line."""
     long = [part for part in parts if len(part) > lag]
     pairs = sum(len(part) - lag for part in long)
     # a line takes two numbers from each part
@@ -129,17 +133,17 @@ def _inflation(parts: Sequence[Array], lag: int, own: float) -> float:
     """
     shared = 0.5 * (1.0 - own)
 
-    def at(distance: int) -> Array:
-        """Variances of interpolated values so many readings apart: two readings enter each."""
+    def covariance_at(distance: int) -> Array:
+        """Covariances (6,) of interpolated values ``distance`` readings apart; two readings enter each value."""
         return np.asarray(
             own * _lagged(parts, distance).diagonal()
             + shared * (_lagged(parts, abs(distance - 1)).diagonal() + _lagged(parts, distance + 1).diagonal())
         )
 
-    variances = at(0)
-    moves = variances > 0
-    mean = float((at(lag)[moves] / variances[moves]).mean()) if moves.any() else 0.0
-    # shorter stretches say little: what they say by chance is not taken for correlation
-    doubt = 2.0 / np.sqrt(max(sum(max(len(part) - lag, 0) for part in parts), 1))
-    r = float(np.clip(mean, 0.0, 0.9)) if mean > doubt else 0.0
+    variances = covariance_at(0)
+    is_noisy = variances > 0
+    mean = float((covariance_at(lag)[is_noisy] / variances[is_noisy]).mean()) if is_noisy.any() else 0.0
+    # a correlation within two standard errors of 0 may be chance: it is taken as 0
+    chance_correlation = 2.0 / np.sqrt(max(sum(max(len(part) - lag, 0) for part in parts), 1))
+    r = float(np.clip(mean, 0.0, 0.9)) if mean > chance_correlation else 0.0
     return (1.0 + r) / (1.0 - r)

@@ -1,4 +1,7 @@
-"""What mesh and solver leave of error in forces; a common factor on all forces is a factor on Young's modulus."""
+"""Errors that mesh and solver leave in simulated forces, and how a fit allows for them.
+
+An error that all forces share is the same as a factor on Young's modulus.
+"""
 
 from __future__ import annotations
 
@@ -8,65 +11,74 @@ from tactiledata.arrays import Array, Indices
 from tactiledata.nuisance.offsets import OffsetSeries, profile_offsets
 
 ROUNDS = 4
+"""Newton steps for the factors of indenters."""
 
 FORCE_ERROR = {"finite-strain": 0.03, "linear": 0.12, "mujoco-flex": 0.5}
-"""Standard deviation, as a share: against converged reference solutions finite strain is 2 to 4 % off on the low mesh,
-linear 10 to 20 % at 1 mm depth (docs/calibration.md), and MuJoCo's tetrahedra are 25 % to several times too stiff
-(docs/gel.md)."""
+"""Standard deviation, as a share, of the error that all forces of a simulation have in common.
+
+Against converged reference solutions finite strain is 2 to 4 % off on the low mesh, linear 10 to 20 % at 1 mm depth
+(docs/calibration.md), and MuJoCo's tetrahedra are 25 % to several times too stiff (docs/gel.md)."""
 
 SHAPE_ERROR = {"finite-strain": 0.03, "linear": 0.06, "mujoco-flex": 0.15}
-"""Standard deviation, as a share: by how much the forces of one indenter are off beside those of the others. Two
-solvers of other discretisation and other contact differ so from shape to shape (docs/calibration.md)."""
+"""Standard deviation, as a share, of the error of one indenter's forces relative to the other indenters.
+
+Two solvers with different discretisation and contact differ by this much from shape to shape (docs/calibration.md)."""
 
 LAW_ERROR = {"finite-strain": 0.08, "linear": 0.1, "mujoco-flex": 0.2}
-"""Standard deviation, as a share: by how much the simulation's force is off over a factor e of the force. Two
-discretisations of one contact agree on a force better than on how it grows: between finite strain and the rig's layer
-solver it drifts by 0 to 5 %, by indenter (benchmarks/solver_difference.py), and 6 % was too little for recorded worlds
-(docs/results.md); linear by what it lacks besides (docs/gel.md); of flex an estimate."""
+"""Standard deviation, as a share, of the error that the simulated force gains while the force grows by a factor e.
+
+Two discretisations of one contact agree on a force better than on how it grows. Between finite strain and the rig's
+layer solver the ratio drifts by 0 to 5 %, by indenter (benchmarks/solver_difference.py); 6 % was too little for
+recorded worlds (docs/results.md). Linear has a larger error (docs/gel.md); that of flex is an estimate."""
 
 SCATTER = 0.01
-"""Standard deviation, as a share of the force: by how much frame by frame the solver's tolerance, patches that come and
-go under a rim, and the grid of responses move a simulated force."""
+"""Standard deviation, as a share of the force, of the error that varies from frame to frame.
+
+It comes from the solver's tolerance, from patches that enter and leave under a rim, and from the grid of responses."""
 
 
 def frame_weights(forces: Array, noise: float, scatter: float = SCATTER) -> Array:
-    """Weights (n,) of frames whose simulated forces scatter beside the noise of the measured ones.
+    """Weights (n,) of frames: noise of the measurement over that of measurement and simulation together.
 
     Parameters
     ----------
     forces : (n, 3) N
-    noise : N, standard deviation of one component
-    scatter : share of the force
+        Measured forces.
+    noise : N
+        Standard deviation of the noise of one component.
+    scatter : float
+        Standard deviation of the simulated force from frame to frame, as a share of the force.
     """
     return 1.0 / np.sqrt(1.0 + (scatter * np.linalg.norm(forces, axis=1) / noise) ** 2)
 
 
 CENTRE_SCATTER = 5e-5
-"""m, standard deviation: by how much frame by frame the simulated centre of pressure is off; estimate."""
+"""Standard deviation, m, of the error of the simulated centre of pressure from frame to frame; an estimate."""
 LOCKED_ERROR = 0.05
-"""Standard deviation, as a share of the load that has been taken off: by how much the shear is off that friction holds
-back then. It depends on the steps of the whole way, not on the force that is left: two solvers that agree within 1 %
-under load are up to 5 % of the greatest load apart on the way out (benchmarks/solver_difference.py)."""
+"""Standard deviation of the error of the shear that friction locks in, as a share of the load taken off since.
+
+It depends on all steps since first contact, not on the force that is left: two solvers that agree within 1 % under
+load differ by up to 5 % of the greatest load while unloading (benchmarks/solver_difference.py)."""
 
 
 def scatter_covariance(deviations: Array, centre: Array, places: Array) -> Array:
-    """Covariance (n, 6, 6), N and N m, of what simulated wrenches scatter, torques about the origin of the places.
+    """Covariance (n, 6, 6), N and N m, of the errors of simulated wrenches from frame to frame.
 
-    A sensor on a long lever knows a force across it far better by its torque than by itself: what the simulation
-    scatters is to be held against that, too, not only against the noise of a force.
+    Torques are about the origin of ``places``. A sensor on a long lever measures a lateral force far better by its
+    torque than by the force itself, so the simulation's error must be compared with both.
 
     Parameters
     ----------
     deviations : (n, 3) N
-        Of the force.
+        Standard deviations of the force.
     centre : (n,) N m
-        Of the torque about the contact.
+        Standard deviation of the torque about the contact.
     places : (n, 3) m
-        Of the contact.
+        Places of the contact; NaN counts as the origin.
     """
     x, y, z = np.nan_to_num(places).T
-    nothing = np.zeros_like(x)
-    cross = np.array([[nothing, -z, y], [z, nothing, -x], [-y, x, nothing]]).transpose(2, 0, 1)
+    zeros = np.zeros_like(x)
+    cross = np.array([[zeros, -z, y], [z, zeros, -x], [-y, x, zeros]]).transpose(2, 0, 1)
     lever = np.concatenate([np.broadcast_to(np.eye(3), cross.shape), cross], axis=1) * deviations[:, None, :]
     covariance: Array = lever @ lever.transpose(0, 2, 1)
     covariance[:, 3:, 3:] += (centre**2)[:, None, None] * np.eye(3)
@@ -74,13 +86,17 @@ def scatter_covariance(deviations: Array, centre: Array, places: Array) -> Array
 
 
 def with_law_error(wrenches: Array, share: float) -> Array:
-    """Wrenches (n, 6), N and N m, each scaled by so much more the larger its force is.
+    """Return wrenches (n, 6), N and N m, scaled by a factor that grows with the logarithm of their force.
 
-    Where a share is added over a factor e of the force; 1 at the force that least squares heed most.
+    The factor grows by ``share`` while the force grows e times. It is 1 at the mean log force, weighted by the squared
+    force, which is where least squares pay most attention.
 
     Parameters
     ----------
-    share : one standard deviation: see ``LAW_ERROR``
+    wrenches : (n, 6) N, N m
+        Measured or simulated.
+    share : float
+        Error of the force law, as a share: see ``LAW_ERROR``.
     """
     forces = np.linalg.norm(wrenches[:, :3], axis=1)
     if not (forces > 0).any():
@@ -93,21 +109,24 @@ def with_law_error(wrenches: Array, share: float) -> Array:
 def profile_shapes(
     measured: Array, series: OffsetSeries, starts: Indices, shapes: Indices, prior: float, share: float
 ) -> tuple[Array, Array]:
-    """Contact offsets (t,), m, and a factor (s,) on the forces of each indenter, that make residual and priors least.
+    """Fit contact offsets (t,), m, and a force factor (s,) of each indenter to whitened wrenches and their priors.
 
-    Newton steps for the factors, in which the offsets follow them to first order, and the offsets anew after each.
+    Each round takes a Newton step for the factors, in which offsets follow to first order, and then refits the offsets.
 
     Parameters
     ----------
     measured : (n, k)
-        Whitened, as the series.
+        Whitened measured wrenches.
+    series : OffsetSeries
+        Whitened simulated wrenches of the same n rows, over the offset.
     starts : (t,)
         First row of each trajectory, ascending.
     shapes : (t,)
         Indenter of each trajectory, 0 to s - 1.
     prior : m
-        Of the offsets: see ``profile_offsets``.
-    share : standard deviation of the factors about 1; 0 leaves them at 1
+        Standard deviation of the offsets about 0: see ``profile_offsets``.
+    share : float
+        Standard deviation of the factors about 1; 0 leaves them at 1.
     """
     factors = np.ones(int(shapes.max()) + 1)
     offsets = profile_offsets(measured, series, starts, prior)
@@ -116,17 +135,22 @@ def profile_shapes(
     counts = np.diff(starts, append=len(measured))
 
     def dot(a: Array, b: Array) -> Array:
+        """Inner products (t,) of the rows of each trajectory."""
         return np.add.reduceat(np.einsum("nk,nk->n", a, b), starts)
 
     for _ in range(ROUNDS):
-        place = np.repeat(offsets, counts)
+        row_offsets = np.repeat(offsets, counts)
         scale = np.repeat(factors[shapes], counts)[:, None]
-        unit = series.at(place)
-        lean = scale * (series.slope + 2.0 * place[:, None] * series.curvature)
-        residual = measured - scale * unit
-        held = dot(lean, lean) + prior**-2 if prior > 0 else np.full(len(starts), np.inf)
-        force = np.bincount(shapes, dot(unit, residual), len(factors)) - (factors - 1.0) / share**2
-        bend = np.bincount(shapes, dot(unit, unit) - dot(unit, lean) ** 2 / held, len(factors)) + share**-2
-        factors = np.clip(factors + force / bend, 1.0 - 5.0 * share, 1.0 + 5.0 * share)
+        simulated = series.at(row_offsets)
+        slope = scale * (series.slope + 2.0 * row_offsets[:, None] * series.curvature)
+        residual = measured - scale * simulated
+        offset_curvature = dot(slope, slope) + prior**-2 if prior > 0 else np.full(len(starts), np.inf)
+        # negative gradient and curvature of half the cost over the factors, with the offsets eliminated
+        descent = np.bincount(shapes, dot(simulated, residual), len(factors)) - (factors - 1.0) / share**2
+        curvature = (
+            np.bincount(shapes, dot(simulated, simulated) - dot(simulated, slope) ** 2 / offset_curvature, len(factors))
+            + share**-2
+        )
+        factors = np.clip(factors + descent / curvature, 1.0 - 5.0 * share, 1.0 + 5.0 * share)
         offsets = profile_offsets(measured, series.times(np.repeat(factors[shapes], counts)), starts, prior)
     return offsets, factors

@@ -1,4 +1,4 @@
-"""Where the contact begins: each trajectory's own offset, profiled by Newton steps that are linearised anew."""
+"""Contact offset of each trajectory: how much deeper the indenter is than recorded, fitted by Newton's method."""
 
 from __future__ import annotations
 
@@ -9,40 +9,50 @@ import numpy as np
 from tactiledata.arrays import Array, Indices
 
 PRIOR = 4e-5
-"""m, standard deviation: the repeatability of the arm, and of the tip in its holder."""
+"""Standard deviation of offsets, m: the repeatability of the arm, and of the tip in its holder."""
 FARTHEST = 2.0e-4
-"""m: an offset larger than five times its prior is not one of repeatability."""
+"""Largest offset, m: one of more than five prior deviations has another cause than repeatability."""
 ROUNDS = 12
+"""Most Newton steps."""
 HALVINGS = 6
+"""Most halvings of a Newton step that overshoots."""
 CLOSE = 1e-9
-"""m: the offsets stand still."""
+"""Largest change of an offset, m, at which the fit ends."""
 
 
 @dataclass(frozen=True)
 class OffsetSeries:
-    """Wrenches as a quadratic of the offset: ``level + slope z + curvature z**2``, each (n, k)."""
+    """Wrenches as a quadratic of the offset z: ``level + slope z + curvature z**2``.
+
+    Parameters
+    ----------
+    level, slope, curvature : (n, k)
+        Wrenches at offset 0, and their change per m and per m^2, in the unit of the wrenches (whitened or not).
+    """
 
     level: Array
     slope: Array
     curvature: Array
 
     def at(self, offsets: Array) -> Array:
-        """Wrenches (n, k) at offsets (n,), m."""
+        """Wrenches (n, k) at an offset for each row (n,), m."""
         z = offsets[:, None]
         return self.level + z * (self.slope + z * self.curvature)
 
     def times(self, factors: Array) -> OffsetSeries:
-        """Each row times a factor (n,)."""
+        """Return the series with each row multiplied by a factor (n,)."""
         return OffsetSeries(*(part * factors[:, None] for part in (self.level, self.slope, self.curvature)))
 
 
 def profile_offsets(measured: Array, series: OffsetSeries, starts: Indices, prior: float = PRIOR) -> Array:
-    """The offset (t,), m, of each trajectory that makes its whitened residual and its prior least.
+    """Return the offset (t,), m, of each trajectory that minimises its whitened squared residual plus its prior.
 
     Parameters
     ----------
     measured : (n, k)
-        Whitened, as the series.
+        Whitened measured wrenches.
+    series : OffsetSeries
+        Whitened simulated wrenches of the same n rows, over the offset.
     starts : (t,)
         First row of each trajectory, ascending.
     prior : m
@@ -51,25 +61,26 @@ def profile_offsets(measured: Array, series: OffsetSeries, starts: Indices, prio
     offsets = np.zeros(len(starts))
     if prior <= 0:
         return offsets
+    # the cost of a quadratic series is a quartic of the offset
     quartic = _cost(measured, series, starts, prior)
     first = _derivative(quartic)
     second = _derivative(first)
     cost = _at(quartic, offsets)
     for _ in range(ROUNDS):
-        bend = _at(second, offsets)
-        step = -_at(first, offsets) / np.where(bend > 0, bend, 2.0 * prior**-2)
+        curvature = _at(second, offsets)
+        step = -_at(first, offsets) / np.where(curvature > 0, curvature, 2.0 * prior**-2)
         # a step that overshoots is halved; the next round linearises anew
         for _ in range(HALVINGS):
-            tried = np.clip(offsets + step, -FARTHEST, FARTHEST)
-            reached = _at(quartic, tried)
-            is_worse = reached > cost
+            trial = np.clip(offsets + step, -FARTHEST, FARTHEST)
+            trial_cost = _at(quartic, trial)
+            is_worse = trial_cost > cost
             if not is_worse.any():
                 break
             step = np.where(is_worse, step / 2, step)
-        tried = np.where(is_worse, offsets, tried)
-        moved = np.abs(tried - offsets).max(initial=0.0)
-        offsets, cost = tried, np.where(is_worse, cost, reached)
-        if moved < CLOSE:
+        trial = np.where(is_worse, offsets, trial)
+        largest_step = np.abs(trial - offsets).max(initial=0.0)
+        offsets, cost = trial, np.where(is_worse, cost, trial_cost)
+        if largest_step < CLOSE:
             break
     return offsets
 
@@ -79,6 +90,7 @@ def _cost(measured: Array, series: OffsetSeries, starts: Indices, prior: float) 
     residual, slope, curvature = measured - series.level, series.slope, series.curvature
 
     def dot(a: Array, b: Array) -> Array:
+        """Inner products (t,) of the rows of each trajectory."""
         return np.add.reduceat(np.einsum("nk,nk->n", a, b), starts)
 
     return np.stack(
@@ -93,10 +105,12 @@ def _cost(measured: Array, series: OffsetSeries, starts: Indices, prior: float) 
 
 
 def _derivative(polynomial: Array) -> Array:
+    """Coefficients (p - 1, t) of the derivatives of polynomials (p, t), lowest power first."""
     return polynomial[1:] * np.arange(1, len(polynomial))[:, None]
 
 
 def _at(polynomial: Array, place: Array) -> Array:
+    """Values (t,) of polynomials (p, t), each at its own place (t,), by Horner's scheme."""
     value = np.zeros_like(place)
     for coefficient in polynomial[::-1]:
         value = value * place + coefficient

@@ -1,4 +1,4 @@
-"""The zero of the force sensor, which each trajectory takes from its own free air and knows only so well."""
+"""Uncertainty of the force sensor's zero, which each trajectory takes from its own readings in free air."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import numpy as np
 from tactiledata.arrays import Array, Indices
 
 MEDIAN_LOSS = np.pi / 2
-"""Variance of a median over that of a mean, of Gaussian samples."""
+"""Variance of the median of Gaussian samples over that of their mean."""
 
 
 def tare_variance(free_samples: Array, reading_variance: Array | float = 1.0) -> Array:
-    """Return variances (t,) of the zeros, over that of a wrench at a frame.
+    """Return the variance (t,) of each trajectory's zero, over that of a wrench at a frame.
 
     Parameters
     ----------
     free_samples : (t,)
-        Readings in free air whose median each zero is.
+        Number of readings in free air whose median each zero is.
     reading_variance : float or (t,)
         Variance of a reading over that of a wrench at a frame.
     """
@@ -24,19 +24,22 @@ def tare_variance(free_samples: Array, reading_variance: Array | float = 1.0) ->
 
 
 def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Array) -> Array:
-    """Whitened rows (n, k) with each trajectory's unknown zero marginalised: their squares sum to the likelihood's.
+    """Marginalise each trajectory's unknown zero in whitened rows (n, k).
 
-    A zero b ~ N(0, v) per component and trajectory, in rows of weight w, is the same as the covariance I + v w wᵀ over
-    its rows; this multiplies by that matrix's inverse square root, which takes off a share of the rows' mean.
+    The squares of the rows returned sum to the deviance. A zero b ~ N(0, v) per component and trajectory, in rows of
+    weight w, is the same as the covariance I + v w wᵀ over its rows. Multiplying by that matrix's inverse square root
+    subtracts a share of the rows' mean.
 
     Parameters
     ----------
+    whitened : (n, k)
+        Whitened wrenches, multiplied by their weights.
     starts : (t,)
         First row of each trajectory, ascending.
     variance : (t,)
-        Of the zero, over that of a wrench at a frame.
+        Variance of the zero, over that of a wrench at a frame.
     weights : (n,)
-        With which the rows were multiplied.
+        Weights by which the rows were multiplied.
     """
     counts = np.diff(starts, append=len(whitened))
     square = np.add.reduceat(weights**2, starts)
@@ -46,24 +49,31 @@ def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Arr
 
 
 def zero_power(rows: Array, gains: Array, starts: Indices, variance: Array, power: float) -> Array:
-    """Rows (n, k, c) times a power of the covariance that an unknown zero gives them, where rows differ in noise.
+    """Multiply rows (n, k, c) by a power of the covariance that an unknown zero gives them, where rows differ in noise.
 
     A zero b ~ N(0, v I), in units of the noise, is G b in the rows of a trajectory: their covariance is I + v G Gᵀ.
-    Power -1/2 marginalises it, as `without_tare` does; 1/2 undoes that.
+    Power -1/2 marginalises the zero, as `without_tare` does; power 1/2 undoes that.
 
     Parameters
     ----------
+    rows : (n, k, c)
+        Whitened wrenches of k components, c columns side by side.
     gains : (n, k, k)
-        G, symmetric: the identity where noise is all there is.
-    starts, variance : (t,)
-        As in `without_tare`.
+        G of each row, symmetric; the identity where the noise of the zero is that of the row.
+    starts : (t,)
+        First row of each trajectory, ascending.
+    variance : (t,)
+        Variance of the zero, over that of a wrench at a frame.
+    power : float
+        Exponent of the covariance.
     """
     counts = np.diff(starts, append=len(rows))
     values, axes = np.linalg.eigh(np.add.reduceat(gains @ gains, starts))
-    small = 1e-12 * np.maximum(values.max(axis=1, keepdims=True), 1e-300)
-    size = np.maximum(values, small)
-    scale = ((1.0 + variance[:, None] * size) ** power - 1.0) / size
+    floor = 1e-12 * np.maximum(values.max(axis=1, keepdims=True), 1e-300)
+    eigenvalues = np.maximum(values, floor)
+    # (I + v G Gᵀ)^p = I + G core Gᵀ, with the eigenvectors of Gᵀ G
+    scale = ((1.0 + variance[:, None] * eigenvalues) ** power - 1.0) / eigenvalues
     core = (axes * scale[:, None, :]) @ axes.transpose(0, 2, 1)
-    told = np.add.reduceat(gains @ rows, starts)
-    changed: Array = rows + gains @ np.repeat(core @ told, counts, axis=0)
+    sums = np.add.reduceat(gains @ rows, starts)
+    changed: Array = rows + gains @ np.repeat(core @ sums, counts, axis=0)
     return changed

@@ -1,1 +1,15 @@
-"""Recorded trajectories played through the soft gel: a mesh, a contact and a wrench for every frame of a store."""
+"""Which mesh, contact and wrench does the simulated gel have at every frame of a store's recorded trajectories?
+
+Read in this order:
+
+- ``options``, ``status``: what a user chooses, and why a frame has no mesh;
+- ``plan``, ``geometry``, ``poses``: which trajectories can be simulated, with which pad, indenter and poses;
+- ``solve``, ``attach``: one run of trajectories, and all runs committed to the store in order;
+- ``effect_touches``, ``store_facts``, ``store_motion``: the inputs of effects (missing physics) from a store;
+- ``effect_rounds``, ``played_answer``, ``effect_words``: simulation with effects, and their names on pages;
+- ``report``, ``overview``: what a replay attached, for a terminal and for a page;
+- ``frame_scene``: one frame as a MuJoCo scene.
+
+The room simulates through ``gel`` and ``effects`` and writes through ``store.write``. It fits nothing and judges no
+physics: that is the work of ``calibrate`` and ``diagnose``, which it does not import.
+"""

@@ -1,4 +1,4 @@
-"""Trajectories replayed and attached to a store: solved by workers, committed in order; safe to kill at any moment."""
+"""Replay of a store: workers simulate trajectories, which are committed in order; it may be killed at any moment."""
 
 from __future__ import annotations
 
@@ -32,9 +32,11 @@ from tactiledata.store.write.documents import need_whole_documents
 from tactiledata.store.write.mesh_writer import append_mesh, drop_mesh
 
 RUN_TOUCHES = 16
-"""Trajectories solved together, whatever the number of workers: results may depend on the company in the last digit."""
+"""Most trajectories of a run, which are solved together.
+
+It does not depend on the number of workers, because results depend on the grouping in the last digit."""
 RUN_BYTES = 256 * 2**20
-"""A run ends before, where its rows get larger than this; one trajectory is never cut."""
+"""Largest size of a run's rows, bytes; a single trajectory is never cut."""
 
 
 def replay(
@@ -45,28 +47,34 @@ def replay(
     progress: Progress | None = None,
     replace: bool = False,
 ) -> ReplayReport:
-    """Attach a mesh to every frame of a store; what is attached already is left alone.
+    """Simulate every frame of a store and attach the meshes to it; frames that have a mesh already are kept.
 
-    Whatever moment the process is killed at, the same call goes on where it stopped, and ends with the same bytes.
+    A process can be killed at any moment: the same call then continues where it stopped, and ends with the same bytes.
 
     Parameters
     ----------
     store_path : path
         A local store.
     options : ReplayOptions
+        Material, resolution, fidelity and effects.
     workers : int
         Local processes.
     scheduler : str, optional
         Address of a Dask scheduler, instead of local processes.
     progress : callable, optional
+        Called with the number of finished trajectories, their total and a label.
     replace : bool
-        Begin anew where the mesh of this name was made with other options.
+        Delete a mesh of this name that was made with other options, and make it again.
 
     Raises
     ------
     UsageError
-        The store has a mesh of this name that was made otherwise, or no trajectory can be replayed at all.
-    StoreBusy, StoreError
+        The store has a mesh of this name that was made with other options, an effect does not fit, or no trajectory can
+        be replayed at all.
+    StoreBusy
+        Another process writes to the store.
+    StoreError
+        The store is damaged.
     TactileDataError
         Numbers that the store was given are damaged.
     """
@@ -74,6 +82,7 @@ def replay(
     runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
     read_manifest(folder)
     with writing_lock(folder, INTAKE_LOCK):
+        # finish or undo what an interrupted process left
         recover(folder)
         store = Store.open(folder)
         need_whole_documents(store)
@@ -81,25 +90,26 @@ def replay(
         plan = plan_replay(store, options.pads, options.indenter_folder)
         effects = _effects(store, plan, options)
         plan = plan if effects is None else effects.plan
+        # a mesh of the same options is continued, one of other options is refused or deleted
         name = options.mesh_name
         if name in store.mesh_names and _differs(store, plan, options):
             if not replace:
                 raise _made_otherwise(store, name)
             drop_mesh(folder, name)
             store = Store.open(folder)
-        before = store.manifest.get("meshes", {}).get(name, {"rows": 0})["rows"]
+        rows_before = store.manifest.get("meshes", {}).get(name, {"rows": 0})["rows"]
         if plan.pads:
-            _attach(folder, store, plan, effects, options, before, runner, progress)
-    return ReplayReport.of(Store.open(folder), name, plan, before)
+            _attach(folder, store, plan, effects, options, rows_before, runner, progress)
+    return ReplayReport.of(Store.open(folder), name, plan, rows_before)
 
 
 def _effects(store: Store, plan: ReplayPlan, options: ReplayOptions) -> ReplayEffects | None:
-    """The effects on a store's trajectories; ``None`` where there are none.
+    """Return the effects on a store's trajectories, or ``None`` where no effect acts.
 
     Raises
     ------
     UsageError
-        Effects that the engine, or the store, does not have.
+        An effect that the chosen engine cannot simulate, or that the store does not fit.
     """
     if not options.acting:
         return None
@@ -107,7 +117,7 @@ def _effects(store: Store, plan: ReplayPlan, options: ReplayOptions) -> ReplayEf
     if options.is_carried and effects.varies_gel:
         raise UsageError(
             "effects of another gel at --resolution high",
-            "--resolution low: the high one is carried by the nominal gel",
+            "--resolution low: the high one is interpolated from the nominal gel",
             "Replay at low resolution, or leave the effects of gel and geometry out.",
         )
     if options.fidelity == "linear" and effects.stiffens:
@@ -120,25 +130,28 @@ def _effects(store: Store, plan: ReplayPlan, options: ReplayOptions) -> ReplayEf
 
 
 def _differs(store: Store, plan: ReplayPlan, options: ReplayOptions) -> bool:
+    """Whether the stored mesh was made with other options, or with pads that the plan does not begin with."""
     facts = store.mesh(options.mesh_name).facts
-    known, now = ([pad["sha256"] for pad in pads] for pads in (facts["pads"], _described(plan)))
-    return facts["settings"] != options.document() or known != now[: len(known)]
+    stored_pads, planned_pads = ([pad["sha256"] for pad in pads] for pads in (facts["pads"], _described(plan)))
+    return facts["settings"] != options.document() or stored_pads != planned_pads[: len(stored_pads)]
 
 
 def _made_otherwise(store: Store, name: str) -> UsageError:
+    """Error for a stored mesh that was made with other options."""
     settings = store.mesh(name).settings
     material = ", ".join(f"{key} {value:.6g}" for key, value in settings["material"].items())
     return UsageError(
         f"the mesh {name!r} of {store.location} was made with other options or another pad "
         f"({settings['fidelity']}, {material}, {settings['offsets']} offsets, "
         f"{effects_in_words(settings) or 'no effects'})",
-        "the same options, to go on with it",
-        "Say --replace to make it anew, or --name NAME to put another one beside it.",
+        "the same options, to continue it",
+        "Add --replace to make it again, or --name NAME to keep it and make another.",
         mesh=name,
     )
 
 
 def _described(plan: ReplayPlan) -> list[Mapping[str, Any]]:
+    """Descriptions of the plan's pads as JSON values."""
     return [pad.described for pad in plan.pads]
 
 
@@ -148,34 +161,38 @@ def _attach(
     plan: ReplayPlan,
     effects: ReplayEffects | None,
     options: ReplayOptions,
-    before: int,
-    runner: Any,
+    rows_before: int,
+    scheduler: Any,
     progress: Progress | None,
 ) -> None:
+    """Solve all frames after the first ``rows_before`` in runs, and commit the runs in order."""
     pad = _pad_arrays(plan, options)
-    runs = list(_runs(folder, store, plan, effects, options, before, pad))
+    runs = list(_runs(folder, store, plan, effects, options, rows_before, pad))
     total, done = sum(len(run.touches) for run in runs), 0
-    described = {
+    facts = {
         "kind": plan.pads[0].mesh.kind,
         "settings": options.document(),
         "statuses": {str(status): words for status, words in sorted(STATUSES.items())},
     }
-    for outcome in runner.outcomes(solve_run, runs):
+    # outcomes come in the order of the runs
+    for outcome in scheduler.outcomes(solve_run, runs):
         if outcome.error is not None:
             raise outcome.error
         run = outcome.task
         arrays = {array: np.load(path, mmap_mode="r") for array, path in outcome.result.items()}
-        append_mesh(folder, options.mesh_name, described, _described(plan), pad, run.frames, arrays)
+        append_mesh(folder, options.mesh_name, facts, _described(plan), pad, run.frames, arrays)
         shutil.rmtree(run.folder, ignore_errors=True)
         done += len(run.touches)
         if progress is not None:
             progress(done, total, str(run))
+    # the card states what the store holds
     if runs:
         with store_errors(folder), writing_lock(folder):
             write_card(folder, read_manifest(folder))
 
 
 def _pad_arrays(plan: ReplayPlan, options: ReplayOptions) -> PadArrays:
+    """Arrays of the plan's pads as the store keeps them; all pads share cells and surface."""
     mesh = plan.pads[0].mesh
     surface = contact_surface(mesh)
     return PadArrays(
@@ -195,13 +212,14 @@ def _runs(
     plan: ReplayPlan,
     effects: ReplayEffects | None,
     options: ReplayOptions,
-    before: int,
+    rows_before: int,
     pad: PadArrays,
 ) -> Iterator[Run]:
+    """Yield the runs that cover all frames from ``rows_before`` to the last; the last one ends with the store."""
     sizes = {name: len(getattr(pad, name)) for name in ("kept", "surface", "corners")}
     frame_bytes = 12 * (sizes["kept"] + sizes["surface"]) + sizes["corners"]
-    waiting = [touch for touch in plan.touches if touch.frames[0] >= before]
-    first = before
+    waiting = [touch for touch in plan.touches if touch.frames[0] >= rows_before]
+    first = rows_before
     for group in _groups(waiting, frame_bytes):
         is_last = not group or group[-1] is waiting[-1]
         stop = store.n_frames if is_last else group[-1].frames[1]
@@ -225,19 +243,21 @@ def _runs(
 
 
 def _offset(touch: PlannedTouch, options: ReplayOptions) -> float:
+    """Contact offset of a trajectory, m: how much deeper its indenter is than recorded."""
     return float(options.offsets.get(touch.uid, 0.0))
 
 
 def _effect_touch(
     store: Store, touch: PlannedTouch, effects: ReplayEffects | None, options: ReplayOptions
 ) -> EffectTouch | None:
+    """Inputs of the effects on a trajectory, or ``None`` where none acts or it cannot be replayed."""
     if effects is None or touch.obstacle is not None:
         return None
     return effects.touch(touch, touch.gel_touch(store, _offset(touch, options), options.gap_limit_ns), options.material)
 
 
 def _groups(touches: list[PlannedTouch], frame_bytes: int) -> Iterator[list[PlannedTouch]]:
-    """Touches in runs; one empty run where there are none, for the frames outside any."""
+    """Yield touches in groups of limited number and size; without touches, one empty group for the remaining frames."""
     group: list[PlannedTouch] = []
     size = 0
     for touch in touches:

@@ -1,4 +1,4 @@
-"""Trajectories played with effects: on the gel that they stand for, where they move the indenter, as it is felt."""
+"""Simulation of trajectories with effects: on the varied gel, along the moved indenter, with the sensor's reading."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ from tactiledata.replay.effect_touches import EffectTouch
 from tactiledata.replay.played_answer import PlayedAnswer
 
 MOST_ROUNDS = 15
+"""Most rounds of simulation until effects and gel are in balance."""
 STILL = 1e-7
-"""m: effects that move the indenter by no more than this from where it was played are in balance with the gel."""
+"""Largest motion of the indenter, m, between two rounds at which effects and gel are in balance."""
 
 
 def play_with_effects(
@@ -31,44 +32,56 @@ def play_with_effects(
     material: GelMaterial,
     keep: Keep,
 ) -> Iterator[tuple[int, GelHistory]]:
-    """As ``play`` of the engine, with wrenches as the force sensor would read them.
+    """Simulate trajectories with their effects, and yield number and answer of each when it is in balance.
 
-    What yields under the contact's force is played until gel and springs are in balance; each round plays all touches
-    that are not, in lockstep.
+    Wrenches are those that the force sensor would read. Where the contact's force moves the indenter, trajectories are
+    simulated again until gel and springs are in balance; each round solves all that are not, in lockstep.
 
     Parameters
     ----------
+    engine : FemEngine or EmbeddedEngine
+        Engine of the gel that the effects stand for.
+    touches : sequence of GelTouch
+        Poses and indenters as recorded.
     effects : sequence of EffectTouch
-        Of each touch; ``None`` where nothing acts.
+        Inputs of the effects on each touch; ``None`` where none acts.
+    material : GelMaterial
+        Young's modulus, Poisson's ratio and friction.
+    keep : "all", "surface" or "none"
+        Nodes whose displacements are returned.
 
     Raises
     ------
     UsageError
-        An effect depends on what a touch does not tell, or gel and springs find no balance.
+        A touch lacks what an effect depends on, or gel and springs find no balance.
     """
-    ways = [
-        None if effect is None else _Way(touch, effect, engine, material)
+    iterations = [
+        None if effect is None else _EffectIteration(touch, effect, engine, material)
         for touch, effect in zip(touches, effects, strict=True)
     ]
-    going = list(range(len(touches)))
+    unfinished = list(range(len(touches)))
     for _ in range(MOST_ROUNDS):
-        asked = [touches[number] if (way := ways[number]) is None else way.next for number in going]
-        left = []
-        for place, history in engine.play(asked, material, keep):
-            way = ways[going[place]]
-            found = history if way is None else way.took(history)
-            if found is None:
-                left.append(going[place])
+        poses_to_play = [
+            touches[number] if (iteration := iterations[number]) is None else iteration.next for number in unfinished
+        ]
+        unbalanced_touches = []
+        for place, history in engine.play(poses_to_play, material, keep):
+            iteration = iterations[unfinished[place]]
+            balanced_history = history if iteration is None else iteration.took(history)
+            if balanced_history is None:
+                unbalanced_touches.append(unfinished[place])
             else:
-                yield going[place], found
-        going = sorted(left)
-        if not going:
+                yield unfinished[place], balanced_history
+        unfinished = sorted(unbalanced_touches)
+        if not unfinished:
             return
-    raise unbalanced(max(way.missed for number in going if (way := ways[number]) is not None), MOST_ROUNDS)
+    raise unbalanced(
+        max(iteration.missed for number in unfinished if (iteration := iterations[number]) is not None), MOST_ROUNDS
+    )
 
 
-class _Way:
-    """One touch from round to round."""
+class _EffectIteration:
+    """Fixed-point iteration of one touch: the poses to simulate next, and the forces that moved the indenter there."""
 
     def __init__(
         self, touch: GelTouch, effects: EffectTouch, engine: FemEngine | EmbeddedEngine, material: GelMaterial
@@ -80,16 +93,16 @@ class _Way:
 
     @property
     def next(self) -> GelTouch:
-        """What is to be played."""
+        """The touch with the poses that must be simulated in this round."""
         return GelTouch(self._touch.indenter, self._poses)
 
     @property
     def missed(self) -> float:
-        """N, by which what is felt and what the gel answers differ."""
+        """Remaining difference, N, between the force that the springs feel and the gel's answer."""
         return 0.0 if self._balance is None else self._balance.missed
 
     def took(self, history: GelHistory) -> GelHistory | None:
-        """The history with the wrench as it is read; ``None`` where the indenter has to be elsewhere first."""
+        """Return the answer with the wrench that the sensor reads, or ``None`` where the indenter moves once more."""
         rows, areas = self._effects.known, self._engine.surface.patch_areas
         touch = replace(self._effects.touch, material=self._material)
         answer = PlayedAnswer.of(history, rows, self._poses, self._engine.mesh, areas, touch)
@@ -100,6 +113,7 @@ class _Way:
         if np.abs(poses[rows] - self._poses[rows]).max(initial=0.0) > STILL:
             self._poses = poses
             return None
+        # in balance: let the sensor's effects read the wrench
         wrench = history.wrench.copy()
         # the sensor's zero is taken before the first contact
         tare = np.logical_and.accumulate(~answer.contact.touching)
@@ -108,6 +122,7 @@ class _Way:
         return replace(history, wrench=wrench)
 
     def _weigh(self, wrench: Array) -> None:
+        """Update the balance of springs and gel with the wrench (n, 6) that the gel answered."""
         if self._balance is None:
             self._balance = Balance(wrench)
         else:
@@ -115,6 +130,7 @@ class _Way:
             self._balance.move()
 
     def _state(self, answer: PlayedAnswer) -> TouchState:
+        """State of the touch after all effects on the contact, given the gel's answer."""
         state = TouchState.start(self._effects.touch, answer)
         if self._balance is not None:
             state = replace(state, felt=self._balance.felt)
@@ -123,6 +139,7 @@ class _Way:
         return state
 
     def _moved(self, state: TouchState) -> Array:
+        """Poses (n, 4, 4) of all frames, with those of known frames as the effects have moved them."""
         poses = self._touch.poses.copy()
         poses[self._effects.known] = state.moved_poses
         return poses

@@ -1,4 +1,4 @@
-"""Effects on the trajectories of a store: which act on which, on what gel, and all that they depend on."""
+"""Effects on the trajectories of a store: which act on which, with what gel and indenter, and from which inputs."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.store.read.reader import Store
 
 APART = 1e-9
-"""s: frames of one moment are told apart by so much."""
+"""Time, s, added per frame, so that frames with one time stamp stay in order."""
 
 
 @dataclass(frozen=True)
 class EffectTouch:
-    """A trajectory as effects see it.
+    """Inputs of the effects on one trajectory.
 
     Parameters
     ----------
     touch : Touch
-        Of the frames whose pose is known.
+        Poses, times and covariates of the frames whose pose is known.
     known : (n,) bool
-        Which of the trajectory's frames these are.
+        Mask of these frames among all n of the trajectory.
     settings : tuple of EffectSetting
-        Those that act on it, in order.
+        Effects that act on the trajectory, in order.
     """
 
     touch: Touch
@@ -46,28 +46,29 @@ class EffectTouch:
 
 
 class ReplayEffects:
-    """Effects that a store is replayed with.
+    """Effects with which a store is replayed, and the plan with the gels and indenters that they imply.
 
     Parameters
     ----------
     store : Store
+        Gives the inputs of effects.
     plan : ReplayPlan
-        Without effects.
+        Plan without effects.
     settings : sequence of EffectSetting
-        None of them null, in order.
+        Effects that are not null, in the order in which they act.
 
     Attributes
     ----------
     plan : ReplayPlan
-        With the gels and indenters that they stand for.
+        Plan with the gels and indenters that the effects imply.
     varies_gel, stiffens : bool
-        Whether any gel is another than the nominal one; whether its law is.
+        Whether any gel differs from the nominal one, and whether any has stiffening terms.
 
     Raises
     ------
     UsageError
-        One is restricted to a sensor, an indenter or a mounting that the store does not hold, or an indenter cannot be
-        made larger.
+        An effect is restricted to a sensor, an indenter or a mounting that the store does not hold, or an indenter
+        cannot be scaled.
     """
 
     def __init__(self, store: Store, plan: ReplayPlan, settings: Sequence[EffectSetting]) -> None:
@@ -84,6 +85,7 @@ class ReplayEffects:
         self.stiffens = any(pad.law.c20 or pad.law.c30 for pad in pads)
 
     def _places(self, planned: PlannedTouch) -> dict[str, str]:
+        """Sensor, indenter and mounting of a trajectory, to which effects can be restricted."""
         return {
             "sensor": planned.sensor,
             "indenter_name": planned.indenter,
@@ -91,16 +93,21 @@ class ReplayEffects:
         }
 
     def _acting_on(self, planned: PlannedTouch, settings: Sequence[EffectSetting]) -> tuple[EffectSetting, ...]:
+        """Effects whose restrictions a trajectory meets."""
         places = self._places(planned)
-        return tuple(one for one in settings if all(places[name] == wanted for name, wanted in one.where.items()))
+        return tuple(
+            setting for setting in settings if all(places[name] == value for name, value in setting.where.items())
+        )
 
-    def _varied(self, planned: PlannedTouch, known: Sequence[PlannedPad], pads: list[PlannedPad]) -> PlannedTouch:
-        """The trajectory with the gel and the indenter that effects stand for; new pads are appended."""
+    def _varied(
+        self, planned: PlannedTouch, nominal_pads: Sequence[PlannedPad], pads: list[PlannedPad]
+    ) -> PlannedTouch:
+        """Trajectory with the gel and the indenter that its effects imply; a new pad is appended to ``pads``."""
         if planned.obstacle is not None:
             return planned
         variant = variant_of(self._acting[planned.uid])
-        pad = _varied_pad(known[planned.pad], variant)
-        keys = [(one.mesh.digest, one.law) for one in pads]
+        pad = _varied_pad(nominal_pads[planned.pad], variant)
+        keys = [(listed_pad.mesh.digest, listed_pad.law) for listed_pad in pads]
         if (pad.mesh.digest, pad.law) not in keys:
             keys.append((pad.mesh.digest, pad.law))
             pads.append(pad)
@@ -109,13 +116,29 @@ class ReplayEffects:
         return replace(planned, pad=keys.index((pad.mesh.digest, pad.law)), solid=solid)
 
     def touch(self, planned: PlannedTouch, played: GelTouch, material: GelMaterial) -> EffectTouch | None:
-        """What effects see of one of the plan's trajectories; ``None`` where none acts, or no pose is known."""
+        """Return the inputs of the effects on a trajectory, or ``None`` where none acts or no pose is known.
+
+        Parameters
+        ----------
+        planned : PlannedTouch
+            A trajectory of ``plan``.
+        played : GelTouch
+            Its poses and indenter.
+        material : GelMaterial
+            Nominal material of the gel.
+
+        Raises
+        ------
+        UsageError
+            The store lacks what an effect depends on.
+        """
         settings = self._acting[planned.uid]
-        known: NDArray[np.bool_] = np.asarray(np.isfinite(played.poses).all(axis=(1, 2)))
-        if not settings or not known.any():
+        is_known: NDArray[np.bool_] = np.asarray(np.isfinite(played.poses).all(axis=(1, 2)))
+        if not settings or not is_known.any():
             return None
-        rows = np.arange(*planned.frames)[known]
-        poses = played.poses[known]
+        rows = np.arange(*planned.frames)[is_known]
+        poses = played.poses[is_known]
+        # read from the store only what these effects depend on
         needs = {need for setting in settings for need in setting.member.needs}
         depth, contacts = (
             self._facts.earlier(self._plain[planned.uid], poses[:, :2, 3], rows)
@@ -140,11 +163,11 @@ class ReplayEffects:
         )
         for setting in settings:
             _need_covariates(setting, touch, planned)
-        return EffectTouch(touch, known, settings)
+        return EffectTouch(touch, is_known, settings)
 
 
 def variant_of(settings: Iterable[EffectSetting]) -> GelVariant:
-    """The gel and the indenter that effects stand for."""
+    """Return the changes of gel and indenter that effects imply together."""
     variant = GelVariant()
     for setting in settings:
         variant = variant.together_with(setting.member.variant(setting.values))
@@ -152,38 +175,42 @@ def variant_of(settings: Iterable[EffectSetting]) -> GelVariant:
 
 
 def _varied_pad(pad: PlannedPad, variant: GelVariant) -> PlannedPad:
+    """Pad with the mesh warped to a variant's thickness and dome; other changes stay in its law."""
     law = replace(variant, thickness=1.0, dome=0.0, indenter_scale=1.0)
     return replace(pad, mesh=warped(pad.mesh, variant), law=law)
 
 
 def _resized(solid: Indenter, scale: float, name: str) -> Indenter:
+    """Indenter scaled by a factor; refuse a shape that has no sizes."""
     if scale == 1.0:
         return solid
     try:
         return scaled(solid, scale)
     except TypeError as error:
-        found = f"indenter {name!r} cannot be made larger or smaller"
-        raise UsageError(found, "a shape with sizes, or a mesh", "Leave radius_error out.") from error
+        refused = f"indenter {name!r} cannot be made larger or smaller"
+        raise UsageError(refused, "a shape with sizes, or a mesh", "Leave radius_error out.") from error
 
 
 def _need_places(settings: Sequence[EffectSetting], places: Sequence[dict[str, str]]) -> None:
+    """Refuse effects restricted to a sensor, indenter or mounting that the store does not hold."""
     for setting in settings:
-        for name, wanted in setting.where.items():
-            held = sorted({place[name] for place in places})
-            if wanted not in held:
+        for name, value in setting.where.items():
+            present = sorted({place[name] for place in places})
+            if value not in present:
                 raise UsageError(
-                    f"effect {setting.effect!r} acts on {name} {wanted!r} only, which this store does not hold",
-                    f"one of {', '.join(held)}",
-                    "These effects were found in another store: correct 'where', or take it out.",
+                    f"effect {setting.effect!r} acts on {name} {value!r} only, which this store does not hold",
+                    f"one of {', '.join(present)}",
+                    "The effects come from another store: correct 'where', or remove it.",
                     effect=setting.effect,
                 )
 
 
 def _need_covariates(setting: EffectSetting, touch: Touch, planned: PlannedTouch) -> None:
+    """Refuse an effect that depends on a covariate which the trajectory lacks."""
     for need in setting.member.needs:
         if getattr(touch, need) is None:
             raise UsageError(
-                f"effect {setting.effect!r} depends on {need!r}, which trajectory {planned.name!r} does not tell",
+                f"effect {setting.effect!r} depends on {need!r}, which trajectory {planned.name!r} does not hold",
                 f"recordings with {need!r}",
                 "Leave the effect out, or restrict it with 'where'.",
                 effect=setting.effect,

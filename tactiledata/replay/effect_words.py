@@ -1,4 +1,4 @@
-"""The effects that a mesh was replayed with, in words."""
+"""Words for the effects with which a mesh was replayed."""
 
 from __future__ import annotations
 
@@ -9,14 +9,22 @@ from tactiledata.effects.simulate.setting import EffectSetting
 
 
 def effects_in_words(settings: Mapping[str, Any]) -> str:
-    """Of a mesh's settings; empty where there are none."""
-    return "; ".join(_words(EffectSetting(**one)) for one in settings.get("effects", []))
+    """Describe the effects in a mesh's settings, separated by semicolons; empty where there are none."""
+    return "; ".join(_words(EffectSetting(**document)) for document in settings.get("effects", []))
 
 
 def _words(setting: EffectSetting) -> str:
+    """Describe one effect: title, values with units, and the sensor, indenter or mounting that it is restricted to."""
     parameters = setting.member.parameters
-    # a strength at its null says nothing, nor do shapes of it
-    told = [one for one in parameters if one.null is None or setting.values[one.name] != one.null]
-    values = [f"{one.name} {setting.values[one.name]:.3g}{'' if one.unit == '1' else ' ' + one.unit}" for one in told]
-    where = [f"of {name.removesuffix('_name')} {wanted}" for name, wanted in setting.where.items()]
+    # a parameter at its null changes nothing and is left out
+    shown = [
+        parameter
+        for parameter in parameters
+        if parameter.null is None or setting.values[parameter.name] != parameter.null
+    ]
+    values = [
+        f"{parameter.name} {setting.values[parameter.name]:.3g}{'' if parameter.unit == '1' else ' ' + parameter.unit}"
+        for parameter in shown
+    ]
+    where = [f"of {name.removesuffix('_name')} {value}" for name, value in setting.where.items()]
     return " ".join([setting.member.title, f"({', '.join(values)})", *where])

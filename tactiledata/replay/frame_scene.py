@@ -1,4 +1,4 @@
-"""The scene of one frame of a store: arm, gel and indenter where the recording says that they were."""
+"""MuJoCo scene of one frame of a store, with arm, gel and indenter in their recorded places."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform, pose_matrices
 
 POSITION_AGREES, ROTATION_AGREES = 1e-3, 5e-3
-"""m and rad: a rigid tool leaves less than this between joints and poses of one moment."""
+"""Largest root mean square errors, m and rad, at which joints and poses agree on a rigid tool."""
 
 
 @dataclass(frozen=True)
 class FrameScene:
-    """A frame's scene, and what was found on the way.
+    """Scene of a frame, the source of its pose, and a check of joints against poses.
 
     Parameters
     ----------
     scene : GelScene
+        The scene.
     pose_from : "tcp" or "joints"
-        Where the pose of the sensor comes from.
+        Stream from which the pose of the sensor comes.
     check : ToolCheck, optional
-        How joints and poses agree along the trajectory, where both were recorded.
+        Agreement of joints and poses along the trajectory, where both were recorded.
     """
 
     scene: GelScene
@@ -45,12 +46,12 @@ class FrameScene:
 
     @property
     def agrees(self) -> bool:
-        """Whether joints and poses tell the same, as far as both were recorded."""
+        """Whether joints and poses agree, or only one of them was recorded."""
         check = self.check
         return check is None or (check.position_off < POSITION_AGREES and check.rotation_off < ROTATION_AGREES)
 
     def facts(self) -> dict[str, Any]:
-        """As JSON values: where the indenter stands in the gel frame, the distance, how joints and poses agree."""
+        """Return place of the indenter (gel frame), distance, and agreement of joints and poses, as JSON values."""
         scene, check = self.scene, self.check
         gel_from_indenter = np.linalg.inv(scene.pose("gel")) @ scene.pose("indenter")
         return {
@@ -76,25 +77,30 @@ def frame_scene(
     indenter_folder: Path | None = None,
     flange_from_tcp: Transform | None = None,
 ) -> FrameScene:
-    """The scene of a frame.
+    """Make the scene of a frame.
 
     Parameters
     ----------
+    store : Store
+        Its poses, joints and descriptions are read.
     trajectory : str
         Name or uid.
     frame : int
         Counted from 0 within the trajectory.
     indenter_folder : Path, optional
-        Where the meshes of indenters lie that recordings name by a path.
+        Folder of the mesh files that recordings name by a relative path.
     flange_from_tcp : Transform, optional
-        The tool, for stores without poses; left out: what joints and poses say together, else none.
+        The tool, for stores without poses. By default it is fitted to joints and poses, or the identity where one of
+        them is missing.
 
     Raises
     ------
-    UnknownName, UsageError
-        No such trajectory or frame.
+    UnknownName
+        No trajectory has this name.
+    UsageError
+        The name is ambiguous, or the trajectory has no such frame.
     TactileDataError
-        What the scene needs and the recording does not tell: a pose, the gel's or the indenter's place.
+        The recording lacks the pose, the gel's place or geometry, or the indenter's shape or place.
     """
     row = _trajectory(store, trajectory)
     frames = np.arange(row["frame_start"], row["frame_stop"])
@@ -103,84 +109,94 @@ def frame_scene(
     source = store.sources(["description", "contents"]).slice(row["source"], 1).to_pylist()[0]
     description = LogDescription(json.loads(source["description"]))
     stored = {entry["name"]: name for name, entry in json.loads(source["contents"])["aligned"].items()}
+    # poses and joints of the whole trajectory, from which the tool is fitted
     poses = np.full((len(frames), 4, 4), np.nan)
     joints = np.full((len(frames), 6), np.nan)
     if "tcp" in stored:
         rows = store.aligned(stored["tcp"], frames)[0]
-        known = np.isfinite(rows).all(axis=1)
-        poses[known] = pose_matrices(rows[known])
+        is_known = np.isfinite(rows).all(axis=1)
+        poses[is_known] = pose_matrices(rows[is_known])
     if "joints" in stored:
         joints = store.aligned(stored["joints"], frames)[0]
     check = fit_tool(joints, poses)
     tool = _tool(flange_from_tcp, check)
-    at, angles, pose_from = poses[frame], joints[frame], "tcp"
-    if np.isnan(at).any():
+    # the pose of this frame; joints and the tool serve where it is missing
+    base_from_tcp, angles, pose_from = poses[frame], joints[frame], "tcp"
+    if np.isnan(base_from_tcp).any():
         if np.isnan(angles).any():
             raise TactileDataError(
                 f"at frame {frame} of {row['trajectory']} neither pose nor joints are known",
                 "a pose stream 'tcp', or 'joints'",
                 "Take another frame, or map the stream (docs/formats.md).",
             )
-        at, pose_from = base_from_flange(angles)[0] @ tool, "joints"
+        base_from_tcp, pose_from = base_from_flange(angles)[0] @ tool, "joints"
+    # indenter, gel and arm in their places
     indenter, place = _indenter(description, row["indenter"], indenter_folder)
     tcp_from_gel = description.transform("tcp_from_gel")
     if tcp_from_gel is None:
-        raise _not_told("robot: tcp_from_gel")
+        raise _missing("robot: tcp_from_gel")
     is_arm_known = bool(np.isfinite(angles).all())
     parts = SceneParts(
-        at,
+        base_from_tcp,
         tcp_from_gel.matrix,
         _outer_body(_pad(description, store, row["sensor"])),
         indenter,
         place,
         angles if is_arm_known else None,
         # the arm's own noise must not move the sensor, whose pose is better known
-        np.linalg.inv(base_from_flange(angles)[0]) @ at if is_arm_known else None,
+        np.linalg.inv(base_from_flange(angles)[0]) @ base_from_tcp if is_arm_known else None,
     )
     return FrameScene(GelScene(parts), pose_from, check)
 
 
 def _trajectory(store: Store, name: str) -> dict[str, Any]:
+    """Row of the trajectory of a name or uid; refuse a name that is unknown or ambiguous."""
     columns = ["uid", "trajectory", "source", "sensor", "indenter", "frame_start", "frame_stop"]
     rows = store.trajectories(columns).to_pylist()
-    found = [row for row in rows if name in (row["trajectory"], row["uid"])]
-    if len(found) > 1:
-        uids = ", ".join(row["uid"] for row in found)
-        raise UsageError(f"{len(found)} trajectories are called {name!r}", f"one of their uids: {uids}", "Name a uid.")
-    if not found:
+    matches = [row for row in rows if name in (row["trajectory"], row["uid"])]
+    if len(matches) > 1:
+        uids = ", ".join(row["uid"] for row in matches)
+        raise UsageError(
+            f"{len(matches)} trajectories are called {name!r}", f"one of their uids: {uids}", "Name a uid."
+        )
+    if not matches:
         raise UnknownName("trajectory", name, [row["trajectory"] for row in rows])
-    return found[0]
+    return matches[0]
 
 
 def _tool(stated: Transform | None, check: ToolCheck | None) -> Array:
+    """Return flange_from_tcp (4, 4): as stated, else as fitted, else the identity."""
     if stated is not None:
         return stated.matrix
     return np.eye(4) if check is None else check.flange_from_tcp
 
 
 def _indenter(description: LogDescription, name: str, folder: Path | None) -> tuple[trimesh.Trimesh, Array]:
+    """Shape of an indenter and base_from_indenter (4, 4); refuse one that the recording does not describe."""
     if name not in description.indenters:
-        raise _not_told(f"indenters: {name or 'of this trajectory'}")
+        raise _missing(f"indenters: {name or 'of this trajectory'}")
     place = description.base_from_indenter(name)
     if place is None:
-        raise _not_told(f"indenters: {name}: base_from_indenter")
+        raise _missing(f"indenters: {name}: base_from_indenter")
     return make_indenter(description.indenters[name], folder, f"indenter {name!r}").mesh(), place.matrix
 
 
 def _pad(description: LogDescription, store: Store, sensor: str) -> PadMesh:
+    """Low-resolution pad of a sensor; refuse a sensor without gel geometry."""
     facts = description.sensors.get(sensor) or store.sensors().get(sensor, {})
     geometry = gel_geometry(facts)
     if geometry is None:
-        raise _not_told(f"sensors: {sensor}: gel")
+        raise _missing(f"sensors: {sensor}: gel")
     return pad_mesh(str(facts.get("model", "gel")), geometry)
 
 
 def _outer_body(mesh: PadMesh) -> trimesh.Trimesh:
-    """The pad as a closed solid: its convex hull, which a dome on a flat base fills."""
+    """Convex hull of a pad, a closed solid that a dome on a flat base fills."""
     return trimesh.convex.convex_hull(mesh.vertices)
 
 
-def _not_told(key: str) -> TactileDataError:
+def _missing(key: str) -> TactileDataError:
+    """Error for a key that the recording's description lacks."""
     return TactileDataError(
         f"the recording does not say {key}",
         f"{key} in its description",

@@ -1,4 +1,4 @@
-"""The geometry of a sensor's gel: what its recording states wins over the sensor model."""
+"""Geometry of a sensor's gel: values of its recording, completed by those of the sensor model."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import GelGeometry
 
 SHORTEST, LONGEST = 2e-3, 0.1
-"""m, of a gel's long side; another size means another unit."""
+"""Limits of a gel's long side, m; a size outside them means that the unit is wrong."""
 
 
 def gel_geometry(facts: Mapping[str, Any]) -> GelGeometry | None:
-    """The gel of a sensor; ``None`` where neither its recording nor its model tells outline and thickness.
+    """Return the gel of a sensor, or ``None`` where neither recording nor model state outline and thickness.
 
     Parameters
     ----------
@@ -23,22 +23,22 @@ def gel_geometry(facts: Mapping[str, Any]) -> GelGeometry | None:
     """
     stated = dict(facts.get("gel", {}))
     model = str(facts.get("model", ""))
-    known = SENSORS[model].gel if model in SENSORS else None
-    if known is None:
+    nominal = SENSORS[model].gel if model in SENSORS else None
+    if nominal is None:
         if "outline" not in stated or "thickness" not in stated:
             return None
-        known = GelGeometry(tuple(stated["outline"]), stated["thickness"], stated["thickness"])
-    thickness = stated.get("thickness", known.thickness)
+        nominal = GelGeometry(tuple(stated["outline"]), stated["thickness"], stated["thickness"])
+    thickness = stated.get("thickness", nominal.thickness)
     return replace(
-        known,
-        outline=tuple(stated.get("outline", known.outline)),
+        nominal,
+        outline=tuple(stated.get("outline", nominal.outline)),
         thickness=thickness,
-        edge_thickness=stated.get("edge_thickness", min(known.edge_thickness, thickness)),
+        edge_thickness=stated.get("edge_thickness", min(nominal.edge_thickness, thickness)),
     )
 
 
 def implausible(geometry: GelGeometry) -> str:
-    """What of a geometry cannot be meant, in words; empty where nothing."""
+    """Describe which values of a geometry are implausible; empty where all are plausible."""
     short, long = geometry.outline
     if not (SHORTEST <= long <= LONGEST and SHORTEST <= short <= long):
         return f"an outline of {short:g} x {long:g} m; expected short and long side of {SHORTEST:g} to {LONGEST:g} m"

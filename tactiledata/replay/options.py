@@ -1,4 +1,4 @@
-"""What a user may choose of a replay."""
+"""The options of a replay."""
 
 from __future__ import annotations
 
@@ -19,27 +19,30 @@ from tactiledata.replay.plan import GAP_LIMIT_NS, MakePad
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """What shapes the rows of a replay, beside the store.
+    """All that decides the rows of a replay, apart from the store.
 
     Parameters
     ----------
     material : GelMaterial
+        Young's modulus, Poisson's ratio and friction.
     resolution : "low" or "high"
+        Mesh of the pads; the high one is interpolated from a solution on the low one.
     fidelity : "finite-strain" or "linear"
+        Strain measure of the engine; linear is a preview.
     keep : "all" or "surface"
-        Which nodes' displacements are kept.
+        Nodes whose displacements are stored.
     offsets : dict, uid -> m
-        By how much the indenter of a trajectory is deeper than recorded; 0 where not named.
+        How much deeper the indenter of a trajectory is than recorded; 0 where not named.
     gap_limit_ns : int
-        A pose between samples further apart is missing.
+        Largest gap between two pose samples, ns, across which a pose is interpolated; beyond it the pose is missing.
     indenter_folder : Path, optional
-        Where the meshes of indenters lie that recordings name by a path.
+        Folder of the mesh files that recordings name by a relative path.
     name : str, optional
-        Of the mesh in the store, instead of ``low``, ``low-linear``, ``high`` or ``high-linear``.
+        Name of the mesh in the store, instead of ``low``, ``low-linear``, ``high`` or ``high-linear``.
     make_pad : callable, optional
-        A pad of one's own for each sensor model, instead of those of ``resolution``.
+        Makes the pad mesh of a sensor model, instead of the pads of ``resolution``.
     effects : tuple of EffectSetting
-        Missing physics to replay with.
+        Missing physics to simulate as well.
     """
 
     material: GelMaterial
@@ -55,27 +58,27 @@ class ReplayOptions:
 
     @property
     def mesh_name(self) -> str:
-        """The name of the mesh in the store; that of a preview says so, and that of one with effects."""
+        """Name of the mesh in the store; the default one marks a linear preview and effects."""
         preview, effects = "-linear" * (self.fidelity == "linear"), "-effects" * bool(self.acting)
         return self.name or f"{self.resolution}{preview}{effects}"
 
     @property
     def acting(self) -> tuple[EffectSetting, ...]:
-        """Those of the effects that change anything, in the order in which they act."""
+        """Effects that are not null, in the order in which they act."""
         return in_order(setting for setting in self.effects if not setting.is_null)
 
     @property
     def pads(self) -> MakePad:
-        """What makes the pads."""
+        """Function that makes the pad mesh of a sensor model."""
         return self.make_pad or partial(pad_mesh, resolution=self.resolution)
 
     @property
     def is_carried(self) -> bool:
-        """Whether the contact is solved on the low-resolution pad, and the high one carried by it."""
+        """Whether the high-resolution pad is interpolated from a solution on the low-resolution one."""
         return self.make_pad is None and self.resolution == "high"
 
     def document(self) -> dict[str, Any]:
-        """What the rows depend on, as the manifest keeps it."""
+        """Return the options on which the rows depend, as JSON values for the manifest."""
         return {
             "engine": "fem on the low-resolution pad, interpolated" if self.is_carried else "fem",
             "fidelity": self.fidelity,

@@ -1,4 +1,4 @@
-"""What a replay attached, for people: overlays of measured and simulated forces, deformed meshes, counts."""
+"""Page of a store's replayed meshes: counts, errors against measured forces, pictures of firm touches."""
 
 from __future__ import annotations
 
@@ -19,11 +19,13 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
 
 MOST_TOUCHES = 5
+"""Most touches of a mesh that are drawn."""
 IN_CONTACT = HAS_MESH[0]
+"""Status of a frame with contact."""
 
 
 def write_replay_page(store: Store, name: str, out: Path) -> Path:
-    """The page ``replay-<name>.html`` of a mesh, in a folder that is made where it is not there."""
+    """Write the page ``replay-<name>.html`` of a mesh to a folder, which is made if needed; return its path."""
     path = out / f"replay-{name}.html"
     footer = f"tactiledata {__version__}; store digest {store.digest}; mesh digest {store.mesh(name).facts['digest']}"
     sections = [mesh_section(store, name)]
@@ -33,14 +35,14 @@ def write_replay_page(store: Store, name: str, out: Path) -> Path:
 
 
 def mesh_sections(store: Store) -> list[Section]:
-    """A section for each mesh of a store, for any page."""
+    """Return one page section for each mesh of a store."""
     return [mesh_section(store, name) for name in store.mesh_names]
 
 
 def mesh_section(store: Store, name: str) -> Section:
-    """Counts, errors against the measured force, and pictures of a mesh."""
+    """Return the page section of a mesh: settings, error against the measured force, counts, pictures."""
     mesh = store.mesh(name)
-    sentences = [*_told(mesh), *_compared(store, mesh)]
+    sentences = [*_settings_sentences(mesh), *_compared(store, mesh)]
     touches = [replayed_touch(store, mesh, row) for row in _chosen(store, mesh)]
     caption = (
         "Firm touches, one per sensor and indenter. Left: the gel's outer surface at the largest simulated force, "
@@ -54,9 +56,10 @@ def mesh_section(store: Store, name: str) -> Section:
     return Section(f"Mesh {name}", sentences, ("frames", "how many"), rows, pictures)
 
 
-def _told(mesh: StoredMesh) -> list[tuple[str, str]]:
+def _settings_sentences(mesh: StoredMesh) -> list[tuple[str, str]]:
+    """Sentences on size, material, fidelity and effects of a mesh, each with its severity."""
     sizes, material = mesh.facts["sizes"], mesh.settings["material"]
-    said = [
+    sentences = [
         (
             "",
             f"{sizes['vertices']} vertices, of which {sizes['kept']} are kept; "
@@ -65,32 +68,33 @@ def _told(mesh: StoredMesh) -> list[tuple[str, str]]:
         )
     ]
     if effects := effects_in_words(mesh.settings):
-        said.append(("", f"With {effects}. The simulated force is what the force sensor would read."))
+        sentences.append(("", f"With {effects}. The simulated force is what the force sensor would read."))
     if mesh.settings["fidelity"] == "linear":
-        said.append(("warning", "Linear is a preview: at 1 mm depth its forces are 5 to 20 % low."))
-    return said
+        sentences.append(("warning", "Linear is a preview: at 1 mm depth its forces are 5 to 20 % low."))
+    return sentences
 
 
 def _compared(store: Store, mesh: StoredMesh) -> list[tuple[str, str]]:
+    """Sentence on the error of the simulated force in all frames with contact, with its severity."""
     if "contact_wrench" not in store.aligned_names or store.meaning("aligned", "contact_wrench").frame != "gel":
-        return [("", "No contact force in the gel frame was measured, so that there is nothing to compare with.")]
+        return [("", "The store has no measured contact force in the gel frame to compare with.")]
     in_contact = np.flatnonzero(mesh.status() == IN_CONTACT)
     measured = store.aligned("contact_wrench", in_contact)[0][:, :3]
-    missed = np.linalg.norm(mesh.wrench(in_contact)[:, :3] - measured, axis=1)
-    known = np.isfinite(missed)
-    if not known.any():
+    error = np.linalg.norm(mesh.wrench(in_contact)[:, :3] - measured, axis=1)
+    is_known = np.isfinite(error)
+    if not is_known.any():
         return [("", "No frame in contact has a measured force to compare with.")]
-    strength = np.linalg.norm(measured[known], axis=1)
+    strength = np.linalg.norm(measured[is_known], axis=1)
     text = (
-        f"Over {counted(int(known.sum()), 'frame')} in contact the simulated force misses the measured one by "
-        f"{np.median(missed[known]):.2f} N in the median, by {np.percentile(missed[known], 90):.2f} N at most in nine "
-        f"of ten (the median measured force is {np.median(strength):.2f} N)."
+        f"Over {counted(int(is_known.sum()), 'frame')} in contact the simulated force differs from the measured one by "
+        f"{np.median(error[is_known]):.2f} N in the median, and by at most {np.percentile(error[is_known], 90):.2f} N "
+        f"in nine of ten (the median measured force is {np.median(strength):.2f} N)."
     )
     return [("", text)]
 
 
 def _chosen(store: Store, mesh: StoredMesh) -> list[int]:
-    """Trajectories to show: of each pair of sensor and indenter the one with the largest simulated force."""
+    """Rows of the trajectories to show: for each pair of sensor and indenter the one with the largest force."""
     table = store.trajectories(["sensor", "indenter", "frame_start", "frame_stop"]).to_pylist()
     force = np.nan_to_num(np.linalg.norm(mesh.wrench()[:, :3], axis=1))
     best: dict[tuple[str, str], tuple[float, int]] = {}
@@ -99,23 +103,24 @@ def _chosen(store: Store, mesh: StoredMesh) -> list[int]:
         key = (facts["sensor"], facts["indenter"])
         if peak > best.get(key, (0.0, -1))[0]:
             best[key] = peak, row
-    # every indenter before any is shown again
+    # each indenter is shown once before any is shown a second time
     shown: list[tuple[str, str]] = []
-    left = sorted(best)
-    while left and len(shown) < MOST_TOUCHES:
-        seen = {indenter for _, indenter in shown}
-        shown.append(min(left, key=lambda key: (key[1] in seen, -best[key][0])))
-        left.remove(shown[-1])
+    remaining = sorted(best)
+    while remaining and len(shown) < MOST_TOUCHES:
+        shown_indenters = {indenter for _, indenter in shown}
+        shown.append(min(remaining, key=lambda key: (key[1] in shown_indenters, -best[key][0])))
+        remaining.remove(shown[-1])
     return [best[key][1] for key in shown]
 
 
 def replayed_touch(store: Store, mesh: StoredMesh, row: int) -> ReplayedTouch:
-    """One trajectory of the store, ready to be drawn."""
+    """Return what is drawn of the trajectory in a row of the store's table: forces over time, and the deformed pad."""
     facts = store.trajectories().slice(row, 1).to_pylist()[0]
     frames = np.arange(facts["frame_start"], facts["frame_stop"])
     seconds = (store.frames(["t_ns"])["t_ns"].to_numpy()[frames] - facts["start_ns"]) / 1e9
     simulated = mesh.wrench(frames)[:, :3]
     shown = int(np.argmax(np.nan_to_num(np.linalg.norm(simulated, axis=1))))
+    # the deformed pad at the frame of the largest simulated force
     pad, number = mesh.pad(), int(mesh.pad_numbers(frames[shown : shown + 1])[0])
     displacement = np.zeros_like(pad.vertices[number])
     displacement[pad.kept] = mesh.displacement(frames[shown : shown + 1])[0]
@@ -128,6 +133,7 @@ def replayed_touch(store: Store, mesh: StoredMesh, row: int) -> ReplayedTouch:
 
 
 def _measured(store: Store, signal_rows: str, start_ns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,), s, and measured contact forces (n, 3), N, at the native rate; empty where there are none."""
     first, stop = json.loads(signal_rows).get("contact_wrench", [0, 0])
     if first == stop or store.signal("contact_wrench").frame != "gel":
         return np.zeros(0), np.zeros((0, 3))

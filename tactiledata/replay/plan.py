@@ -1,4 +1,4 @@
-"""What of a store can be replayed: each trajectory with its indenter, gel and transforms, or the reason why not."""
+"""Which trajectories of a store can be replayed, with which indenter, gel and transforms, and why others cannot."""
 
 from __future__ import annotations
 
@@ -28,32 +28,36 @@ from tactiledata.sensors.base import GelGeometry
 from tactiledata.store.read.reader import Store
 
 MakePad = Callable[[str, GelGeometry], PadMesh]
-"""The pad of a sensor model of this name and geometry."""
+"""A function that makes the pad mesh of a sensor model from its name and geometry."""
 
 NOMINAL = GelVariant()
+"""The gel without changes of its law."""
 GAP_LIMIT_NS = 100_000_000
-"""A pose interpolated across a longer gap is none."""
+"""Largest gap, ns, between two samples across which a pose is interpolated."""
 
 
 @dataclass(frozen=True)
 class PlannedTouch:
-    """One trajectory.
+    """A trajectory of a store with all that a replay of it needs, or the reason why it cannot be replayed.
 
     Parameters
     ----------
     uid, name, sensor, indenter : str
+        Identity and name of the trajectory, names of the sensor and the indenter.
     frames : (first, stop)
         Rows in the table of frames.
     obstacle : ReplayStatus, optional
-        Why it cannot be replayed.
+        Why the trajectory cannot be replayed; ``None`` where it can.
     detail : str
         More of the obstacle, in words.
     poses : str
         The store's name for the aligned tcp poses.
     solid : Indenter, optional
+        Shape of the indenter.
     tcp_from_gel, base_from_indenter : (4, 4), optional
+        Places of the gel on the arm and of the indenter, metres.
     pad : int
-        Which of the plan's pads; -1 where not known.
+        Number of the pad in the plan; -1 where it is unknown.
     """
 
     uid: str
@@ -71,19 +75,23 @@ class PlannedTouch:
 
     @property
     def reason(self) -> str:
-        """The obstacle in words."""
+        """The obstacle with its detail, in words; empty where there is none."""
         words = "" if self.obstacle is None else STATUSES[self.obstacle]
         return f"{words}: {self.detail}" if self.detail else words
 
     def gel_touch(self, store: Store, offset: float, gap_limit_ns: int = GAP_LIMIT_NS) -> GelTouch:
-        """The touch for the gel engine, at the moments when the frames were captured.
+        """Return poses and indenter for the gel engine, at the moments when the frames were captured.
 
-        Poses lie between the two neighbouring samples of the native rate, linear in position and slerp in rotation.
+        Poses are interpolated between samples at the native rate, linearly in position and by slerp in rotation.
 
         Parameters
         ----------
-        offset : m, by how much the indenter is deeper than recorded
-        gap_limit_ns : a pose between samples further apart is missing
+        store : Store
+            The store of the plan.
+        offset : m
+            How much deeper the indenter is than recorded, along the gel frame's -z.
+        gap_limit_ns : int
+            Largest gap between two samples, ns; a pose across a longer one is missing (NaN).
         """
         assert self.solid is not None
         assert self.tcp_from_gel is not None
@@ -96,7 +104,19 @@ class PlannedTouch:
 
 @dataclass(frozen=True)
 class PlannedPad:
-    """The pad of one geometry: mesh, sensor model and geometry that it was made of, and what differs of its law."""
+    """Pad of one geometry.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Its mesh.
+    sensor : str
+        Sensor model, or "gel".
+    geometry : GelGeometry
+        Dimensions from which the mesh was made.
+    law : GelVariant
+        Changes of the material's law by effects.
+    """
 
     mesh: PadMesh
     sensor: str
@@ -105,29 +125,32 @@ class PlannedPad:
 
     @property
     def described(self) -> dict[str, Any]:
-        """As JSON values."""
+        """The pad's name, digest, sensor model, geometry and law as JSON values."""
         geometry = json.loads(json_bytes(vars(self.geometry)))
         law = {} if self.law == NOMINAL else {"law": json.loads(json_bytes(asdict(self.law)))}
-        named = {"name": self.mesh.name, "sha256": self.mesh.digest, "sensor": self.sensor}
-        return {**named, "geometry": geometry, **law}
+        names = {"name": self.mesh.name, "sha256": self.mesh.digest, "sensor": self.sensor}
+        return {**names, "geometry": geometry, **law}
 
 
 @dataclass(frozen=True)
 class ReplayPlan:
-    """All trajectories that have frames, in the order of their frames, and the pads that they press."""
+    """All trajectories of a store that have frames, in the order of their frames, and the pads that they press."""
 
     touches: tuple[PlannedTouch, ...]
     pads: tuple[PlannedPad, ...]
 
 
 def plan_replay(store: Store, make_pad: MakePad, indenter_folder: Path | None = None) -> ReplayPlan:
-    """What of a store can be replayed.
+    """Return the plan of a store's replay; trajectories that cannot be replayed carry the reason.
 
     Parameters
     ----------
+    store : Store
+        Its descriptions and its table of trajectories are read.
     make_pad : callable
+        Makes the pad mesh of a sensor model from its name and geometry.
     indenter_folder : Path, optional
-        Where the meshes of indenters lie that recordings name by a path.
+        Folder of the mesh files that recordings name by a relative path.
     """
     planner = _Planner(store, make_pad, indenter_folder)
     columns = ["uid", "trajectory", "source", "sensor", "indenter", "frame_start", "frame_stop"]
@@ -136,11 +159,11 @@ def plan_replay(store: Store, make_pad: MakePad, indenter_folder: Path | None = 
     return ReplayPlan(touches, tuple(planner.pads))
 
 
-Found = TypeVar("Found", Indenter, int)
+Usable = TypeVar("Usable", Indenter, int)
 
 
 class _Obstacle(Exception):
-    """A way out of `_Planner`, never seen outside."""
+    """Reason why a trajectory cannot be replayed; raised and caught within `_Planner`."""
 
     def __init__(self, status: ReplayStatus, detail: str = "") -> None:
         super().__init__(detail)
@@ -148,6 +171,8 @@ class _Obstacle(Exception):
 
 
 class _Planner:
+    """Reader of a store's descriptions, which makes each indenter and each pad once."""
+
     def __init__(self, store: Store, make_pad: MakePad, indenter_folder: Path | None) -> None:
         self._make_pad, self._folder = make_pad, indenter_folder
         self._sources = store.sources(["description", "contents"])
@@ -158,15 +183,16 @@ class _Planner:
         self.pads: list[PlannedPad] = []
 
     def touch(self, row: Mapping[str, Any]) -> PlannedTouch:
-        """One row of the table of trajectories."""
+        """Plan the trajectory in one row of the table of trajectories."""
         frames = (row["frame_start"], row["frame_stop"])
-        named = (row["uid"], row["trajectory"], row["sensor"], row["indenter"], frames)
+        identity = (row["uid"], row["trajectory"], row["sensor"], row["indenter"], frames)
         try:
-            return PlannedTouch(*named, **self._needs(row))
+            return PlannedTouch(*identity, **self._needs(row))
         except _Obstacle as obstacle:
-            return PlannedTouch(*named, obstacle=obstacle.status, detail=obstacle.detail)
+            return PlannedTouch(*identity, obstacle=obstacle.status, detail=obstacle.detail)
 
     def _needs(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields of a `PlannedTouch` that a replay needs, or raise the first obstacle."""
         description, contents = self._source(row["source"])
         poses = next((stored for stored, entry in contents["aligned"].items() if entry["name"] == "tcp"), None)
         if poses is None:
@@ -188,12 +214,14 @@ class _Planner:
         }
 
     def _source(self, number: int) -> tuple[LogDescription, Mapping[str, Any]]:
+        """Description and contents of a recording; the last one read is kept."""
         if self._read is None or self._read[0] != number:
             row = self._sources.slice(number, 1).to_pylist()[0]
             self._read = number, LogDescription(json.loads(row["description"])), json.loads(row["contents"])
         return self._read[1:]
 
     def _solid(self, entry: Mapping[str, Any], name: str) -> Indenter:
+        """Return an indenter's shape, or raise the obstacle where it cannot be made or pressed."""
         key = json_bytes({part: value for part, value in entry.items() if part != "base_from_indenter"})
         if key not in self._solids:
             try:
@@ -211,6 +239,7 @@ class _Planner:
         return _unless_obstacle(self._solids[key])
 
     def _pad(self, facts: Mapping[str, Any]) -> int:
+        """Return the number of a sensor's pad, or raise the obstacle where it cannot be made."""
         model = str(facts.get("model") or "gel")
         key = json_bytes({"model": model, "gel": facts.get("gel", {})})
         if key not in self._numbers:
@@ -221,6 +250,7 @@ class _Planner:
         return _unless_obstacle(self._numbers[key])
 
     def _new_pad(self, model: str, facts: Mapping[str, Any]) -> int:
+        """Make a sensor's pad, and return its number or that of an equal one."""
         geometry = gel_geometry(facts)
         if geometry is None:
             raise _Obstacle(ReplayStatus.GEL_UNKNOWN, f"model {model!r}")
@@ -238,7 +268,8 @@ class _Planner:
         return len(self.pads) - 1
 
 
-def _unless_obstacle(found: Found | _Obstacle) -> Found:
-    if isinstance(found, _Obstacle):
-        raise found
-    return found
+def _unless_obstacle(result: Usable | _Obstacle) -> Usable:
+    """Return a result, or raise it where it is an obstacle."""
+    if isinstance(result, _Obstacle):
+        raise result
+    return result

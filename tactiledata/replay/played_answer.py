@@ -1,4 +1,4 @@
-"""What the gel engine answered to a trajectory, for effects that work on the answer."""
+"""Answer of the gel engine to a trajectory, in the form on which effects act."""
 
 from __future__ import annotations
 
@@ -16,23 +16,24 @@ from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.mesh.pad import PadMesh
 
 SLIDES = 0.95
-"""Share of Coulomb's limit from which the whole contact is taken to slide."""
+"""Share of Coulomb's limit above which the whole contact counts as sliding."""
 
 
 @dataclass(frozen=True)
 class PlayedAnswer:
-    """`BaseResponse` of a touch that was played where the effects had moved it, on the gel that they stand for.
+    """`BaseResponse` of a touch that was simulated with the effects' gel, at the poses to which they moved it.
 
-    It is not played again: friction of another size is an operator on the shear, for which neighbouring frames do not
-    matter. What slides goes on sliding, with a shear in proportion; what sticks is cut off at the limit.
+    It is not simulated again. Another friction acts on the shear of each frame alone: the shear of a sliding contact
+    changes in proportion, that of a sticking contact is cut at the limit.
 
     Parameters
     ----------
     contact : ContactResponse
+        Wrench, area, centre, depth, slip and shear stiffness of n frames.
     limit : (n,) N
         Friction times normal force.
     tips : (n, 3) m
-        Where the indenter was.
+        Place of the indenter's tip, gel frame.
     """
 
     contact: ContactResponse
@@ -41,27 +42,33 @@ class PlayedAnswer:
 
     @staticmethod
     def of(history: GelHistory, rows: Mask, poses: Array, mesh: PadMesh, areas: Array, touch: Touch) -> PlayedAnswer:
-        """Of some of the frames that were played.
+        """Response at some of the frames that were simulated.
 
         Parameters
         ----------
+        history : GelHistory
+            Answer of the engine.
         rows : (n,) bool
+            Mask of the frames that are used.
         poses : (n, 4, 4)
-            That were played.
+            Poses that were simulated, gel_from_indenter, metres.
+        mesh : PadMesh
+            Mesh of the pad; its surface gives depths.
         areas : (m,) m^2
-            Of the patches.
+            Areas of the patches.
         touch : Touch
-            Of these frames, with its material and geometry.
+            Material and geometry.
         """
         wrench, tips, gel = history.wrench[rows], poses[rows, :3, 3], touch.material
         area = history.pressed[rows] @ areas
         depth = surface_height(mesh, tips[:, :2]) - tips[:, 2]
         touching = (area > 0) & (wrench[:, 2] > 0)
         normal = np.where(touching, wrench[:, 2], 1.0)
-        # of the pressure on the surface: M = r x F with r at the height of the tip
+        # centre of pressure, from the torque M = r x F with r at the height of the tip
         x = (tips[:, 2] * wrench[:, 0] - wrench[:, 4]) / normal
         y = (wrench[:, 3] + tips[:, 2] * wrench[:, 1]) / normal
         centre = np.where(touching[:, None], np.column_stack([x, y]), tips[:, :2])
+        # Coulomb's limit, and the stiffness of the contact in shear
         limit = np.where(touching, gel.friction * normal, 0.0)
         sliding = touching & (np.hypot(wrench[:, 0], wrench[:, 1]) >= SLIDES * limit)
         spring = gel.youngs_modulus * shear_stiffness(area, gel.poisson_ratio, touch.geometry.thickness)
@@ -69,27 +76,33 @@ class PlayedAnswer:
 
     @staticmethod
     def untouched(poses: Array) -> PlayedAnswer:
-        """Before anything is played: nothing touches (n, 4, 4)."""
+        """Response without contact at poses (n, 4, 4), for the state before the first simulation."""
         count, tips = len(poses), poses[:, :3, 3]
-        nothing = np.zeros(count)
-        contact = ContactResponse(
-            np.zeros((count, 6)), nothing, tips[:, :2], -np.ones(count), nothing.astype(bool), nothing
-        )
-        return PlayedAnswer(contact, nothing, tips)
+        zeros = np.zeros(count)
+        contact = ContactResponse(np.zeros((count, 6)), zeros, tips[:, :2], -np.ones(count), zeros.astype(bool), zeros)
+        return PlayedAnswer(contact, zeros, tips)
 
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
-        """As `BaseResponse.respond`; offset and shift were played already."""
+        """Return the response with friction multiplied by factors (n,).
+
+        Parameters
+        ----------
+        offset, shift : arrays
+            Ignored: the simulated poses contain them.
+        friction : (n,)
+            Factor on the coefficient of friction.
+        """
         contact = self.contact
         if (friction == 1.0).all():
             return contact
         shear = np.hypot(contact.wrench[:, 0], contact.wrench[:, 1])
-        wanted = np.where(contact.sliding, shear * friction, np.minimum(shear, self.limit * friction))
-        share = np.divide(wanted, shear, out=np.ones_like(shear), where=shear > 0) - 1.0
+        target = np.where(contact.sliding, shear * friction, np.minimum(shear, self.limit * friction))
+        share = np.divide(target, shear, out=np.ones_like(shear), where=shear > 0) - 1.0
         force = contact.wrench[:, :3] * np.column_stack([share, share, np.zeros(len(share))])
         change = wrench_at(force, np.column_stack([contact.centre, self.tips[:, 2]]))
-        sliding = contact.touching & (wanted >= SLIDES * self.limit * friction)
+        sliding = contact.touching & (target >= SLIDES * self.limit * friction)
         return replace(contact, wrench=contact.wrench + change, sliding=sliding)
 
     def difference(self, variant: GelVariant) -> Array:
-        """As `BaseResponse.difference`: none, as it is the variant that was played."""
+        """Return zeros (n, 6): the simulation was already made on the variant's gel."""
         return np.zeros((len(self.limit), 6))

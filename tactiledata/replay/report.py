@@ -1,4 +1,4 @@
-"""What a replay did, in numbers and reasons."""
+"""Report of a replay: numbers of frames and trajectories, and why some could not be replayed."""
 
 from __future__ import annotations
 
@@ -18,27 +18,30 @@ from tactiledata.store.read.simulated import simulated_recordings
 
 @dataclass(frozen=True)
 class ReplayReport:
-    """What a store's mesh holds after a replay.
+    """Numbers of a store's mesh after a replay, and the trajectories that were refused.
 
     Parameters
     ----------
     store, mesh : str
+        Location of the store and name of the mesh.
     fidelity : str
+        Strain measure of the engine; empty where there is no mesh.
     effects : str
-        That it was made with, in words; empty where there are none.
+        Effects in words; empty where there are none.
     material : dict
-        E, nu and mu that it was made with.
+        E (Pa), nu and mu.
     new_frames : int
         Rows that this replay attached.
     trajectories : int
-        With frames.
-    status : dict, words -> frames
+        Trajectories of the store that have frames.
+    status : dict, words -> number of frames
+        Outcome of all frames.
     refused : dict, reason -> uids
         Trajectories that could not be replayed at all.
     with_mesh : int
-        Frames, in contact or in free air.
+        Frames with a mesh, in contact or in free air.
     simulated : SimulatedCount
-        Of the store's recordings.
+        How many of the store's recordings are themselves simulated.
     """
 
     store: str
@@ -54,8 +57,20 @@ class ReplayReport:
     simulated: SimulatedCount
 
     @classmethod
-    def of(cls, store: Store, name: str, plan: ReplayPlan, before: int) -> ReplayReport:
-        """The report of a store as it is, after it had ``before`` rows."""
+    def of(cls, store: Store, name: str, plan: ReplayPlan, rows_before: int) -> ReplayReport:
+        """Make the report of a replay that has ended.
+
+        Parameters
+        ----------
+        store : Store
+            The store with its mesh.
+        name : str
+            Name of the mesh.
+        plan : ReplayPlan
+            All trajectories, with the reasons of those refused.
+        rows_before : int
+            Rows of the mesh before this replay.
+        """
         refused: dict[str, list[str]] = {}
         for touch in plan.touches:
             if touch.obstacle is not None:
@@ -72,7 +87,7 @@ class ReplayReport:
             fidelity=mesh.settings["fidelity"],
             effects=effects_in_words(mesh.settings),
             material=mesh.settings["material"],
-            new_frames=mesh.facts["rows"] - before,
+            new_frames=mesh.facts["rows"] - rows_before,
             trajectories=len(plan.touches),
             status={mesh.statuses[code]: count for code, count in sorted(counts.items())},
             refused=reasons,
@@ -82,27 +97,27 @@ class ReplayReport:
 
     @property
     def fell_short(self) -> bool:
-        """Whether a trajectory could not be replayed at all, or none is there."""
+        """Whether a trajectory was refused, or no frame has a mesh."""
         return bool(self.refused) or not self.with_mesh
 
     def document(self) -> dict[str, Any]:
-        """As JSON values."""
+        """Return the report as JSON values."""
         document = {**asdict(self), "refused": {reason: list(uids) for reason, uids in self.refused.items()}}
         del document["simulated"]
         return {**document, "simulated_recordings": self.simulated.document()}
 
     def lines(self) -> list[str]:
-        """For people."""
+        """Return the report as lines of text for a terminal."""
         label = " (linear: a preview, forces up to 20 % low at 1 mm)" if self.fidelity == "linear" else ""
-        said = [
-            f"mesh {self.mesh}{label}: {counted(self.with_mesh, 'frame')} with a mesh, {self.new_frames} of all new"
+        lines = [
+            f"mesh {self.mesh}{label}: {counted(self.with_mesh, 'frame')} with a mesh; {self.new_frames} frames are new"
         ]
         if self.effects:
-            said.append(f"  with {self.effects}; its wrench is what the force sensor would read")
-        said += [f"  {counted(count, 'frame')}: {words}" for words, count in self.status.items()]
+            lines.append(f"  with {self.effects}; the wrench is what the force sensor would read")
+        lines += [f"  {counted(count, 'frame')}: {words}" for words, count in self.status.items()]
         for reason, uids in self.refused.items():
             listed = ", ".join(uids[:3]) + (" …" if uids[3:] else "")
-            said.append(f"  {counted(len(uids), 'trajectory')} not replayed ({listed}): {reason}")
+            lines.append(f"  {counted(len(uids), 'trajectory')} not replayed ({listed}): {reason}")
         if self.simulated.sentence:
-            said.append(f"  {self.simulated.sentence}")
-        return said
+            lines.append(f"  {self.simulated.sentence}")
+        return lines

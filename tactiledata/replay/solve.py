@@ -1,4 +1,4 @@
-"""A run of trajectories through the gel, into files that wait for their commit; what a worker executes."""
+"""Work of one worker: simulate a run of trajectories, and write its rows to files that wait for the commit."""
 
 from __future__ import annotations
 
@@ -28,26 +28,32 @@ from tactiledata.store.read.reader import Store
 
 @dataclass(frozen=True)
 class Run:
-    """Some trajectories, solved together; how they are grouped does not depend on the number of workers.
+    """Trajectories that are solved together, with all that a worker needs.
+
+    The grouping does not depend on the number of workers.
 
     Parameters
     ----------
     store : str
+        Location of the store.
     folder : str
-        Where the rows are written.
+        Folder to which the rows are written.
     frames : (first, stop)
         Rows of frames that the run covers, those outside any trajectory included.
     touches : tuple of PlannedTouch
+        The trajectories.
     offsets : tuple of float
-        m, of each touch: how much deeper the indenter is than recorded.
+        How much deeper the indenter of each touch is than recorded, m.
     effects : tuple of EffectTouch
-        Of each touch; ``None`` where nothing acts on it.
+        Inputs of the effects on each touch; ``None`` where none acts.
     pads : tuple of PlannedPad
+        Pads of the plan.
     is_carried : bool
-        Whether the pads are carried by the solution on low-resolution ones.
+        Whether pads are interpolated from a solution on low-resolution ones.
     sizes : dict
-        Lengths of the mesh's arrays.
-    material, fidelity, keep, gap_limit_ns : see `ReplayOptions`
+        Lengths of the mesh's arrays, by name.
+    material, fidelity, keep, gap_limit_ns
+        As in `ReplayOptions`.
     """
 
     store: str
@@ -70,7 +76,7 @@ class Run:
 
 @dataclass(frozen=True)
 class _EngineKey:
-    """What an engine is known by."""
+    """All on which an engine depends; the pad itself is represented by its digest."""
 
     digest: str
     law: GelVariant
@@ -82,19 +88,21 @@ class _EngineKey:
 
 @lru_cache(maxsize=1)
 def _engine(key: _EngineKey) -> FemEngine | EmbeddedEngine:
-    # the next run of this process mostly has the same pad, and to factorise it takes as long as to solve a run
+    """Make an engine, or return the last one where the key is the same."""
+    # the next run of this process mostly has the same pad, and its factorisation takes as long as a run
     if key.is_carried:
         return EmbeddedEngine(key.pad.sensor, key.pad.geometry, key.poisson_ratio, key.fidelity)
     return variant_engine(key.pad.mesh, key.poisson_ratio, key.fidelity, key.law)
 
 
 def solve_run(run: Run) -> dict[str, str]:
-    """The files of a run's rows, by array; rows are mapped from the disk while they are filled."""
+    """Solve a run and return the file of each array of its rows; the files are filled by memory mapping."""
     folder = Path(run.folder)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     rows = _Rows(folder, run)
     store = Store.open(run.store)
+    # one engine for each pad, with all its touches
     for number, pad in enumerate(run.pads):
         chosen = [
             (touch, touch.gel_touch(store, offset, run.gap_limit_ns), effect)
@@ -115,7 +123,7 @@ def solve_run(run: Run) -> dict[str, str]:
 
 
 class _Rows:
-    """The rows of a run, in files of their own; all of them lie outside any trajectory until they are filled."""
+    """Rows of a run in one file for each array; a row has the status OUTSIDE until it is filled."""
 
     def __init__(self, folder: Path, run: Run) -> None:
         self._first, stop = run.frames
@@ -131,14 +139,15 @@ class _Rows:
         self._arrays["status"][...] = ReplayStatus.OUTSIDE
 
     def _span(self, touch: PlannedTouch) -> slice:
+        """Rows of a touch within the run."""
         return slice(touch.frames[0] - self._first, touch.frames[1] - self._first)
 
     def refuse(self, touch: PlannedTouch) -> None:
-        """A touch that the engine was not asked for."""
+        """Record why a touch was not given to the engine."""
         self._arrays["status"][self._span(touch)] = touch.obstacle
 
     def fill(self, touch: PlannedTouch, history: GelHistory) -> None:
-        """What the engine answered; rows without a mesh stay NaN."""
+        """Record the engine's answer to a touch; rows without a mesh stay NaN."""
         span, arrays = self._span(touch), self._arrays
         is_free = history.status == FrameStatus.NO_CONTACT
         has_mesh = is_free | (history.status == FrameStatus.SOLVED)
@@ -146,13 +155,13 @@ class _Rows:
         arrays["displacement"][span] = history.displacement
         arrays["force"][span] = history.node_forces
         arrays["wrench"][span] = history.wrench
-        # without a contact force there is nothing to compare what is unbalanced with
+        # the residual is relative to the contact force, which is zero in free air
         arrays["residual"][span] = np.where(is_free, 0.0, history.residual)
         arrays["contact"][span] = np.where(has_mesh[:, None], history.pressed, FRAME_ARRAYS["contact"][1])
         arrays["pad"][span] = np.where(has_mesh, touch.pad, -1)
 
     def close(self) -> dict[str, str]:
-        """All rows are in their files."""
+        """Write all rows to disk, and return the file of each array."""
         for values in self._arrays.values():
             values.flush()  # type: ignore[attr-defined]
         self._arrays.clear()

@@ -1,4 +1,4 @@
-"""What became of each frame of a replay: what the gel engine says of it, or what was missing to ask the engine."""
+"""Status of each frame of a replay: the engine's outcome, or why the frame was not given to the engine."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tactiledata.gel.contact.history import FrameStatus
 
 
 class ReplayStatus(IntEnum):
-    """Why a frame was not given to the gel engine; the numbers go on behind those of ``FrameStatus``."""
+    """Reason why a frame was not given to the gel engine; the numbers follow those of ``FrameStatus``."""
 
     OUTSIDE = 16
     NO_POSES = 17
@@ -27,7 +27,7 @@ _REASONS = {
     ReplayStatus.INDENTER_UNKNOWN: "the recording does not describe the trajectory's indenter",
     ReplayStatus.INDENTER_PLACE_UNKNOWN: "the recording does not state where the indenter stands (base_from_indenter)",
     ReplayStatus.INDENTER_UNUSABLE: "the indenter's shape cannot be made or pressed",
-    ReplayStatus.GEL_UNKNOWN: "neither the recording nor a sensor model tells the gel's geometry",
+    ReplayStatus.GEL_UNKNOWN: "neither the recording nor a sensor model states the gel's geometry",
     ReplayStatus.GEL_UNUSABLE: "no mesh can be made of the gel's geometry",
 }
 
@@ -35,4 +35,4 @@ STATUSES: dict[int, str] = {
     **{int(status): status.reason for status in FrameStatus},
     **{int(status): words for status, words in _REASONS.items()},
 }
-"""Every status in words."""
+"""Words of every status, of ``FrameStatus`` and of ``ReplayStatus``."""

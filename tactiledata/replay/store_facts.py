@@ -1,4 +1,4 @@
-"""What a store tells of its touches beside pose and wrench: gravity, joints, time since power-on, mounts, history."""
+"""Inputs of effects from a store, apart from pose and wrench: gravity, joints, power-on, mountings, earlier touches."""
 
 from __future__ import annotations
 
@@ -18,21 +18,23 @@ from tactiledata.store.read.reader import Store
 from tactiledata.transforms import pose_matrices
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
-"""m/s^2, base frame, of an arm that stands upright."""
+"""Acceleration of gravity, m/s^2, in the base frame of an arm that stands upright."""
 SPOT = 2e-3
-"""m: touches whose deepest points lie nearer than this are of one spot."""
+"""Largest distance, m, between the deepest points of touches on the same spot."""
 
 
 @dataclass(frozen=True)
 class Visit:
-    """A touch of a gel, at its deepest frame.
+    """Time, place and imprint of one touch of a gel, at its deepest frame.
 
     Parameters
     ----------
     t_ns : int
-    place : (2,) m, gel frame
+        Time of the touch's first frame.
+    place : (2,) m
+        Deepest point in the gel frame.
     imprint : m^4
-        See `tactiledata.effects.touch.imprint`.
+        Strength of the imprint: see `tactiledata.effects.touch.imprint`.
     """
 
     t_ns: int
@@ -41,13 +43,14 @@ class Visit:
 
 
 class StoreFacts:
-    """Facts of a store's trajectories, at rows of its table of frames.
+    """Inputs of effects for a store's trajectories, at rows of its table of frames.
 
     Parameters
     ----------
     store : Store
+        Its times, streams and descriptions are read.
     touches : sequence of PlannedTouch
-        All of the store, drawn or not: what came before counts.
+        All trajectories of the store in order, because earlier touches of a gel count.
     """
 
     def __init__(self, store: Store, touches: Sequence[PlannedTouch]) -> None:
@@ -63,11 +66,11 @@ class StoreFacts:
         self._mounts = _mounts(touches, self._source)
 
     def seconds(self, rows: Indices) -> Array:
-        """Since the first of the rows (n,)."""
+        """Time (n,), s, of rows since the first of them."""
         return np.asarray((self._t_ns[rows] - self._t_ns[rows[0]]) / 1e9)
 
     def gravity(self, planned: PlannedTouch, rows: Indices) -> Array | None:
-        """Acceleration (n, 3) in the gel frame, m/s^2."""
+        """Acceleration of gravity (n, 3), m/s^2, in the gel frame; ``None`` where a pose is missing."""
         poses = self._values(planned.poses, rows)
         if poses is None or planned.tcp_from_gel is None:
             return None
@@ -75,7 +78,7 @@ class StoreFacts:
         return np.asarray(np.einsum("nij,i->nj", base_from_gel[:, :3, :3], GRAVITY))
 
     def joints(self, rows: Indices) -> Array | None:
-        """Angles (n, 6), rad."""
+        """Joint angles (n, 6), rad; ``None`` where any is missing."""
         for name in self._store.aligned_names:
             if name.partition("@")[0] == "joints" and self._store.meaning("aligned", name).units[0] == "rad":
                 values = self._values(name, rows)
@@ -84,43 +87,54 @@ class StoreFacts:
         return None
 
     def powered(self, planned: PlannedTouch, rows: Indices) -> Array | None:
-        """Seconds (n,) since the sensor was last switched on."""
+        """Time (n,), s, since the sensor was last switched on; ``None`` where the recording does not state it."""
         description = self._descriptions[self._source[planned.uid]]
         switched_on = description.switched_on(planned.sensor, int(self._t_ns[rows[0]]))
         return None if switched_on is None else np.asarray((self._t_ns[rows] - switched_on) / 1e9)
 
     def mount(self, planned: PlannedTouch) -> str:
-        """Which mounting of the indenter."""
+        """Name of the mounting of a trajectory's indenter."""
         return self._mounts[planned.uid]
 
     def earlier(self, planned: PlannedTouch, places: Array, rows: Indices) -> tuple[Array, Array]:
-        """What was done at places (n, 2) of this gel before this touch, as the depth (n,), m, at which this indenter
-        would do as much, and the number of touches (n,) of the spot.
+        """Return earlier load and number of earlier touches at places of this gel.
 
-        What was done to a gel before this store began is not known, and counts as nothing.
+        The load (n,), m, is the depth at which this indenter would leave the strongest earlier imprint at each place.
+        The number (n,) counts earlier touches within ``SPOT``. Touches before the store began are unknown and ignored.
+
+        Parameters
+        ----------
+        planned : PlannedTouch
+            The present trajectory.
+        places : (n, 2) m
+            Places in the gel frame.
+        rows : (n,) int
+            Rows of its frames; the first one sets the time.
         """
         before = [visit for visit in self._visits.get(planned.sensor, []) if visit.t_ns < self._t_ns[rows[0]]]
         if not before:
             return np.zeros(len(places)), np.zeros(len(places))
-        pressed = np.array([one.place for one in before])
-        strongest = strongest_imprint(places, pressed, np.array([one.imprint for one in before]))
-        away = np.linalg.norm(places[:, None] - pressed, axis=2)
-        return self._table(planned).depth(strongest), (away < SPOT).sum(axis=1).astype(float)
+        pressed = np.array([visit.place for visit in before])
+        strongest = strongest_imprint(places, pressed, np.array([visit.imprint for visit in before]))
+        distances = np.linalg.norm(places[:, None] - pressed, axis=2)
+        return self._table(planned).depth(strongest), (distances < SPOT).sum(axis=1).astype(float)
 
     def _table(self, planned: PlannedTouch) -> ImprintTable:
-        """Of its indenter."""
+        """Table of depth against imprint of a trajectory's indenter."""
         assert planned.solid is not None
         if planned.indenter not in self._tables:
             self._tables[planned.indenter] = ImprintTable.of(planned.solid)
         return self._tables[planned.indenter]
 
     def _values(self, name: str, rows: Indices) -> Array | None:
+        """Values of an aligned stream at rows, or ``None`` where any is missing or across a long gap."""
         values, gap_ns = self._store.aligned(name, rows)
-        known = np.isfinite(values).all(axis=1) & (gap_ns <= GAP_LIMIT_NS)
-        return values if known.all() else None
+        is_known = np.isfinite(values).all(axis=1) & (gap_ns <= GAP_LIMIT_NS)
+        return values if is_known.all() else None
 
     @cached_property
     def _visits(self) -> dict[str, list[Visit]]:
+        """All touches of each sensor's gel, in the order of the store."""
         visits: dict[str, list[Visit]] = {}
         for planned in self._touches:
             if planned.obstacle is not None:
@@ -136,7 +150,7 @@ class StoreFacts:
 
 
 def _mounts(touches: Sequence[PlannedTouch], source: dict[str, int]) -> dict[str, str]:
-    """Of each trajectory: another recording or another indenter in between is another mounting."""
+    """Mounting of each trajectory, by uid; another recording or another indenter in between starts a new one."""
     count, mounts = 0, {}
     for before, planned in pairwise([None, *touches]):
         assert planned is not None

@@ -1,4 +1,4 @@
-"""What a store tells of how the indenter moved between frames, and of where the force sensor is."""
+"""Inputs of effects from a store: motion of the indenter between frames, and place of the force sensor."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from tactiledata.store.read.reader import Store
 
 
 class StoreMotion:
-    """Facts of a store's trajectories, at rows of its table of frames.
+    """Motion of the indenter and place of the sensor for a store's trajectories, at rows of its table of frames.
 
     Parameters
     ----------
     store : Store
+        Its poses at the native rate and its descriptions are read.
     """
 
     def __init__(self, store: Store) -> None:
@@ -32,23 +33,25 @@ class StoreMotion:
         self._descriptions = [LogDescription(json.loads(text)) for text in texts]
 
     def facts(self, planned: PlannedTouch, rows: Indices) -> dict[str, Any]:
-        """How it moved until each frame, and ``gel_from_sensor``, of a `Touch`, as far as they are known."""
+        """Return fields of a `Touch`: motion until each frame and ``gel_from_sensor``, as far as they are known."""
         return {**self._moves(planned, rows), **self._sensor(planned, len(rows))}
 
     def _moves(self, planned: PlannedTouch, rows: Indices) -> dict[str, Array]:
+        """Motion of the indenter until each frame, from poses at the native rate; empty where they are unknown."""
         spans = json.loads(self._rows[planned.uid]["signal_rows"])
         if planned.poses not in spans or planned.tcp_from_gel is None or planned.base_from_indenter is None:
             return {}
         signal, span = self._store.signal(planned.poses), spans[planned.poses]
         values, t_ns = signal.values(*span), signal.t_ns(*span)
         places = gel_from_indenter(values, planned.tcp_from_gel, planned.base_from_indenter, 0.0)[:, :3, 3]
-        known = np.isfinite(places).all(axis=1)
+        is_known = np.isfinite(places).all(axis=1)
         start = self._t_ns[rows[0]] if len(rows) else 0
-        seconds = (t_ns[known] - start) / 1e9
+        seconds = (t_ns[is_known] - start) / 1e9
         frames = (self._t_ns[rows] - start) / 1e9
-        return moved_until(frames, seconds, places[known])
+        return moved_until(frames, seconds, places[is_known])
 
     def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
+        """Pose of the force sensor in the gel frame (count, 4, 4), metres; empty where it is unknown."""
         tcp_from_ft = self._descriptions[self._rows[planned.uid]["source"]].transform("tcp_from_ft")
         if tcp_from_ft is None or planned.tcp_from_gel is None:
             return {}

@@ -1,4 +1,4 @@
-"""One trajectory on its way through the gel: where it stands, and one iteration of its contact."""
+"""Contact of one indenter along its path: the state at the last solved pose, and one contact iteration at the next."""
 
 from __future__ import annotations
 
@@ -15,28 +15,31 @@ from tactiledata.gel.contact.relief import IndenterRelief
 from tactiledata.gel.mesh.surface import ContactSurface
 
 LOOK_AROUND = 4e-4
-"""m: faces this near the indenter are searched for contact during a step."""
+"""Largest distance, m, from the indenter at which faces are searched for contact during a step."""
 MAY_TOUCH = 2e-4
-"""m: patches this near take part in the contact's iterations."""
-LOOKS = 6
-"""Iterations of a step after which it stands which points lie under the indenter: an edge that passes over a point
-changes the equations, and with it the point, to and fro for ever."""
+"""Largest gap, m, of the patches that take part in a contact iteration."""
+COVER_UPDATES = 6
+"""Iterations of a step after which the set of points under the indenter is frozen.
+
+Otherwise a point at an edge of the indenter can be covered and uncovered in turns for ever."""
 LARGEST_STEP = 1.5e-4
-"""m: an indenter that moves further between two frames is followed in parts."""
+"""Largest motion of the indenter, m, in one load step; a larger one between two frames is divided."""
 
 
 @dataclass
 class ContactState:
-    """The contact at one moment of a trajectory.
+    """Equilibrium of the contact at one pose of a trajectory.
 
     Parameters
     ----------
-    pose : (4, 4), gel_from_indenter
+    pose : (4, 4)
+        gel_from_indenter, metres.
     forces : (m, 3) m^2
         Patch forces on the gel over Young's modulus.
     displacement : (r, 3) m
-        Of all nodes, or of the surface alone: see ``ContactPath.rows``.
+        Displacements of all nodes, or of the surface alone: see ``ContactPath.rows``.
     gaps : (m,) m
+        Mean distance of each patch from the indenter.
     """
 
     pose: Array
@@ -52,20 +55,24 @@ class ContactState:
 
 @dataclass
 class ContactPath:
-    """The contact of one indenter with the gel along its path.
+    """Contact of one indenter with the gel along its path.
 
     Parameters
     ----------
     surface : ContactSurface
-    compliance : (m, m, 3, 3)
+        Surface of the pad, with its m patches.
+    compliance : (m, m, 3, 3) 1/m
+        Mean displacement of a patch by a unit force on a patch, for a Young's modulus of 1.
     rest : (s, 3) m
-        Surface nodes, undeformed.
+        Undeformed surface nodes, gel frame.
     rows : (s,)
-        Of the surface nodes in the state's displacement.
+        Rows of the surface nodes in the state's displacement.
     relief : IndenterRelief
+        Underside of the indenter.
     friction : float
+        Coefficient of Coulomb friction.
     state : ContactState
-        At the last pose that was solved.
+        Equilibrium at the last pose that was solved.
     """
 
     surface: ContactSurface
@@ -83,29 +90,43 @@ class ContactPath:
     _looks: int = 0
 
     def move_to(self, pose: Array) -> bool:
-        """Set out for the next pose (4, 4); whether anything may touch there."""
-        here = self.rest + self.state.displacement[self.rows]
-        # nothing is known of the pose before a touch's first
+        """Start the next pose (4, 4), gel_from_indenter; return whether anything may touch there."""
+        positions = self.rest + self.state.displacement[self.rows]
+        # find the faces near the indenter; the pose before a trajectory's first is unknown (NaN)
         step = float(np.nan_to_num(np.linalg.norm(pose[:3, 3] - self.state.pose[:3, 3])))
-        near = height_above(here, self.relief, pose) < LOOK_AROUND + step
+        near = height_above(positions, self.relief, pose) < LOOK_AROUND + step
         self._faces = np.flatnonzero(near[self.surface.faces].any(axis=1))
         self._pose = pose
         self._looks = 0
-        patches = self.surface.averaging @ here
-        moved = pose @ np.linalg.inv(self.state.pose) if np.isfinite(self.state.pose).all() else np.eye(4)
-        self._carried = patches @ moved[:3, :3].T + moved[:3, 3]
+        # places to which patches would move if they stuck to the indenter: slip is measured from these
+        patches = self.surface.averaging @ positions
+        motion = pose @ np.linalg.inv(self.state.pose) if np.isfinite(self.state.pose).all() else np.eye(4)
+        self._carried = patches @ motion[:3, :3].T + motion[:3, 3]
         is_touching = self.state.forces.any(axis=1)
         self._openings = np.where(is_touching, 0.0, np.clip(self.state.gaps, 1e-9, APART))
         return len(self._faces) > 0 or self.state.is_touching
 
     def press(self, displacement: Array, forces: Array, sweeps: int, tolerance: float) -> tuple[Array, Array]:
-        """Better patch forces (m, 3) at a displacement (r, 3) that the given forces hold, and the gaps (m,) there."""
+        """Improve the patch forces at a displacement of the gel; return them (m, 3), m^2, and the gaps (m,), m.
+
+        Parameters
+        ----------
+        displacement : (r, 3) m
+            Displacement of the present iterate.
+        forces : (m, 3) m^2
+            Patch forces that belong to it, over Young's modulus.
+        sweeps : int
+            Most Gauss-Seidel sweeps over the patches.
+        tolerance : float
+            Relative change of the forces at which sweeps end.
+        """
         positions = self.rest + displacement[self.rows]
         self._looks += 1
-        if self._looks <= LOOKS:
+        if self._looks <= COVER_UPDATES:
             self._under = np.full((len(self._faces), len(self.surface.shapes)), -1, dtype=np.int8)
         gaps, normals, covers = patch_gaps(self.surface, self._faces, positions, self.relief, self._pose, self._under)
         patches = np.flatnonzero((gaps < MAY_TOUCH) | forces.any(axis=1))
+        # solve the contact of the patches that may touch
         improved = forces[patches]
         slips = (self.surface.averaging @ positions)[patches] - self._carried[patches]
         solve_contact(
@@ -126,11 +147,19 @@ class ContactPath:
         return pressed, gaps
 
     def accept_step(self, displacement: Array, forces: Array, gaps: Array) -> None:
-        """The pose headed for is solved."""
+        """Take an equilibrium at the pose of ``move_to`` as the new state.
+
+        Parameters
+        ----------
+        displacement : (r, 3) m
+        forces : (m, 3) m^2
+            Patch forces over Young's modulus.
+        gaps : (m,) m
+        """
         self.state = ContactState(self._pose, forces, displacement, gaps)
 
     def release(self) -> None:
-        """Nothing touches at the pose headed for: the gel is at rest."""
+        """Take the gel at rest as the state at the pose of ``move_to``, where nothing touches."""
         self.state = ContactState(
             self._pose,
             np.zeros_like(self.state.forces),
@@ -139,13 +168,21 @@ class ContactPath:
         )
 
     def wrench(self) -> Array:
-        """What the gel exerts on the indenter (6,), over Young's modulus, about the gel's origin."""
+        """Wrench (6,), m^2 and m^3, of the gel on the indenter over Young's modulus, about the gel's origin."""
         places = self.surface.averaging @ (self.rest + self.state.displacement[self.rows])
         return -np.concatenate([self.state.forces.sum(axis=0), np.cross(places, self.state.forces).sum(axis=0)])
 
 
 def way_points(start: Array, end: Array, parts: int) -> list[Array]:
-    """Poses (4, 4) that lead from one to another in equal parts, the last one included."""
+    """Interpolated poses (4, 4) from ``start``, excluded, to ``end``, included, in equal parts.
+
+    Parameters
+    ----------
+    start, end : (4, 4)
+        Positions are interpolated linearly, rotations by slerp.
+    parts : int
+        Number of poses returned.
+    """
     turns = Slerp([0.0, 1.0], Rotation.from_matrix([start[:3, :3], end[:3, :3]]))
     poses = []
     for share in np.arange(1, parts + 1) / parts:

@@ -1,4 +1,4 @@
-"""How far each patch of the gel's surface is from an indenter, and which way the indenter faces there."""
+"""Distance of each patch of the gel's surface from an indenter, and the indenter's normal there."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from tactiledata.gel.contact.relief import PITCH, IndenterRelief
 from tactiledata.gel.mesh.surface import ContactSurface
 
 LEAST_COVER = 0.1
-"""Share of a patch that must lie under the indenter for the patch to take part."""
+"""Smallest share of a patch under the indenter at which the patch can touch."""
 APART = 1.0
-"""m: the gap of patches that the indenter does not cover."""
+"""Gap, m, that stands for no contact: that of patches which the indenter does not cover."""
 
 
 def patch_gaps(
@@ -24,22 +24,27 @@ def patch_gaps(
     pose: Array,
     under: NDArray[np.int8],
 ) -> tuple[Array, Array, Array]:
-    """Mean gaps (m,), m, negative where they overlap, unit normals (m, 3) out of the indenter, and covers (m,).
+    """Return mean gaps (m,), m, unit normals (m, 3) out of the indenter, and covers (m,) of all patches.
 
-    A patch's cover is the share of it that lies under the indenter; only those points count. Patches of which less
-    than ``LEAST_COVER`` is covered, and those outside ``faces``, have the gap ``APART``.
+    Gaps are negative where gel and indenter overlap. A patch's cover is the share of it that lies under the indenter;
+    only covered points enter its gap. Patches of which less than ``LEAST_COVER`` is covered, and those outside
+    ``faces``, have the gap ``APART``.
 
     Parameters
     ----------
+    surface : ContactSurface
+        Faces, patches and integration points.
     faces : (k,)
-        Where to look.
+        Numbers of the faces that are searched.
     positions : (s, 3) m
-        Surface nodes, displaced, gel frame.
+        Displaced surface nodes, gel frame.
+    relief : IndenterRelief
+        Underside of the indenter.
     pose : (4, 4)
-        gel_from_indenter.
+        gel_from_indenter, metres.
     under : (k, q) int8
-        Whether each point of the faces is under the indenter: 1 or 0, or -1 for those that are to be found out now;
-        the answer is written there.
+        Whether each point of the faces is under the indenter: 1 or 0; a point marked -1 is decided now, and the answer
+        is written there.
     """
     count = len(surface.patch_areas)
     gaps, covers, normals = np.zeros(count), np.zeros(count), np.zeros((count, 3))
@@ -62,6 +67,7 @@ def patch_gaps(
         covers,
         normals,
     )
+    # from sums over points to means over the covered part of each patch
     shares = covers / surface.patch_areas
     is_covered = shares > LEAST_COVER
     gaps = np.where(is_covered, gaps / np.where(is_covered, covers, 1.0), APART)
@@ -72,19 +78,31 @@ def patch_gaps(
 
 
 def height_above(positions: Array, relief: IndenterRelief, pose: Array) -> Array:
-    """Gaps (n,), m, along the indenter's axis at positions (n, 3), gel frame; ``APART`` where it is not above."""
-    inside = (positions - pose[:3, 3]) @ pose[:3, :3]
-    i = np.rint((inside[:, 0] - relief.origin[0]) / PITCH).astype(np.int64)
-    j = np.rint((inside[:, 1] - relief.origin[1]) / PITCH).astype(np.int64)
+    """Distance (n,), m, from positions (n, 3), gel frame, up to the indenter along its axis.
+
+    It is negative inside the indenter, and ``APART`` where the indenter is not above.
+
+    Parameters
+    ----------
+    positions : (n, 3) m
+        Points in the gel frame.
+    relief : IndenterRelief
+        Underside of the indenter.
+    pose : (4, 4)
+        gel_from_indenter, metres.
+    """
+    local = (positions - pose[:3, 3]) @ pose[:3, :3]
+    i = np.rint((local[:, 0] - relief.origin[0]) / PITCH).astype(np.int64)
+    j = np.rint((local[:, 1] - relief.origin[1]) / PITCH).astype(np.int64)
     rows, columns = relief.heights.shape
     is_near = (i >= 0) & (i < rows) & (j >= 0) & (j < columns)
     i, j = np.clip(i, 0, rows - 1), np.clip(j, 0, columns - 1)
-    return np.where(is_near & relief.covered[i, j], relief.heights[i, j] - inside[:, 2], APART)
+    return np.where(is_near & relief.covered[i, j], relief.heights[i, j] - local[:, 2], APART)
 
 
 @njit(nogil=True, cache=True)
 def _gather_gaps(
-    looked_at: Indices,
+    searched: Indices,
     faces: Indices,
     face_corners: Indices,
     shapes: Array,
@@ -96,34 +114,36 @@ def _gather_gaps(
     heights: Array,
     covered: NDArray[np.bool_],
     rotation: Array,
-    tip: Array,
+    origin: Array,
     under: NDArray[np.int8],
     gaps: Array,
     covers: Array,
     normals: Array,
 ) -> None:
+    """Add area, area times gap and area times normal of each covered point to the patches of its face."""
     points, nodes = shapes.shape
     corners = corner_shapes.shape[1]
     rows, columns = heights.shape
-    for place_of_face, face in enumerate(looked_at):
+    for row, face in enumerate(searched):
         for q in range(points):
-            if under[place_of_face, q] == 0:
+            if under[row, q] == 0:
                 continue
+            # the point in the indenter's frame, in units of the relief's grid
             x = y = z = 0.0
             for n in range(nodes):
-                place = positions[faces[face, n]]
-                x += shapes[q, n] * place[0]
-                y += shapes[q, n] * place[1]
-                z += shapes[q, n] * place[2]
-            x -= tip[0]
-            y -= tip[1]
-            z -= tip[2]
+                position = positions[faces[face, n]]
+                x += shapes[q, n] * position[0]
+                y += shapes[q, n] * position[1]
+                z += shapes[q, n] * position[2]
+            x -= origin[0]
+            y -= origin[1]
+            z -= origin[2]
             across = (rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z - origin_x) / PITCH
             along = (rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z - origin_y) / PITCH
             is_near = 0.0 <= across < rows - 1 and 0.0 <= along < columns - 1
-            if under[place_of_face, q] < 0:
+            if under[row, q] < 0:
                 is_under = is_near and covered[int(across + 0.5), int(along + 0.5)]
-                under[place_of_face, q] = 1 if is_under else 0
+                under[row, q] = 1 if is_under else 0
                 if not is_under:
                     continue
             if not is_near:
@@ -131,6 +151,7 @@ def _gather_gaps(
                 along = min(max(along, 0.0), columns - 1.001)
             i, j = int(across), int(along)
             a, b = across - i, along - j
+            # height and slope of the relief, bilinear
             h00, h10, h01, h11 = heights[i, j], heights[i + 1, j], heights[i, j + 1], heights[i + 1, j + 1]
             height = (1 - a) * ((1 - b) * h00 + b * h01) + a * ((1 - b) * h10 + b * h11)
             slope_x = ((1 - b) * (h10 - h00) + b * (h11 - h01)) / PITCH

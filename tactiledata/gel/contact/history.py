@@ -1,4 +1,4 @@
-"""What is asked of a gel engine, and what it answers."""
+"""A trajectory that a gel engine is asked to simulate, and its answer at each frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tactiledata.indenters.base import Indenter
 
 
 class FrameStatus(IntEnum):
-    """What became of a frame."""
+    """Outcome of a simulated frame: solved, without contact, or why it could not be solved."""
 
     SOLVED = 0
     NO_CONTACT = 1
@@ -25,7 +25,7 @@ class FrameStatus(IntEnum):
 
     @property
     def reason(self) -> str:
-        """In words."""
+        """The outcome in words, for a user."""
         return _REASONS[self]
 
 
@@ -41,11 +41,12 @@ _REASONS = {
 
 @dataclass(frozen=True)
 class GelTouch:
-    """One trajectory of one indenter.
+    """One trajectory of one indenter relative to the gel.
 
     Parameters
     ----------
     indenter : Indenter
+        Shape that presses.
     poses : (n, 4, 4)
         gel_from_indenter at each frame, in the order of time, metres; NaN where unknown.
     """
@@ -56,26 +57,28 @@ class GelTouch:
 
 @dataclass(frozen=True)
 class GelHistory:
-    """What the gel did at the n frames of one trajectory.
+    """Answer of the gel at the n frames of one trajectory.
 
     Rows of frames that could not be solved are NaN; their ``status`` says why.
 
     Parameters
     ----------
     wrench : (n, 6) N, N m
-        What the gel exerts on the indenter, gel frame, torque about the gel's origin: pressing gives fz > 0.
+        Wrench of the gel on the indenter, gel frame, torque about the gel's origin: pressing gives fz > 0.
     displacement : (n, v, 3) m, float32
-        Of the nodes that were kept, gel frame.
+        Displacement of the nodes that were kept, gel frame.
     node_forces : (n, s, 3) N, float32
-        What the indenter exerts on each surface node.
+        Force of the indenter on each surface node, gel frame.
     gaps : (n, m) m, float32
         Mean distance of each patch from the indenter; 0 in contact.
-    status : (n,) int8, of ``FrameStatus``
+    status : (n,) int8
+        Values of ``FrameStatus``.
     residual : (n,)
         Largest unbalanced nodal force over the largest contact force.
     iterations : (n,) int
+        Solver iterations that each frame took.
     pressed : (n, m) bool
-        Which patches the indenter presses; false where a frame was not solved.
+        True for patches that the indenter presses; false where a frame was not solved.
     """
 
     wrench: Array

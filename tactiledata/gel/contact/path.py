@@ -1,4 +1,4 @@
-"""From a touch's frames to load steps: which frames can be solved, and through which poses they are reached."""
+"""Which frames of a trajectory can be solved, and the load steps (intermediate poses) that lead to each."""
 
 from __future__ import annotations
 
@@ -12,20 +12,26 @@ from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.gel.contact.relief import IndenterRelief
 
 DEEPEST = 0.5
-"""Share of the pad's thickness beyond which nothing is solved: cells would be crushed."""
+"""Deepest overlap that is solved, as a share of the pad's thickness: beyond it cells would be crushed."""
 LEVER = 4e-3
-"""m: a turn moves what touches by its angle times this."""
+"""Lever, m, that turns a rotation of the indenter into the motion of the touching surface."""
 HALVINGS = 10
-"""Of the way, to find where an indenter first touches."""
+"""Bisections of a motion to find the pose of first contact."""
 
 
 def judge_pose(pose: Array, rest: Array, relief: IndenterRelief, thickness: float) -> FrameStatus:
-    """What can be said of a frame before it is solved; ``SOLVED`` where it can be.
+    """Return why a frame cannot be solved, or ``SOLVED`` where it can be.
 
     Parameters
     ----------
-    pose : (4, 4), gel_from_indenter
-    rest : (s, 3) m, undeformed surface nodes
+    pose : (4, 4)
+        gel_from_indenter, metres; NaN where unknown.
+    rest : (s, 3) m
+        Undeformed surface nodes, gel frame.
+    relief : IndenterRelief
+        Underside of the indenter.
+    thickness : m
+        Thickness of the pad.
     """
     if not np.isfinite(pose).all():
         return FrameStatus.POSE_MISSING
@@ -42,31 +48,39 @@ def judge_pose(pose: Array, rest: Array, relief: IndenterRelief, thickness: floa
 def load_steps(
     start: Array, end: Array, rest: Array, relief: IndenterRelief, is_touching: bool, finer: int
 ) -> list[Array]:
-    """Poses (4, 4) on the way to a frame, the frame's own last, none of them far from the one before.
+    """Return poses (4, 4) that lead to a frame in steps of at most ``LARGEST_STEP``; the last one is the frame's own.
 
-    Where nothing touched before, the way through the air is left out.
+    Where nothing touched at the start, the part of the motion through the air is left out.
 
     Parameters
     ----------
-    start, end : (4, 4), gel_from_indenter
-    finer : factor on the number of steps
+    start, end : (4, 4)
+        gel_from_indenter at the last solved pose (NaN where there is none) and at the frame, metres.
+    rest : (s, 3) m
+        Undeformed surface nodes, gel frame.
+    relief : IndenterRelief
+        Underside of the indenter.
+    is_touching : bool
+        Whether the indenter presses the gel at ``start``.
+    finer : int
+        Factor on the number of steps.
     """
     if not is_touching:
         start = _first_touch(start, end, rest, relief)
     turn = Rotation.from_matrix(start[:3, :3].T @ end[:3, :3]).magnitude()
-    way = float(np.linalg.norm(end[:3, 3] - start[:3, 3])) + LEVER * float(turn)
-    return way_points(start, end, finer * max(1, int(np.ceil(way / LARGEST_STEP - 1e-6))))
+    distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3])) + LEVER * float(turn)
+    return way_points(start, end, finer * max(1, int(np.ceil(distance / LARGEST_STEP - 1e-6))))
 
 
 def _first_touch(start: Array, end: Array, rest: Array, relief: IndenterRelief) -> Array:
-    """The pose on the way at which the indenter comes to touch the undeformed surface, or ``end``."""
+    """Return the pose between start and end at which the indenter first touches the undeformed surface, or ``end``."""
     if height_above(rest, relief, end).min() >= 0:
         return end
     if not np.isfinite(start).all() or height_above(rest, relief, start).min() < 0:
-        # nothing is known of how it came there: straight along its own axis
-        back = end.copy()
-        back[:3, 3] += end[:3, 2] * -float(np.clip(height_above(rest, relief, end).min(), -APART, 0.0))
-        return back
+        # the motion to this pose is unknown: assume a straight one along the indenter's own axis
+        retracted = end.copy()
+        retracted[:3, 3] += end[:3, 2] * -float(np.clip(height_above(rest, relief, end).min(), -APART, 0.0))
+        return retracted
     free, touching = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = (free + touching) / 2
@@ -79,6 +93,7 @@ def _first_touch(start: Array, end: Array, rest: Array, relief: IndenterRelief) 
 
 
 def _between(start: Array, end: Array, share: float) -> Array:
+    """Pose (4, 4) at a share of the way from start to end, with the rotation of the end."""
     if share <= 0:
         return start
     pose = end.copy()

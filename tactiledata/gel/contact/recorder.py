@@ -1,4 +1,4 @@
-"""The frames of one trajectory as they are solved."""
+"""Arrays of one trajectory's answer, filled frame by frame."""
 
 from __future__ import annotations
 
@@ -16,14 +16,20 @@ Keep = Literal["all", "surface", "none"]
 
 
 class FrameRecorder:
-    """Rows of a ``GelHistory``, NaN until a frame is solved.
+    """Arrays of a ``GelHistory``; the row of a frame is NaN until it is solved.
 
     Parameters
     ----------
-    count : frames
-    mesh, surface : what the arrays' rows belong to
+    count : int
+        Number of frames.
+    mesh : PadMesh
+        Gives the number of nodes.
+    surface : ContactSurface
+        Gives the surface nodes and the patches.
     youngs_modulus : Pa
-    keep : which nodes' displacements are kept
+        Factor on wrenches and forces, which are solved for a modulus of 1.
+    keep : "all", "surface" or "none"
+        Nodes whose displacements are kept.
     """
 
     def __init__(self, count: int, mesh: PadMesh, surface: ContactSurface, youngs_modulus: float, keep: Keep) -> None:
@@ -40,12 +46,21 @@ class FrameRecorder:
         self.residual = np.full(count, np.nan)
         self.iterations = np.zeros(count, dtype=np.int64)
 
-    def keep(self, frame: int, walk: ContactPath, residual: float) -> None:
-        """The contact of a frame is solved; ``put_displacement`` follows."""
-        self.wrench[frame] = walk.wrench() * self._modulus
-        self.node_forces[frame] = self._surface.averaging.T @ walk.state.forces * self._modulus
-        self.gaps[frame] = walk.state.gaps
-        self.pressed[frame] = walk.state.forces.any(axis=1)
+    def keep(self, frame: int, path: ContactPath, residual: float) -> None:
+        """Record the solved contact of a frame; ``put_displacement`` must follow.
+
+        Parameters
+        ----------
+        frame : int
+        path : ContactPath
+            Its state is the equilibrium.
+        residual : float
+            Largest unbalanced nodal force over the largest contact force.
+        """
+        self.wrench[frame] = path.wrench() * self._modulus
+        self.node_forces[frame] = self._surface.averaging.T @ path.state.forces * self._modulus
+        self.gaps[frame] = path.state.gaps
+        self.pressed[frame] = path.state.forces.any(axis=1)
         is_touching = bool(self.pressed[frame].any())
         self.status[frame] = FrameStatus.SOLVED if is_touching else FrameStatus.NO_CONTACT
         self.residual[frame] = residual
@@ -56,19 +71,19 @@ class FrameRecorder:
         return self.displacement.shape[1] > 0
 
     def put_displacement(self, frame: int, displacement: Array) -> None:
-        """All nodes' displacements (v, 3), m, of a frame; those that are kept are."""
+        """Record the displacements of a frame, from those of all nodes (v, 3), m."""
         self.displacement[frame] = displacement if self._rows is None else displacement[self._rows]
 
     def put_rest(self, frame: int) -> None:
-        """Nothing moved at a frame."""
+        """Record zero displacement at a frame."""
         self.displacement[frame] = 0.0
 
     def give_up(self, frame: int, status: FrameStatus) -> None:
-        """A frame that has no solution, and why."""
+        """Record why a frame has no solution."""
         self.status[frame] = status
 
     def history(self) -> GelHistory:
-        """What was recorded."""
+        """Return the arrays as the answer of the engine."""
         return GelHistory(
             self.wrench,
             self.displacement,

@@ -1,4 +1,4 @@
-"""An indenter as a relief: the height of its underside over a fine grid, quick to look up."""
+"""Height map of an indenter's underside on a fine grid, for fast distances."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from tactiledata.errors import UsageError
 from tactiledata.indenters.base import Indenter
 
 PITCH = 2e-5
-"""m: a ball of 2 mm radius is met within 0.03 micrometres between grid points."""
+"""Spacing of the grid, m: interpolation errs by 0.03 micrometres for a ball of 2 mm radius."""
 REACH = 3e-3
-"""m above the tip: no gel is pressed deeper than its thickness, so that higher parts never touch."""
+"""Height above the tip, m, beyond which a body never touches: no gel is pressed deeper than its thickness."""
 WIDEST = 15e-3
-"""m from the tip along x and y: beyond the largest pad."""
+"""Largest distance from the tip along x and y, m, that is mapped: it is beyond the largest pad."""
 
 
 @dataclass(frozen=True)
 class IndenterRelief:
-    """Underside of an indenter in its own frame.
+    """Height map of an indenter's underside in its own frame, tip at the origin and z into the body.
 
     Parameters
     ----------
-    origin : (x, y) m of the first grid point
+    origin : (x, y) m
+        Place of the first grid point.
     heights : (n, m) m
-        Lowest z of the body, continued flat beyond its outline.
+        Lowest z of the body, rows over x and columns over y, continued flat beyond its outline.
     covered : (n, m) bool
         Whether the body is above the point at all.
     """
@@ -39,14 +40,14 @@ class IndenterRelief:
 
 
 def indenter_relief(indenter: Indenter) -> IndenterRelief:
-    """The relief of an indenter.
+    """Return the height map of an indenter's underside.
 
-    Only what can be seen from below counts: undercuts and vertical walls take no pressure.
+    Only surfaces visible from below count: undercuts and vertical walls take no pressure.
 
     Raises
     ------
     UsageError
-        An indenter with nothing near its tip, as when its mesh's origin is not at the tip.
+        Nothing of the indenter lies near its tip, as when its mesh's origin is not at the tip.
     """
     bounds = np.asarray(indenter.mesh().bounds)
     low = np.maximum(bounds[0, :2], -WIDEST) - 2 * PITCH
@@ -62,5 +63,6 @@ def indenter_relief(indenter: Indenter) -> IndenterRelief:
             "Move the mesh so that what touches first is at the origin, +z into the body; check the mesh's unit.",
             lowest=lowest,
         )
+    # points beyond the outline take the height of the nearest covered one
     nearest = distance_transform_edt(~covered, return_distances=False, return_indices=True)
     return IndenterRelief((float(x[0]), float(y[0])), np.ascontiguousarray(heights[tuple(nearest)]), covered)

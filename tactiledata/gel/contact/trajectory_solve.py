@@ -1,4 +1,4 @@
-"""A touch from its first frame to its last: which load step comes next, and what to do when one fails."""
+"""Order of work on one trajectory: which load step comes next, and what happens when one fails."""
 
 from __future__ import annotations
 
@@ -9,74 +9,81 @@ from tactiledata.gel.contact.path import judge_pose, load_steps
 from tactiledata.gel.contact.recorder import FrameRecorder
 
 FINEST = 4
-"""A load step that fails is tried in 2 and at last this many parts."""
+"""Largest factor on the number of load steps: a frame that fails is tried again with 2, then 4 times as many."""
 
 
 class TrajectorySolve:
-    """The order of work on one touch.
+    """Load steps of one trajectory, in order, with the frames recorded as they are solved.
 
     Parameters
     ----------
     number : int
-        Of the touch among those asked for.
+        Place of the trajectory among those that are simulated.
     touch : GelTouch
-    walk : ContactPath
+        Poses of the frames.
+    path : ContactPath
+        Contact of its indenter.
     recorder : FrameRecorder
-    thickness : m, of the pad
+        Takes the solved frames.
+    thickness : m
+        Thickness of the pad.
     """
 
     def __init__(
-        self, number: int, touch: GelTouch, walk: ContactPath, recorder: FrameRecorder, thickness: float
+        self, number: int, touch: GelTouch, path: ContactPath, recorder: FrameRecorder, thickness: float
     ) -> None:
         self.number = number
-        self.walk = walk
+        self.path = path
         self.recorder = recorder
         self._poses = touch.poses
         self._thickness = thickness
         self._frame = -1
         self._steps: list[Array] = []
         self._finer = 1
-        self._before: ContactState = walk.state
+        self._before: ContactState = path.state
 
     def next_step(self) -> bool:
-        """Head for the next load step; false where the touch has no more.
+        """Start the next load step that must be solved; return false where the trajectory has no more.
 
-        Frames that cannot be solved, and those in free air, are dealt with on the way.
+        Frames that cannot be solved, and those in free air, are recorded here and skipped.
         """
         while not self._steps:
             self._frame += 1
             if self._frame >= len(self._poses):
                 return False
             self._finer = 1
-            self._before = self.walk.state
+            self._before = self.path.state
             pose = self._poses[self._frame]
-            status = judge_pose(pose, self.walk.rest, self.walk.relief, self._thickness)
+            status = judge_pose(pose, self.path.rest, self.path.relief, self._thickness)
             if status != FrameStatus.SOLVED:
                 self.recorder.give_up(self._frame, status)
                 continue
             self._plan()
-        if self.walk.move_to(self._steps[0]):
+        if self.path.move_to(self._steps[0]):
             return True
-        self.walk.release()
+        self.path.release()
         frame = self.step_done(0.0)
         if frame is not None:
             self.recorder.put_rest(frame)
         return self.next_step()
 
     def step_done(self, residual: float) -> int | None:
-        """A load step is solved; the number of the frame that it completes, if it does."""
+        """Take the present load step as solved; return the frame that it completes, or ``None``."""
         self._steps.pop(0)
         if self._steps:
             return None
-        self.recorder.keep(self._frame, self.walk, residual)
+        self.recorder.keep(self._frame, self.path, residual)
         return self._frame
 
     def step_failed(self) -> bool:
-        """A load step found no equilibrium: once more in smaller steps from the last frame, or the frame is given up.
+        """Return to the last frame and plan smaller steps, or give the frame up where they are the finest.
 
-        Returns whether it is tried again.
+        Returns
+        -------
+        bool
+            Whether the frame is tried again.
         """
-        self.walk.state = self._before
+        self.path.state = self._before
         self._finer *= 2
         if self._finer > FINEST:
             self.recorder.give_up(self._frame, FrameStatus.NOT_CONVERGED)
@@ -86,11 +93,12 @@ class TrajectorySolve:
         return True
 
     def count(self, iterations: int) -> None:
-        """Iterations that the present frame took."""
+        """Add solver iterations to the count of the present frame."""
         self.recorder.iterations[self._frame] += iterations
 
     def _plan(self) -> None:
-        state = self.walk.state
+        """Set the load steps from the present state to the present frame."""
+        state = self.path.state
         self._steps = load_steps(
-            state.pose, self._poses[self._frame], self.walk.rest, self.walk.relief, state.is_touching, self._finer
+            state.pose, self._poses[self._frame], self.path.rest, self.path.relief, state.is_touching, self._finer
         )

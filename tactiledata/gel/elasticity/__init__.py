@@ -1,1 +1,11 @@
-"""How the pad resists deformation."""
+"""Which forces does a deformation of the pad need, and how does its surface move under loads?
+
+Read in this order:
+
+- ``material``, ``stiffening``: the neo-Hookean law, and Yeoh's terms beyond it;
+- ``stiffness``, ``internal_forces``: the linear stiffness at rest, and nodal forces at finite strain;
+- ``triangular``, ``compliance``: the factorised stiffness, fast solutions, and the response of the surface to loads;
+- ``mixing``: Anderson acceleration of the iterations at finite strain.
+
+The room imports ``gel.mesh`` only. It knows no contact and no indenter. Young's modulus is 1 in all of it.
+"""

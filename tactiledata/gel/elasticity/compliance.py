@@ -1,4 +1,4 @@
-"""A pad's stiffness, factorised once for each Poisson's ratio, and what its surface does under loads."""
+"""Factorised stiffness of a pad, and the displacement of its surface under unit loads (kept in a cache on disk)."""
 
 from __future__ import annotations
 
@@ -28,22 +28,25 @@ from tactiledata.gel.mesh.surface import ContactSurface
 BATCH = 96
 """Right-hand sides solved at once: the factor is read from memory once for all of them."""
 LAYOUT = 3
-"""Of the files that are kept; a change makes new ones."""
+"""Version of the cached files' layout; raising it makes new files."""
 
 
 @dataclass(frozen=True)
 class FactorisedPad:
-    """The linear pad, Young's modulus 1, ready to solve.
+    """Linear stiffness of a pad with Young's modulus 1, factorised for its free degrees of freedom.
 
     Parameters
     ----------
     mesh : PadMesh
-    stiffness : (3 v, 3 v) m
+        Mesh of v nodes.
     poisson_ratio : float
+        Below 0.5.
+    stiffness : (3 v, 3 v) m
+        Stiffness of all degrees of freedom.
     factor : SuperLU
-        Of the free degrees of freedom.
+        Factor of the part that is not held.
     digest : str
-        Of the mesh and of how stiff its cells are.
+        Hash of the mesh and of the cells' relative stiffness.
     """
 
     mesh: PadMesh
@@ -54,7 +57,17 @@ class FactorisedPad:
 
     @staticmethod
     def of(mesh: PadMesh, quadrature: CellQuadrature, poisson_ratio: float) -> FactorisedPad:
-        """Assemble and factorise, in the ordering for symmetric matrices."""
+        """Assemble and factorise the stiffness of a pad, in the ordering for symmetric matrices.
+
+        Parameters
+        ----------
+        mesh : PadMesh
+            Nodes, cells and base.
+        quadrature : CellQuadrature
+            Its weights carry factors on the cells' modulus.
+        poisson_ratio : float
+            Below 0.5.
+        """
         stiffness = linear_stiffness(mesh, quadrature, poisson_ratio)
         free = mesh.free
         reduced = csc_array(stiffness[free][:, free])
@@ -64,7 +77,7 @@ class FactorisedPad:
         return FactorisedPad(mesh, poisson_ratio, stiffness, factor, digest)
 
     def solve(self, forces: Array) -> Array:
-        """Displacements (b, v, 3), 1/m times the force's unit, under nodal forces (b, v, 3)."""
+        """Displacements (b, v, 3), m, under nodal forces (b, v, 3), m^2 (N over Young's modulus)."""
         count = len(forces)
         free = self.mesh.free
         right = np.asfortranarray(forces.reshape(count, -1)[:, free].T)
@@ -73,7 +86,7 @@ class FactorisedPad:
         return displacement.reshape(count, -1, 3)
 
     def solve_roughly(self, forces: Array, threads: Executor | None = None) -> Array:
-        """As ``solve``, to a relative error of about 1e-6, in a fraction of the time."""
+        """Displacements as by ``solve``, with a relative error of about 1e-6, in a fraction of the time."""
         count = len(forces)
         free = self.mesh.free
         displacement = np.zeros((count, 3 * len(self.mesh.vertices)))
@@ -81,29 +94,29 @@ class FactorisedPad:
         return displacement.reshape(count, -1, 3)
 
     def solve_refined(self, forces: Array) -> Array:
-        """As ``solve``, to a relative error of about 1e-11, in less time."""
+        """Displacements as by ``solve``, with a relative error of about 1e-11, in less time."""
         displacement = self.solve_roughly(forces)
         count = len(forces)
-        left = forces.reshape(count, -1) - (self.stiffness @ displacement.reshape(count, -1).T).T
-        return displacement + self.solve_roughly(left.reshape(forces.shape))
+        residual = forces.reshape(count, -1) - (self.stiffness @ displacement.reshape(count, -1).T).T
+        return displacement + self.solve_roughly(residual.reshape(forces.shape))
 
     @cached_property
     def blocks(self) -> BlockFactor:
-        """The factor in single precision."""
+        """Factor in single precision, for fast approximate solutions."""
         return BlockFactor.of(self.factor)
 
 
 def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:
-    """Displacements of the surface nodes by unit patch forces: (s, 3, m, 3), 1/m, Young's modulus 1.
+    """Displacements of surface nodes under unit patch forces: (s, 3, m, 3), 1/m, for a Young's modulus of 1.
 
-    Kept on disk, by mesh and Poisson's ratio, in ``cache_folder``; a file that cannot be read is made again.
+    The result is cached on disk in ``cache_folder``, by mesh and Poisson's ratio; an unreadable file is made again.
     """
     key = f"{pad.digest[:24]}-{pad.poisson_ratio!r}-{LAYOUT}"
     path = cache_folder() / "gel" / f"{key}.npy"
     shape = (len(surface.nodes), 3, len(surface.corners), 3)
-    kept = _load(path, shape)
-    if kept is not None:
-        return kept
+    cached = _load(path, shape)
+    if cached is not None:
+        return cached
     response = _solve_response(pad, surface).reshape(shape)
     content = io.BytesIO()
     np.save(content, response, allow_pickle=False)
@@ -114,52 +127,60 @@ def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.
 
 
 def cache_folder() -> Path:
-    """Where results that can be computed again are kept: ``TACTILEDATA_CACHE``, or the user's cache folder."""
-    named = os.environ.get("TACTILEDATA_CACHE")
-    if named:
-        return Path(named)
+    """Folder of results that can be computed again: ``TACTILEDATA_CACHE``, or the user's cache folder."""
+    override = os.environ.get("TACTILEDATA_CACHE")
+    if override:
+        return Path(override)
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tactiledata"
 
 
 def _load(path: Path, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
+    """Read a cached array, or return ``None`` where it is missing, damaged or of another shape."""
     try:
-        kept = np.load(path, allow_pickle=False)
+        cached = np.load(path, allow_pickle=False)
     except (OSError, ValueError):
         return None
-    return kept if kept.shape == shape and kept.dtype == np.float32 else None
+    return cached if cached.shape == shape and cached.dtype == np.float32 else None
 
 
 def _solve_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.float32]:
+    """Displacements (3 s, 3 m), 1/m, of surface nodes under a unit force on each patch and axis."""
     free = pad.mesh.free
     rows = np.full(3 * len(pad.mesh.vertices), -1)
     rows[free] = np.arange(len(free))
-    seen = rows[(3 * surface.nodes[:, None] + np.arange(3)).ravel()]
+    surface_rows = rows[(3 * surface.nodes[:, None] + np.arange(3)).ravel()]
     spread = surface.averaging.T.tocsc()
     count = len(surface.corners)
-    response = np.zeros((len(seen), 3 * count), dtype=np.float32)
+    response = np.zeros((len(surface_rows), 3 * count), dtype=np.float32)
     per_batch = BATCH // 3
-    # threads share the loads; products that start threads of their own only get in the way
+    # loads are divided among threads; BLAS products must not start threads of their own beside them
     with (
         ThreadpoolController().limit(limits=1, user_api="blas"),
         ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads,
     ):
         for start in range(0, count, per_batch):
             columns = range(start, min(start + per_batch, count))
+            # nodal forces of a unit force on each patch of the batch, along each axis
             loads = np.zeros((3 * len(columns), len(free)))
             for place, column in enumerate(columns):
                 entries = slice(spread.indptr[column], spread.indptr[column + 1])
                 for axis in range(3):
-                    loaded = rows[3 * surface.nodes[spread.indices[entries]] + axis]
-                    is_free = loaded >= 0
-                    loads[3 * place + axis, loaded[is_free]] = spread.data[entries][is_free]
-            # single precision serves: the response is kept so, and is symmetrical in what contact uses of it
-            moved = pad.blocks.solve(loads, threads)
-            response[:, 3 * start : 3 * start + len(loads)] = np.where(seen[:, None] >= 0, moved.T[seen], 0.0)
+                    load_rows = rows[3 * surface.nodes[spread.indices[entries]] + axis]
+                    is_free = load_rows >= 0
+                    loads[3 * place + axis, load_rows[is_free]] = spread.data[entries][is_free]
+            # single precision is enough: the response is stored so, and the compliance is made symmetric from it
+            displacement = pad.blocks.solve(loads, threads)
+            response[:, 3 * start : 3 * start + len(loads)] = np.where(
+                surface_rows[:, None] >= 0, displacement.T[surface_rows], 0.0
+            )
     return response
 
 
 def patch_compliance(response: NDArray[np.float32], surface: ContactSurface) -> NDArray[np.float32]:
-    """Mean displacements of patches by unit patch forces: (m, m, 3, 3), 1/m; block (i, j) maps a force on j to i."""
+    """Mean displacements of patches under unit patch forces: (m, m, 3, 3), 1/m; block (i, j) maps a force on j to i.
+
+    ``response`` is that of ``surface_response``; the result is made symmetric.
+    """
     count = len(surface.corners)
     flat = surface.averaging.astype(np.float32) @ response.reshape(len(surface.nodes), -1)
     blocks = flat.reshape(count, 3, count, 3).transpose(0, 2, 1, 3)

@@ -1,4 +1,4 @@
-"""Nodal forces of a deformed neo-Hookean pad, each deformation on a thread of its own."""
+"""Nodal forces of a pad at finite strain, neo-Hookean or with Yeoh's terms; deformations run on parallel threads."""
 
 from __future__ import annotations
 
@@ -16,21 +16,23 @@ from tactiledata.gel.mesh.cells import CellQuadrature
 from tactiledata.gel.mesh.pad import PadMesh
 
 NEO_HOOKEAN = Stiffening()
+"""The law without further terms."""
 LEAST_VOLUME_RATIO = 1e-3
-"""A quadrature point that is squeezed further is treated as squeezed to this, so that a wild iterate stays finite."""
+"""Smallest volume ratio J: smaller values are replaced by it, so that a diverging iterate stays finite."""
 
 
 @dataclass(frozen=True)
 class ElasticPad:
-    """What the forces of a mesh need.
+    """Arrays of a mesh from which nodal forces are computed.
 
     Parameters
     ----------
     cells : (c, n)
-    gradients : (c, n, 3, q), weights : (c, q)
-        See ``CellQuadrature``, the points last.
+        Nodes of each cell.
+    gradients : (c, n, 3, q) 1/m, weights : (c, q) m^3
+        As in ``CellQuadrature``, with the q points last.
     starts, places : (v + 1,), (c n,)
-        The entries of each node in the flattened cells: ``places[starts[i]:starts[i + 1]]``.
+        Entries of node i in the flattened cells: ``places[starts[i]:starts[i + 1]]``.
     """
 
     cells: Indices
@@ -41,7 +43,7 @@ class ElasticPad:
 
     @staticmethod
     def of(mesh: PadMesh, quadrature: CellQuadrature) -> ElasticPad:
-        """Gather what belongs to a mesh."""
+        """Return the arrays of a mesh and its quadrature."""
         flat = mesh.cells.ravel()
         counts = np.bincount(flat, minlength=len(mesh.vertices))
         starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
@@ -57,33 +59,48 @@ def internal_forces(
     threads: Executor | None = None,
     stiffening: Stiffening = NEO_HOOKEAN,
 ) -> Array:
-    """Forces (b, v, 3), m^2, that deformations (b, v, 3) need at the nodes, for a Young's modulus of 1.
+    """Nodal forces (b, v, 3), m^2, that hold b deformations of a pad, for a Young's modulus of 1.
 
-    The energy of a cell is that of ``GelMaterial`` with the change of volume J replaced by its mean over the cell
-    (Simo, Taylor and Pister, Comput. Methods Appl. Mech. Eng. 51, 1985): F becomes (mean J / J)^(1/3) F.
+    The energy of a cell is that of ``GelMaterial`` with the volume ratio J replaced by its mean over the cell (Simo,
+    Taylor and Pister, Comput. Methods Appl. Mech. Eng. 51, 1985): F becomes (mean J / J)^(1/3) F.
+
+    Parameters
+    ----------
+    pad : ElasticPad
+        Mesh of v nodes.
+    displacement : (b, v, 3) m
+        Displacements of all nodes.
+    poisson_ratio : float
+        Below 0.5.
+    threads : Executor, optional
+        Runs the b deformations in parallel; one after another by default.
+    stiffening : Stiffening
+        Yeoh's terms; none by default.
     """
     shear = 1.0 / (2.0 * (1.0 + poisson_ratio))
     lame = poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))
     c20, c30 = (0.5 * shear * ratio for ratio in (stiffening.c20, stiffening.c30))
     forces = np.empty_like(displacement)
 
-    def one(item: int) -> None:
-        by_cell = np.empty((pad.cells.size, 3))
-        _cell_forces(displacement[item], pad.cells, pad.gradients, pad.weights, shear, lame, c20, c30, by_cell)
-        _gather(by_cell, pad.starts, pad.places, forces[item])
+    def forces_of_item(item: int) -> None:
+        """Write the nodal forces of one deformation."""
+        cell_forces = np.empty((pad.cells.size, 3))
+        _cell_forces(displacement[item], pad.cells, pad.gradients, pad.weights, shear, lame, c20, c30, cell_forces)
+        _gather(cell_forces, pad.starts, pad.places, forces[item])
 
-    each: Iterable[None] = (map if threads is None else threads.map)(one, range(len(displacement)))
-    deque(each, maxlen=0)
+    work: Iterable[None] = (map if threads is None else threads.map)(forces_of_item, range(len(displacement)))
+    deque(work, maxlen=0)
     return forces
 
 
 @njit(nogil=True, cache=True)
-def _gather(by_cell: Array, starts: Indices, places: Indices, forces: Array) -> None:
+def _gather(cell_forces: Array, starts: Indices, places: Indices, forces: Array) -> None:
+    """Sum the cells' forces (c n, 3) on each node into ``forces`` (v, 3), always in the same order."""
     for node in range(len(forces)):
         for axis in range(3):
             total = 0.0
             for place in range(starts[node], starts[node + 1]):
-                total += by_cell[places[place], axis]
+                total += cell_forces[places[place], axis]
             forces[node, axis] = total
 
 
@@ -99,21 +116,25 @@ def _cell_forces(
     c30: float,
     out: Array,
 ) -> None:
-    """Forces of each cell on its nodes; the innermost loops run over a cell's points, so that they are vectorised."""
+    """Write the forces of each cell on its nodes to ``out`` (c n, 3), m^2.
+
+    The innermost loops run over a cell's points, so that they are vectorised.
+    """
     nodes, points = gradients.shape[1], gradients.shape[3]
     is_stiffening = c20 != 0.0 or c30 != 0.0
     f, stress = np.empty((9, points)), np.empty((9, points))
     ratios, squares, roots = np.empty(points), np.empty(points), np.empty(points)
     for cell in range(len(cells)):
         gradient, weight = gradients[cell], weights[cell]
+        # displacement gradient at the points; the identity is added below
         f[:] = 0.0
         for node in range(nodes):
-            moved = displacement[cells[cell, node]]
+            node_displacement = displacement[cells[cell, node]]
             for i in range(3):
                 for a in range(3):
                     row, slope = f[3 * i + a], gradient[node, a]
                     for q in range(points):
-                        row[q] += moved[i] * slope[q]
+                        row[q] += node_displacement[i] * slope[q]
         volume = mean_ratio = 0.0
         least = most = 1.0
         for q in range(points):
@@ -141,10 +162,10 @@ def _cell_forces(
             squares[q] = square
         mean_ratio = max(mean_ratio / volume, LEAST_VOLUME_RATIO)
         if least > 0.6 and most < 1.5:
-            # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps are exact in this range
+            # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps reach rounding in this range
             for q in range(points):
-                off = ratios[q] - 1.0
-                root = 1.0 - off * (1.0 / 3.0) + off * off * (2.0 / 9.0)
+                excess = ratios[q] - 1.0
+                root = 1.0 - excess * (1.0 / 3.0) + excess * excess * (2.0 / 9.0)
                 for _ in range(4):
                     root *= (4.0 - ratios[q] * root * root * root) * (1.0 / 3.0)
                 roots[q] = root * root
@@ -158,15 +179,17 @@ def _cell_forces(
         root = mean_ratio ** (-1.0 / 3.0)
         pressure *= shear / (3.0 * volume) * root
         pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
+        # first Piola-Kirchhoff stress times the weight
         for q in range(points):
             scale = shear * mean_ratio * root * roots[q]
             if is_stiffening:
                 strain = roots[q] * squares[q] - 3.0
                 scale += 2.0 * (2.0 * c20 + 3.0 * c30 * strain) * strain * roots[q]
-            along = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
+            pressure_factor = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
             scale *= weight[q]
             for k in range(9):
-                stress[k, q] = scale * f[k, q] + along * stress[k, q]
+                stress[k, q] = scale * f[k, q] + pressure_factor * stress[k, q]
+        # forces on the nodes: stress times the gradients of shape functions
         for node in range(nodes):
             for i in range(3):
                 force = 0.0

@@ -1,4 +1,4 @@
-"""What the gel is made of, and what the contact's friction is."""
+"""Material of the gel: Young's modulus, Poisson's ratio, and the friction of its surface."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from tactiledata.errors import UsageError
 
 LARGEST_POISSON_RATIO = 0.4999
-"""Beyond it the bulk modulus drowns everything else in rounding."""
+"""Largest Poisson's ratio: above it rounding errors of the bulk modulus hide all other terms."""
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,11 @@ class GelMaterial:
     Parameters
     ----------
     youngs_modulus : Pa
-    poisson_ratio : in (-1, 0.4999]
-    friction : Coulomb's coefficient of indenter on gel, >= 0
+        Positive.
+    poisson_ratio : float
+        In (-1, 0.4999].
+    friction : float
+        Coulomb's coefficient between indenter and gel, 0 or more.
 
     Raises
     ------
@@ -50,18 +53,18 @@ class GelMaterial:
             ),
             ("friction", self.friction, 0.0 <= self.friction < math.inf, "0 or more"),
         )
-        for name, value, holds, wanted in checks:
+        for name, value, holds, expected in checks:
             if not holds:
-                raise UsageError(f"the gel's {name} is {value!r}", wanted, "Correct the material.", value=value)
+                raise UsageError(f"the gel's {name} is {value!r}", expected, "Correct the material.", value=value)
 
     @property
     def shear_modulus(self) -> float:
-        """Lamé's mu, Pa."""
+        """Shear modulus (Lamé's mu), Pa."""
         return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     @property
     def lame_lambda(self) -> float:
-        """Lamé's lambda, Pa."""
+        """Lamé's first parameter lambda, Pa."""
         return (
             self.youngs_modulus * self.poisson_ratio / ((1.0 + self.poisson_ratio) * (1.0 - 2.0 * self.poisson_ratio))
         )

@@ -1,4 +1,4 @@
-"""Terms beyond neo-Hooke: how a gel stiffens as it is strained."""
+"""Yeoh's terms of the energy beyond neo-Hooke, by which a gel stiffens at large strain."""
 
 from __future__ import annotations
 
@@ -10,10 +10,16 @@ from tactiledata.errors import UsageError
 
 @dataclass(frozen=True)
 class Stiffening:
-    """Yeoh's further terms, W = C10 (I - 3) + C20 (I - 3)^2 + C30 (I - 3)^3, as ratios to C10 (O. H. Yeoh, Rubber Chem.
-    Technol. 63, 1990); I is the first invariant of the isochoric deformation, J^(-2/3) I1.
+    """Coefficients C20 and C30 of Yeoh's energy, as ratios to C10.
 
-    They vanish in the small-strain limit, so that E and nu keep their meaning; the linear fidelity does not see them.
+    W = C10 (I - 3) + C20 (I - 3)^2 + C30 (I - 3)^3, where I = J^(-2/3) I1 is the first invariant of the isochoric
+    deformation (O. H. Yeoh, Rubber Chem. Technol. 63, 1990). The further terms vanish in the small-strain limit, so
+    that E and nu keep their meaning; the linear fidelity ignores them.
+
+    Parameters
+    ----------
+    c20, c30 : float
+        Ratios to C10; 0 is neo-Hookean.
 
     Raises
     ------

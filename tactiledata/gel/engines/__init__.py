@@ -1,1 +1,11 @@
-"""The finite-element engine, linear and at finite strain."""
+"""How is a whole trajectory solved on a finite-element pad?
+
+Read in this order:
+
+- ``fem``: the engine ``fem``, assembled and condensed once for a mesh and a Poisson's ratio;
+- ``linear``: small strain, contact iterations on the condensed surface only;
+- ``finite_strain``: neo-Hookean finite strain, many trajectories in lockstep;
+- ``embedded``: the low-resolution solution interpolated to the high-resolution pad.
+
+The room combines ``gel.mesh``, ``gel.elasticity`` and ``gel.contact``, and adds no mechanics of its own.
+"""

@@ -1,4 +1,4 @@
-"""Engine ``fem``: the quasi-static finite-element pad, at finite strain or linear."""
+"""Engine ``fem``: a quasi-static finite-element pad, at finite strain or linear."""
 
 from __future__ import annotations
 
@@ -30,24 +30,31 @@ from tactiledata.indenters.base import Indenter
 Fidelity = Literal["finite-strain", "linear"]
 
 WIDTH = 16
-"""Trajectories in lockstep: a factor read once for all of them; more costs memory and gains little."""
+"""Trajectories solved in lockstep, which read the factor from memory once for all; more gain little."""
 
 
 class FemEngine:
-    """A pad of one mesh and one Poisson's ratio: assembled, factorised and condensed once, then pressed often.
+    """Pad of one mesh and one Poisson's ratio: assembled, factorised and condensed once for many trajectories.
 
     Parameters
     ----------
     mesh : PadMesh
+        Mesh of c cells.
     poisson_ratio : float
+        Of the gel.
     fidelity : "finite-strain" or "linear"
         ``linear`` is a preview: at 1 mm depth its forces are 5 to 20 % low.
     tolerance : m
-        Of finite strain: a load step is solved when no node moves further in an iteration.
+        At finite strain, a load step is solved when no node moves further than this in an iteration.
     stiffening : Stiffening
-        Of the law; none in the project's own gel.
+        Yeoh's terms of the law; none by default.
     modulus : (c,), optional
-        Factor on Young's modulus of each cell: a skin, a soft spot.
+        Factor on Young's modulus of each cell, for example for a skin or a soft spot.
+
+    Raises
+    ------
+    UsageError
+        An unknown fidelity, a Poisson's ratio out of range, or factors that are not positive.
     """
 
     def __init__(
@@ -79,7 +86,18 @@ class FemEngine:
     def play(
         self, touches: Sequence[GelTouch], material: GelMaterial, keep: Keep = "all", width: int = WIDTH
     ) -> Iterator[tuple[int, GelHistory]]:
-        """Solve trajectories, ``width`` of them in lockstep, and give each with its number when it is done.
+        """Solve trajectories, and yield the number and the answer of each when it is done.
+
+        Parameters
+        ----------
+        touches : sequence of GelTouch
+            Poses and indenters.
+        material : GelMaterial
+            Young's modulus and friction; its Poisson's ratio must be the engine's.
+        keep : "all", "surface" or "none"
+            Nodes whose displacements are returned.
+        width : int
+            Trajectories solved in lockstep at finite strain.
 
         Raises
         ------
@@ -92,21 +110,22 @@ class FemEngine:
                 f"that of the engine, {self.poisson_ratio}",
                 "Make an engine for it.",
             )
-        journeys = (self._journey(number, touch, material, keep) for number, touch in enumerate(touches))
+        trajectories = (self._prepare(number, touch, material, keep) for number, touch in enumerate(touches))
         if self.fidelity == "linear":
-            yield from LinearSolver(self._pad, self.surface, self._response).run(journeys)
+            yield from LinearSolver(self._pad, self.surface, self._response).run(trajectories)
         else:
             solver = FiniteStrainSolver(self._pad, self._elastic, self.surface, self._tolerance, self._stiffening)
-            yield from solver.run(journeys, width)
+            yield from solver.run(trajectories, width)
 
-    def _journey(self, number: int, touch: GelTouch, material: GelMaterial, keep: Keep) -> TrajectorySolve:
+    def _prepare(self, number: int, touch: GelTouch, material: GelMaterial, keep: Keep) -> TrajectorySolve:
+        """Prepare the solution of one trajectory, from the pad at rest."""
         nodes = self.surface.nodes
         is_linear = self.fidelity == "linear"
         patches = len(self.surface.corners)
-        nowhere = np.full((4, 4), np.nan)
-        moving = len(nodes) if is_linear else len(self.mesh.vertices)
-        state = ContactState(nowhere, np.zeros((patches, 3)), np.zeros((moving, 3)), np.full(patches, APART))
-        walk = ContactPath(
+        unknown_pose = np.full((4, 4), np.nan)
+        moving_nodes = len(nodes) if is_linear else len(self.mesh.vertices)
+        state = ContactState(unknown_pose, np.zeros((patches, 3)), np.zeros((moving_nodes, 3)), np.full(patches, APART))
+        path = ContactPath(
             self.surface,
             self._compliance,
             self.mesh.vertices[nodes],
@@ -116,9 +135,10 @@ class FemEngine:
             state,
         )
         recorder = FrameRecorder(len(touch.poses), self.mesh, self.surface, material.youngs_modulus, keep)
-        return TrajectorySolve(number, touch, walk, recorder, self.mesh.thickness)
+        return TrajectorySolve(number, touch, path, recorder, self.mesh.thickness)
 
     def _relief(self, indenter: Indenter) -> IndenterRelief:
+        """Return the height map of an indenter, computed once for each shape."""
         key = json.dumps(indenter.document, sort_keys=True)
         if key not in self._reliefs:
             self._reliefs[key] = indenter_relief(indenter)

@@ -1,4 +1,4 @@
-"""Many touches at finite strain in lockstep: one factor and one sweep over the cells serve all of them."""
+"""Solver at finite strain for many trajectories in lockstep, which share one factor and each sweep over the cells."""
 
 from __future__ import annotations
 
@@ -20,42 +20,57 @@ from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
 
 TOLERANCE = 2e-6
-"""m: a step is solved when no node moves further in an iteration."""
+"""Largest change of a node's position, m, in the iteration that completes a load step."""
 FORCE_TOLERANCE = 1e-2
-"""And no patch force changes by more than this share of the largest; their sum changes far less."""
+"""Largest change of a patch force in that iteration, as a share of the largest force; the sum changes far less."""
 PATIENCE = 20
-"""Iterations after which a step is taken ``LENIENCE`` times off the tolerances: at sharp rims a few patches keep
-trading force among themselves. The frame's residual tells."""
+"""Iterations after which the tolerances are ``LENIENCE`` times as large.
+
+At sharp rims a few patches keep exchanging force without converging. The frame's residual shows the remaining error."""
 LENIENCE = 4.0
+"""Factor on the tolerances after ``PATIENCE`` iterations."""
 MOST_ITERATIONS = 70
+"""Iterations after which a load step has failed."""
 SWEEPS = 8
-"""Of the contact solver in each iteration: the outer iterations do the rest."""
+"""Sweeps of the contact solver in each iteration; the outer iterations do the rest."""
 FARTHEST = 5e-3
-"""m: an iterate that moves a node further is lost."""
+"""Displacement of a node, m, beyond which an iterate has diverged."""
 BELOW_SURFACE = 3
-"""Every so manieth node below the surface measures how far an iterate is from the solution."""
+"""Stride of the interior nodes that enter the residual norm."""
 
 
 class LoadStepSolve:
-    """A journey with its iterate: the whole pad's displacement (v, 3), m, and the patch forces (m, 3), m^2."""
+    """One trajectory with the iterate of its present load step.
 
-    def __init__(self, journey: TrajectorySolve, tolerance: float, measured: Indices) -> None:
-        self.journey = journey
+    The iterate is the displacement (v, 3), m, of all nodes, and the patch forces (m, 3), m^2.
+
+    Parameters
+    ----------
+    trajectory : TrajectorySolve
+        Order of load steps.
+    tolerance : m
+        Largest change of a node's position in the iteration that completes a step.
+    measured : (k,) int
+        Places of the unknowns that enter the residual norm.
+    """
+
+    def __init__(self, trajectory: TrajectorySolve, tolerance: float, measured: Indices) -> None:
+        self.trajectory = trajectory
         self._tolerance = tolerance
-        state = journey.walk.state
+        state = trajectory.path.state
         self.displacement = state.displacement
         self.forces = state.forces
-        self.is_under_way = True
+        self.is_active = True
         self._iterations = 0
         self._mixer = SecantMixer(state.displacement.size + state.forces.size, measured)
         self._stride: tuple[Array, Array] | None = None
 
     def start_step(self) -> None:
-        """Begin the next load step where the last two lead, or end the journey."""
+        """Start the next load step, extrapolated from the last two, or end the trajectory."""
         self._iterations = 0
         self._mixer.start_step()
-        self.is_under_way = self.journey.next_step()
-        state = self.journey.walk.state
+        self.is_active = self.trajectory.next_step()
+        state = self.trajectory.path.state
         if not state.is_touching:
             self._forget()
         self.displacement, self.forces = state.displacement, state.forces
@@ -64,36 +79,50 @@ class LoadStepSolve:
             self.forces = self.forces + self._stride[1]
 
     def judge(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
-        """Take what an iteration led to: the step is solved, or lost, or goes on from a mixed iterate."""
+        """Take the result of an iteration: accept the step, give it up, or continue from an accelerated iterate.
+
+        Parameters
+        ----------
+        displacement : (v, 3) m
+            Result of the iteration.
+        forces : (m, 3) m^2
+            Patch forces over Young's modulus.
+        gaps : (m,) m
+            Distance of each patch from the indenter.
+        residual : float
+            Largest unbalanced nodal force over the largest contact force.
+        """
         self._iterations += 1
-        self.journey.count(1)
+        self.trajectory.count(1)
         change = float(np.abs(displacement - self.displacement).max()) / self._tolerance
         force_change = float(np.abs(forces - self.forces).max()) / (
             FORCE_TOLERANCE * max(float(np.abs(forces).max()), 1e-30) * self._tolerance / TOLERANCE
         )
+        # both changes are in units of their tolerance
         if max(change, force_change) < (LENIENCE if self._iterations > PATIENCE else 1.0):
             self._accept_step(displacement, forces, gaps, residual)
         elif self._iterations >= MOST_ITERATIONS or not np.abs(displacement).max() < FARTHEST:
             self._forget()
-            self.journey.step_failed()
+            self.trajectory.step_failed()
             self.start_step()
         else:
             self._mix(displacement, forces)
 
     def _accept_step(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
-        before = self.journey.walk.state
+        before = self.trajectory.path.state
         self._stride = (displacement - before.displacement, forces - before.forces)
-        self.journey.walk.accept_step(displacement, forces, gaps)
-        frame = self.journey.step_done(residual)
+        self.trajectory.path.accept_step(displacement, forces, gaps)
+        frame = self.trajectory.step_done(residual)
         if frame is not None:
-            self.journey.recorder.put_displacement(frame, displacement)
+            self.trajectory.recorder.put_displacement(frame, displacement)
         self.start_step()
 
     def _mix(self, displacement: Array, forces: Array) -> None:
+        """Set the next iterate by Anderson acceleration."""
         size = displacement.size
         point = np.concatenate([self.displacement.ravel(), self.forces.ravel()])
-        reached = np.concatenate([displacement.ravel(), forces.ravel()])
-        mixed = self._mixer.mix(point, reached)
+        image = np.concatenate([displacement.ravel(), forces.ravel()])
+        mixed = self._mixer.mix(point, image)
         self.displacement = mixed[:size].reshape(displacement.shape)
         self.forces = mixed[size:].reshape(forces.shape)
 
@@ -103,14 +132,20 @@ class LoadStepSolve:
 
 
 class FiniteStrainSolver:
-    """Modified Newton iterations with the stiffness at rest, accelerated, the contact solved within each.
+    """Accelerated modified Newton iterations with the stiffness at rest; contact is solved within each iteration.
 
     Parameters
     ----------
-    pad, elastic, surface : of one mesh
+    pad : FactorisedPad
+        Stiffness at rest of a mesh.
+    elastic : ElasticPad
+        Nodal forces of the same mesh.
+    surface : ContactSurface
+        Patches of the same mesh.
     tolerance : m
-        A step is solved when no node moves further in an iteration.
+        A load step is solved when no node moves further than this in an iteration.
     stiffening : Stiffening
+        Yeoh's terms of the law.
     """
 
     def __init__(
@@ -127,51 +162,53 @@ class FiniteStrainSolver:
         self._measured = _measured(pad.mesh, surface)
         self._libraries = ThreadpoolController()
 
-    def run(self, journeys: Iterator[TrajectorySolve], width: int) -> Iterator[tuple[int, GelHistory]]:
-        """Solve journeys, ``width`` at a time; a new one sets out when another has arrived."""
+    def run(self, trajectories: Iterator[TrajectorySolve], width: int) -> Iterator[tuple[int, GelHistory]]:
+        """Solve trajectories, ``width`` at a time, and yield the number and the answer of each when it is done."""
         active: list[LoadStepSolve] = []
         with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:
             while True:
-                while len(active) < width and (journey := next(journeys, None)) is not None:
-                    active.append(LoadStepSolve(journey, self._tolerance, self._measured))
+                while len(active) < width and (trajectory := next(trajectories, None)) is not None:
+                    active.append(LoadStepSolve(trajectory, self._tolerance, self._measured))
                     active[-1].start_step()
                 if not active:
                     return
-                for traveller in active:
-                    if not traveller.is_under_way:
-                        yield traveller.journey.number, traveller.journey.recorder.history()
-                active = [traveller for traveller in active if traveller.is_under_way]
+                for load_step in active:
+                    if not load_step.is_active:
+                        yield load_step.trajectory.number, load_step.trajectory.recorder.history()
+                active = [load_step for load_step in active if load_step.is_active]
                 if active:
-                    # threads share the travellers; products that start threads of their own only get in the way
+                    # trajectories are divided among threads; BLAS products must not start threads beside them
                     with self._libraries.limit(limits=1, user_api="blas"):
                         self._iterate(active, threads)
 
     def _iterate(self, active: list[LoadStepSolve], threads: ThreadPoolExecutor) -> None:
-        """One iteration of every traveller's load step."""
-        displacement = np.stack([traveller.displacement for traveller in active])
+        """Make one iteration of the load step of every active trajectory."""
+        displacement = np.stack([load_step.displacement for load_step in active])
         unbalanced = internal_forces(self._elastic, displacement, self._pad.poisson_ratio, threads, self._stiffening)
 
+        # contact forces at the present displacements, taken off the unbalanced forces
         def press(row: int) -> tuple[Array, Array]:
-            forces, gaps = active[row].journey.walk.press(
+            forces, gaps = active[row].trajectory.path.press(
                 displacement[row], active[row].forces, SWEEPS, FORCE_TOLERANCE / 10
             )
             unbalanced[row, self._surface.nodes] -= self._surface.averaging.T @ forces
             return forces, gaps
 
         pressed = list(threads.map(press, range(len(active))))
+        # modified Newton step with the stiffness at rest
         unbalanced[:, self._pad.mesh.base] = 0.0
-        reached = displacement - self._pad.solve_roughly(unbalanced, threads)
+        image = displacement - self._pad.solve_roughly(unbalanced, threads)
 
         def judge(row: int) -> None:
             forces, gaps = pressed[row]
             largest = float(np.abs(forces).max())
             residual = float(np.abs(unbalanced[row]).max()) / largest if largest > 0 else 0.0
-            active[row].judge(reached[row], forces, gaps, residual)
+            active[row].judge(image[row], forces, gaps, residual)
 
         list(threads.map(judge, range(len(active))))
 
 
 def _measured(mesh: PadMesh, surface: ContactSurface) -> Indices:
-    """Which unknowns (k,) of a flattened displacement (v, 3) tell how far an iterate is off."""
+    """Places (k,) of a flattened displacement (v, 3) that enter the residual norm: the surface and some inner nodes."""
     nodes = np.union1d(surface.nodes, np.arange(0, len(mesh.vertices), BELOW_SURFACE))
     return (3 * nodes[:, None] + np.arange(3)).ravel()

@@ -1,4 +1,4 @@
-"""Touches in the small-strain limit: contact on the condensed surface alone, the volume afterwards for all frames."""
+"""Solver in the small-strain limit: contact iterations on the condensed surface, the volume afterwards."""
 
 from __future__ import annotations
 
@@ -19,25 +19,32 @@ from tactiledata.gel.elasticity.compliance import BATCH, FactorisedPad
 from tactiledata.gel.mesh.surface import ContactSurface
 
 FORCE_TOLERANCE = 1e-4
-"""A step is solved when no patch force changes by more than this share of the largest."""
+"""Largest change of a patch force in the iteration that completes a load step, as a share of the largest force."""
 MOST_ITERATIONS = 60
+"""Iterations after which a load step has failed."""
 UNDAMPED = 10
 """Iterations after which only half of each change is made."""
 PATIENCE = 20
+"""Iterations after which the tolerance is ``LENIENCE`` times as large."""
 LENIENCE = 300.0
-"""After so many iterations, how far off the tolerance a step is taken: at narrow pins a few patches keep trading a
-hundredth of the largest force; the frame's residual tells."""
+"""Factor on the tolerance after ``PATIENCE`` iterations.
+
+At narrow pins a few patches keep exchanging a hundredth of the largest force. The frame's residual shows the error."""
 SWEEPS = 30
+"""Sweeps of the contact solver in each iteration."""
 
 
 class LinearSolver:
-    """Contact iterations with the surface's response; gaps and normals are taken where the surface has moved to.
+    """Contact iterations with the linear response of the surface; gaps and normals are those of the moved surface.
 
     Parameters
     ----------
-    pad, surface : of one mesh
-    response : (s, 3, m, 3)
-        See ``surface_response``.
+    pad : FactorisedPad
+        Stiffness of a mesh.
+    surface : ContactSurface
+        Patches of the same mesh.
+    response : (s, 3, m, 3) 1/m
+        Displacements of surface nodes under unit patch forces: see ``surface_response``.
     """
 
     def __init__(self, pad: FactorisedPad, surface: ContactSurface, response: NDArray[np.float32]) -> None:
@@ -45,55 +52,62 @@ class LinearSolver:
         # one row for each patch and direction: a step reads those of the pressed patches only
         self._by_patch = np.ascontiguousarray(response.transpose(2, 3, 0, 1)).reshape(*response.shape[2:], -1)
 
-    def run(self, journeys: Iterator[TrajectorySolve]) -> Iterator[tuple[int, GelHistory]]:
-        """Solve journeys, one on each thread."""
+    def run(self, trajectories: Iterator[TrajectorySolve]) -> Iterator[tuple[int, GelHistory]]:
+        """Solve trajectories, one on each thread, and yield the number and the answer of each, in order."""
         count = len(os.sched_getaffinity(0))
         with ThreadPoolExecutor(count) as threads, ThreadpoolController().limit(limits=1, user_api="blas"):
-            under_way = deque(threads.submit(self._play, journey) for journey in itertools.islice(journeys, 2 * count))
-            while under_way:
-                yield under_way.popleft().result()
-                under_way.extend(threads.submit(self._play, journey) for journey in itertools.islice(journeys, 1))
+            running = deque(
+                threads.submit(self._play, trajectory) for trajectory in itertools.islice(trajectories, 2 * count)
+            )
+            while running:
+                yield running.popleft().result()
+                running.extend(
+                    threads.submit(self._play, trajectory) for trajectory in itertools.islice(trajectories, 1)
+                )
 
-    def _play(self, journey: TrajectorySolve) -> tuple[int, GelHistory]:
-        kept: dict[int, Array] = {}
-        while journey.next_step():
-            frame = self._solve_step(journey)
+    def _play(self, trajectory: TrajectorySolve) -> tuple[int, GelHistory]:
+        """Solve all frames of one trajectory."""
+        frame_forces: dict[int, Array] = {}
+        while trajectory.next_step():
+            frame = self._solve_step(trajectory)
             if frame is not None:
-                kept[frame] = journey.walk.state.forces
-        if journey.recorder.keeps_displacement:
-            self._fill(journey, kept)
-        return journey.number, journey.recorder.history()
+                frame_forces[frame] = trajectory.path.state.forces
+        if trajectory.recorder.keeps_displacement:
+            self._fill(trajectory, frame_forces)
+        return trajectory.number, trajectory.recorder.history()
 
-    def _solve_step(self, journey: TrajectorySolve) -> int | None:
-        walk = journey.walk
-        forces, displacement = walk.state.forces, walk.state.displacement
+    def _solve_step(self, trajectory: TrajectorySolve) -> int | None:
+        """Solve the present load step, or report that it failed; return the frame that it completes, or ``None``."""
+        path = trajectory.path
+        forces, displacement = path.state.forces, path.state.displacement
         for iteration in range(MOST_ITERATIONS):
-            pressed, gaps = walk.press(displacement, forces, SWEEPS, FORCE_TOLERANCE / 10)
-            journey.count(1)
+            pressed, gaps = path.press(displacement, forces, SWEEPS, FORCE_TOLERANCE / 10)
+            trajectory.count(1)
             change = float(np.abs(pressed - forces).max()) / max(float(np.abs(pressed).max()), 1e-30)
-            # contact at edges can go to and fro between two answers; the middle is nearer
+            # contact at edges can alternate between two solutions; their mean is nearer
             share = 1.0 if iteration < UNDAMPED else 0.5
             forces = forces + share * (pressed - forces)
             displacement = self._surface_displacement(forces)
             if change <= FORCE_TOLERANCE * (1.0 if iteration < PATIENCE else LENIENCE):
-                walk.accept_step(displacement, forces, gaps)
-                return journey.step_done(change)
-        journey.step_failed()
+                path.accept_step(displacement, forces, gaps)
+                return trajectory.step_done(change)
+        trajectory.step_failed()
         return None
 
     def _surface_displacement(self, forces: Array) -> Array:
+        """Displacements (s, 3), m, of surface nodes under patch forces (m, 3), m^2."""
         pressed = np.flatnonzero(forces.any(axis=1))
         columns = self._by_patch[pressed].reshape(3 * len(pressed), self._by_patch.shape[-1])
         displacement = forces[pressed].astype(np.float32).ravel() @ columns
         return displacement.astype(float).reshape(-1, 3)
 
-    def _fill(self, journey: TrajectorySolve, kept: dict[int, Array]) -> None:
-        """The volume's displacement of all frames that were solved."""
-        frames = list(kept)
+    def _fill(self, trajectory: TrajectorySolve, frame_forces: dict[int, Array]) -> None:
+        """Record the displacements of all nodes in the solved frames, from patch forces (m, 3) of each frame."""
+        frames = list(frame_forces)
         for start in range(0, len(frames), BATCH):
             part = frames[start : start + BATCH]
             loads = np.zeros((len(part), len(self._pad.mesh.vertices), 3))
             for row, frame in enumerate(part):
-                loads[row, self._surface.nodes] = self._surface.averaging.T @ kept[frame]
+                loads[row, self._surface.nodes] = self._surface.averaging.T @ frame_forces[frame]
             for frame, displacement in zip(part, self._pad.solve_refined(loads), strict=True):
-                journey.recorder.put_displacement(frame, displacement)
+                trajectory.recorder.put_displacement(frame, displacement)

@@ -1,4 +1,4 @@
-"""Engine ``mujoco-flex``: MuJoCo's own soft body on the same pad, to compare with, not to work with."""
+"""Engine ``mujoco-flex``: MuJoCo's soft body on the same pad, for comparison only."""
 
 from __future__ import annotations
 
@@ -21,30 +21,31 @@ from tactiledata.gel.mesh.surface import contact_surface
 from tactiledata.gel.scene.mujoco_package import load_mujoco
 
 MOVES = 2
-"""Time steps for each part of the way to a frame."""
+"""Time steps for each load step."""
 WINDOW = 10
-"""Time steps over which a frame's forces are averaged: under flat faces contact points come and go."""
+"""Time steps over which a frame's forces are averaged: under flat faces contact points appear and vanish."""
 BUDGET = 60
-"""Time steps in which a frame must come to rest."""
+"""Most time steps in which a frame must come to rest."""
 DRIFT = 0.002
-"""Share of the force by which the halves of the window may differ."""
+"""Largest difference of the forces of the window's two halves, as a share of the force."""
 SWING = 0.08
-"""Share of the force by which single steps of the window may differ."""
+"""Largest deviation of a single step's force from the window's mean, as a share of the force."""
 
 
 class FlexEngine:
-    """A pad as a flex of MuJoCo 4: stable neo-Hookean four-node tetrahedra on the vertices of the pad's hexahedra.
+    """Pad as a flex of MuJoCo 4: stable neo-Hookean four-node tetrahedra on the vertices of the pad's hexahedra.
 
-    It exists for comparison. Four-node tetrahedra lock, so that forces are too high, the more so the coarser the mesh
-    and the nearer Poisson's ratio is to one half (docs/gel.md has the figures). It plays structured pads and convex
-    indenters; any other is refused. Time steps with much damping stand for a solution at rest: a frame whose force is
-    still drifting after ``BUDGET`` steps is NOT_CONVERGED. Friction is MuJoCo's, which creeps a little where Coulomb's
-    sticks.
+    The engine exists for comparison. Four-node tetrahedra lock, so that forces are too high, the more so the coarser
+    the mesh and the nearer Poisson's ratio is to one half (docs/gel.md has the figures). Only structured pads and
+    convex indenters are accepted. Time steps with much damping stand for a solution at rest: a frame whose force still
+    drifts after ``BUDGET`` steps is NOT_CONVERGED. MuJoCo's friction creeps a little where Coulomb's sticks.
 
     Parameters
     ----------
     mesh : PadMesh
+        A pad of hexahedra.
     poisson_ratio : float
+        Of the gel.
 
     Raises
     ------
@@ -64,10 +65,21 @@ class FlexEngine:
     def play(
         self, touches: Sequence[GelTouch], material: GelMaterial, keep: Keep = "all", width: int = 1
     ) -> Iterator[tuple[int, GelHistory]]:
-        """As ``FemEngine.play``, one touch after the other whatever the ``width``.
+        """Solve trajectories as ``FemEngine.play``, one after another.
 
-        ``residual`` is of forces averaged over the last steps, ``iterations`` are time steps, and ``gaps`` are those
-        of the nodes themselves.
+        In the answer, ``residual`` is that of forces averaged over the last steps, ``iterations`` are time steps, and
+        ``gaps`` are those of single nodes.
+
+        Parameters
+        ----------
+        touches : sequence of GelTouch
+            Poses and convex indenters.
+        material : GelMaterial
+            Young's modulus and friction; its Poisson's ratio must be the engine's.
+        keep : "all", "surface" or "none"
+            Nodes whose displacements are returned.
+        width : int
+            Ignored; ``FemEngine`` has it.
 
         Raises
         ------
@@ -85,12 +97,14 @@ class FlexEngine:
         for number, touch in enumerate(touches):
             model = FlexModel(self.mesh, self._cells, touch.indenter, self.poisson_ratio, material.friction)
             recorder = FrameRecorder(len(touch.poses), self.mesh, self.surface, material.youngs_modulus, keep)
-            _FlexWalk(self, model, indenter_relief(touch.indenter), recorder, material.youngs_modulus).go(touch.poses)
+            _FlexTrajectory(self, model, indenter_relief(touch.indenter), recorder, material.youngs_modulus).go(
+                touch.poses
+            )
             yield number, recorder.history()
 
 
-class _FlexWalk:
-    """One touch: leads the indenter from frame to frame and waits until the pad is at rest."""
+class _FlexTrajectory:
+    """One trajectory: the indenter moves from frame to frame, and each frame waits until the pad is at rest."""
 
     def __init__(
         self, engine: FlexEngine, model: FlexModel, relief: IndenterRelief, recorder: FrameRecorder, modulus: float
@@ -103,7 +117,7 @@ class _FlexWalk:
         self._is_touching = False
 
     def go(self, poses: Array) -> None:
-        """Play all frames."""
+        """Solve and record all frames, at poses (n, 4, 4), gel_from_indenter."""
         for frame, pose in enumerate(poses):
             status = judge_pose(pose, self._rest, self._relief, self._thickness)
             if status != FrameStatus.SOLVED:
@@ -114,22 +128,25 @@ class _FlexWalk:
                 self._press(frame, pose)
 
     def _release(self, frame: int, pose: Array) -> None:
+        """Record a frame without contact, and set the pad to rest."""
         self._model.reset()
         self._pose, self._is_touching = pose, False
         self._write(frame, np.zeros_like(self._vertices), np.zeros_like(self._vertices), 0.0)
         self._recorder.put_rest(frame)
 
     def _press(self, frame: int, pose: Array) -> None:
+        """Move the indenter to a frame's pose (4, 4) and record the frame once the pad is at rest."""
         steps = load_steps(self._pose, pose, self._rest, self._relief, self._is_touching, 1)
-        here = self._pose if self._is_touching else steps[0]
+        current = self._pose if self._is_touching else steps[0]
         count = 0
         for step in steps:
-            for place in way_points(here, step, MOVES):
-                self._model.step(here, place)
-                here = place
+            for waypoint in way_points(current, step, MOVES):
+                self._model.step(current, waypoint)
+                current = waypoint
                 count += 1
         self._recorder.iterations[frame] = count
         self._pose, self._is_touching = pose, True
+        # a state with numbers that are not finite would spoil the next frame, too
         if not self._settle(frame, pose):
             self._recorder.give_up(frame, FrameStatus.NOT_CONVERGED)
         if not self._model.is_sound:
@@ -137,7 +154,7 @@ class _FlexWalk:
             self._is_touching = False
 
     def _settle(self, frame: int, pose: Array) -> bool:
-        """Wait until the force stands still; whether it does."""
+        """Step in time until the force is steady, and record the frame; return whether it became steady."""
         contact: list[Array] = []
         elastic: list[Array] = []
         for _ in range(BUDGET):
@@ -147,10 +164,10 @@ class _FlexWalk:
             elastic.append(self._model.elastic_forces())
             if not self._model.is_sound:
                 return False
-            last = np.array(contact[-WINDOW:])
-            if len(last) < WINDOW or not _is_steady(last.sum(axis=1)):
+            window = np.array(contact[-WINDOW:])
+            if len(window) < WINDOW or not _is_steady(window.sum(axis=1)):
                 continue
-            forces = last.mean(axis=0)
+            forces = window.mean(axis=0)
             unbalanced = np.linalg.norm(forces + np.mean(elastic[-WINDOW:], axis=0), axis=1).max()
             largest = np.linalg.norm(forces, axis=1).max()
             self._write(frame, self._model.displacement(), forces, unbalanced / largest if largest > 0 else 0.0)
@@ -158,6 +175,7 @@ class _FlexWalk:
         return False
 
     def _write(self, frame: int, displacement: Array, forces: Array, residual: float) -> None:
+        """Record a frame from displacements (v, 3), m, and node forces (v, 3), m^2, over Young's modulus."""
         recorder, surface = self._recorder, self._surface
         places = self._vertices + displacement
         recorder.wrench[frame] = -self._modulus * np.concatenate(
@@ -174,7 +192,7 @@ class _FlexWalk:
 
 
 def _is_steady(forces: Array) -> bool:
-    """Whether contact forces (n, 3) of successive steps neither drift nor swing."""
+    """Whether contact forces (n, 3) of successive time steps neither drift nor oscillate."""
     mean = np.linalg.norm(forces.mean(axis=0))
     half = len(forces) // 2
     drift = np.linalg.norm(forces[half:].mean(axis=0) - forces[:half].mean(axis=0))

@@ -1,4 +1,4 @@
-"""Shape functions and quadrature of the cells, on the undeformed mesh."""
+"""Gradients of shape functions and quadrature weights of the cells, on the undeformed mesh."""
 
 from __future__ import annotations
 
@@ -38,12 +38,14 @@ class CellQuadrature:
         return volumes
 
     def stiffened(self, factors: Array) -> CellQuadrature:
-        """Of cells whose Young's modulus is multiplied by factors (c,): forces and stiffness are linear in the weights.
+        """Return the quadrature of cells whose Young's modulus is multiplied by factors (c,).
+
+        Forces and stiffness are linear in the weights, so the weights carry the factors.
 
         Raises
         ------
         UsageError
-            Another number of factors than of cells, or one that is not positive.
+            The number of factors is not that of cells, or a factor is not positive.
         """
         if factors.shape != self.weights.shape[:1] or not (np.isfinite(factors) & (factors > 0)).all():
             raise UsageError(
@@ -55,12 +57,12 @@ class CellQuadrature:
 
 
 def cell_quadrature(mesh: PadMesh) -> CellQuadrature:
-    """Gradients and weights of a mesh.
+    """Return gradients of shape functions and quadrature weights of a mesh.
 
     Raises
     ------
     UsageError
-        A cell that is turned inside out.
+        A cell is turned inside out or flat.
     """
     derivatives, reference_weights = _reference(mesh.kind)
     jacobian = np.einsum("qnk,cni->cqik", derivatives, mesh.vertices[mesh.cells], optimize=True)
@@ -84,16 +86,17 @@ def _reference(kind: CellKind) -> tuple[Array, Array]:
         factors = 1.0 + _CUBE[None] * points[:, None]
         derivatives = np.empty((8, 8, 3))
         for axis in range(3):
-            others = [other for other in range(3) if other != axis]
-            derivatives[:, :, axis] = _CUBE[:, axis] * factors[:, :, others].prod(axis=-1) / 8.0
+            other_axes = [index for index in range(3) if index != axis]
+            derivatives[:, :, axis] = _CUBE[:, axis] * factors[:, :, other_axes].prod(axis=-1) / 8.0
         return derivatives, np.ones(8)
+    # four points of equal weight; quadratic shape functions at corners and edges
     near, far = (5.0 - np.sqrt(5.0)) / 20.0, (5.0 + 3.0 * np.sqrt(5.0)) / 20.0
     barycentric = np.full((4, 4), near) + (far - near) * np.eye(4)
-    of_barycentric = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    corners = (4.0 * barycentric - 1.0)[:, :, None] * of_barycentric
+    barycentric_slopes = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    corners = (4.0 * barycentric - 1.0)[:, :, None] * barycentric_slopes
     edges = np.stack(
         [
-            4.0 * (barycentric[:, a, None] * of_barycentric[b] + barycentric[:, b, None] * of_barycentric[a])
+            4.0 * (barycentric[:, a, None] * barycentric_slopes[b] + barycentric[:, b, None] * barycentric_slopes[a])
             for a, b in _TETRAHEDRON_EDGES
         ],
         axis=1,

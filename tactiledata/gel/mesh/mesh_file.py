@@ -1,4 +1,4 @@
-"""A pad from a mesh file of the user's: read, checked, turned into the gel frame, made of cells that do not lock."""
+"""Pad from a user's mesh file: read, checked, turned into the gel frame, with ten-node cells that do not lock."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from tactiledata.gel.mesh.tetrahedra import boundary_of, ten_node_cells
 from tactiledata.units import TO_METRES, metres
 
 READERS = {".mesh": meshio.medit.read, ".msh": meshio.gmsh.read, ".vtk": meshio.vtk.read}
+"""Reader of each file suffix."""
 MAX_MESH_BYTES = 256 * 2**20
+"""Largest mesh file that is read, bytes."""
 SMALLEST_PAD, LARGEST_PAD = 2e-3, 0.1
-"""m, of a pad's longest side; another size means another unit."""
+"""Limits of a pad's longest side, m; a size outside them means that the unit is wrong."""
 FLAT_CELL = 1e-6
-"""A cell of less than this share of the median volume is no cell."""
+"""Volume of a cell, as a share of the median volume, up to which the cell counts as flat."""
 ON_BASE = 1e-3
-"""Nodes this share of the pad's longest side from the base's plane lie on it."""
+"""Largest distance from the base's plane, as a share of the pad's longest side, of nodes that lie on the base."""
 _READER_FAULTS = (
     meshio.ReadError,
     ValueError,
@@ -36,21 +38,21 @@ _READER_FAULTS = (
     MemoryError,
     struct.error,
 )
-"""What meshio's readers are seen to raise on broken files."""
+"""Errors that meshio's readers raise on broken files."""
 
 
 def pad_from_file(path: Path, unit: str, out: str | None = None, along: str | None = None) -> PadMesh:
-    """A pad of ten-node tetrahedra from a volume mesh of four-node ones.
+    """Read a volume mesh of four-node tetrahedra as a pad of ten-node tetrahedra.
 
-    The base is the plane that ``out`` leads away from; all other faces of the boundary are the outer surface. The
-    origin lies at the height of the highest point, in the middle of the outline.
+    The base is the lowest plane along ``out``; all other faces of the boundary are the outer surface. The origin lies
+    at the height of the highest point, in the middle of the outline.
 
     Parameters
     ----------
     path : Path
-        MEDIT ``.mesh``, Gmsh ``.msh`` or ``.vtk``; tetrahedra in it, other cells are left out.
+        MEDIT ``.mesh``, Gmsh ``.msh`` or ``.vtk``; cells other than tetrahedra are left out.
     unit : str
-        Of the file's numbers: ``"m"``, ``"mm"``, ``"um"``, ``"cm"`` or ``"in"``; mesh files do not say.
+        Unit of the file's numbers: ``"m"``, ``"mm"``, ``"um"``, ``"cm"`` or ``"in"``; mesh files do not state it.
     out, along : "+x", "-x", "+y", "-y", "+z" or "-z", optional
         Axes of the file that become +z and +y of the gel frame. Left out: the largest flat patch of the boundary is
         the base, y lies along the longer side of the outline, towards the end where the outline is narrower.
@@ -60,29 +62,33 @@ def pad_from_file(path: Path, unit: str, out: str | None = None, along: str | No
     MissingFile
         No such file.
     SchemaError
-        A file that cannot be read, holds no tetrahedra, cracks, cells turned inside out, no flat base, or a size that
-        tells that the unit is wrong.
+        The file cannot be read, holds no tetrahedra, has cracks, cells turned inside out or no flat base, or has a
+        size outside ``SMALLEST_PAD`` to ``LARGEST_PAD``.
     UnknownName
-        No such unit.
+        An unknown unit.
     """
+    # read and check
     scale = metres(1.0, unit)
     points, cells = _read(path)
     points = points * scale
     _check_size(points, unit, path)
     cells = _oriented(points, cells, path)
     faces = _closed_boundary(points, cells, path)
+    # turn into the gel frame, origin on top in the middle
     points = (points - points.mean(axis=0)) @ gel_axes(points, faces, out, along, str(path)).T
     points[:, :2] -= (points[:, :2].max(axis=0) + points[:, :2].min(axis=0)) / 2
     points[:, 2] -= points[:, 2].max()
-    vertices, ten, six = ten_node_cells(points, cells, faces)
+    # ten-node cells, base and outer surface
+    vertices, tetrahedra, surface_faces = ten_node_cells(points, cells, faces)
     height = vertices[:, 2] - vertices[:, 2].min()
     is_base = height < ON_BASE * np.ptp(points, axis=0).max()
-    is_outer = ~is_base[six].all(axis=1)
-    return PadMesh(path.stem, "tetrahedron10", vertices, ten, np.flatnonzero(is_base), six[is_outer])
+    is_outer = ~is_base[surface_faces].all(axis=1)
+    return PadMesh(path.stem, "tetrahedron10", vertices, tetrahedra, np.flatnonzero(is_base), surface_faces[is_outer])
 
 
 def _read(path: Path) -> tuple[Array, Indices]:
-    """Points (v, 3) that cells use, in the file's unit, and tetrahedra (c, 4)."""
+    """Read the points (v, 3) that cells use, in the file's unit, and the tetrahedra (c, 4)."""
+    # refuse what is no mesh file before a reader sees it
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a mesh file of the gel", path=str(path))
     reader = READERS.get(path.suffix.lower())
@@ -101,6 +107,7 @@ def _read(path: Path) -> tuple[Array, Indices]:
             path=str(path),
         )
     refuse_lfs_pointer(path)
+    # meshio's readers raise many kinds of errors on broken files
     try:
         mesh = reader(str(path))
         points = np.asarray(mesh.points, dtype=np.float64)
@@ -125,6 +132,7 @@ def _read(path: Path) -> tuple[Array, Indices]:
         raise SchemaError(
             f"cells of {path} name node {cells.max()}", f"0 to {len(points) - 1}", "Export it again.", path=str(path)
         )
+    # drop points that no cell uses
     used, places = np.unique(cells, return_inverse=True)
     points = points[used]
     if not np.isfinite(points).all():
@@ -135,11 +143,14 @@ def _read(path: Path) -> tuple[Array, Indices]:
 
 
 def _check_size(points: Array, unit: str, path: Path) -> None:
+    """Refuse points (v, 3), m, of a pad so small or large that the unit must be wrong; name units that fit."""
     longest = float(np.ptp(points, axis=0).max())
     if SMALLEST_PAD <= longest <= LARGEST_PAD:
         return
-    written = longest / TO_METRES[unit]
-    fits = [other for other, factor in TO_METRES.items() if SMALLEST_PAD <= written * factor <= LARGEST_PAD]
+    length_in_file = longest / TO_METRES[unit]
+    fits = [
+        unit_name for unit_name, factor in TO_METRES.items() if SMALLEST_PAD <= length_in_file * factor <= LARGEST_PAD
+    ]
     raise SchemaError(
         f"the gel in {path} is {longest:.4g} m long when its numbers are read as {unit}",
         f"{SMALLEST_PAD} to {LARGEST_PAD} m",
@@ -150,7 +161,7 @@ def _check_size(points: Array, unit: str, path: Path) -> None:
 
 
 def _oriented(points: Array, cells: Indices, path: Path) -> Indices:
-    """The cells with their nodes in the order of positive volume: files mix both."""
+    """Return the cells (c, 4) with nodes in the order of positive volume, which files mix; refuse flat cells."""
     corners = points[cells]
     volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
     n_flat = int((np.abs(volumes) <= FLAT_CELL * np.median(np.abs(volumes))).sum())
@@ -166,10 +177,10 @@ def _oriented(points: Array, cells: Indices, path: Path) -> Indices:
 
 
 def _closed_boundary(points: Array, cells: Indices, path: Path) -> Indices:
-    """Faces (f, 3) of the boundary, outward.
+    """Return the faces (f, 3) of the boundary, outward; refuse cells that do not join or are turned inside out.
 
-    A volume's boundary is closed by itself, so that a mesh that is not watertight shows as cells that do not join:
-    nodes that are there twice, or faces that more than two cells share.
+    The boundary of a volume is always closed. A mesh that is not watertight therefore shows in nodes that are there
+    twice, or in faces that more than two cells share.
     """
     boundary = boundary_of(cells)
     grid = np.round((points - points.min(axis=0)) / (1e-6 * np.ptp(points, axis=0).max()))

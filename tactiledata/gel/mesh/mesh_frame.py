@@ -1,4 +1,4 @@
-"""Which way a pad from a file lies: its flat base, and the longer side of its outline."""
+"""Orientation of a pad from a file: its flat base, and the longer side of its outline."""
 
 from __future__ import annotations
 
@@ -11,24 +11,35 @@ from tactiledata.gel.mesh.pad import Indices
 
 AXES = {f"{sign}{name}": float(f"{sign}1") * np.eye(3)[row] for row, name in enumerate("xyz") for sign in "+-"}
 CANDIDATES = 300
-"""Of the largest faces, planes that may be the base."""
+"""Number of faces, the largest ones, whose planes are tried as the base."""
 FLAT = 2e-4
-"""Share of the pad's longest side that a flat patch may deviate from its plane."""
+"""Largest distance of a flat patch from its plane, as a share of the pad's longest side."""
 LEAST_BASE = 0.15
-"""Share of the boundary that the base has at least; a slab's is nearly half."""
+"""Smallest share of the boundary's area that a base has; that of a slab is nearly half."""
 END = 0.1
-"""Share of the length in which an end's width is looked at."""
+"""Share of the length, at each end, in which the width is measured."""
 
 
 def gel_axes(points: Array, faces: Indices, out: str | None, along: str | None, where: str) -> Array:
-    """Rotation (3, 3) into the gel's axes: rows are x, y and z of the gel frame in the file's.
+    """Return the rotation (3, 3) into the gel frame: rows are the gel's x, y and z axes in the file's frame.
+
+    Parameters
+    ----------
+    points : (v, 3)
+        Nodes in the file's frame.
+    faces : (f, 3)
+        Faces of the boundary, outward.
+    out, along : str or None
+        Keys of ``AXES`` that become +z and +y; ``None`` derives them from the shape.
+    where : str
+        Name of the file, for messages.
 
     Raises
     ------
     SchemaError
-        No flat patch that could be the base.
+        No flat patch is large enough to be the base.
     UsageError
-        Axes that do not exist, or that are not at right angles.
+        An unknown axis, or two axes that are not at right angles.
     """
     z = _base_normal(points, faces, where) if out is None else _axis(out)
     y = _long_side(points, z) if along is None else _axis(along)
@@ -42,28 +53,29 @@ def gel_axes(points: Array, faces: Indices, out: str | None, along: str | None, 
 
 
 def _axis(name: str) -> Array:
+    """Unit vector (3,) of an axis such as "-y"; refuse another name."""
     if name not in AXES:
         raise UsageError(f"axis {name!r}", f"one of {', '.join(AXES)}", "")
     return AXES[name]
 
 
 def _base_normal(points: Array, faces: Indices, where: str) -> Array:
-    """Out of the base into the pad."""
+    """Unit normal (3,) of the largest flat patch of the boundary, pointing into the pad; refuse a small one."""
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(normals, axis=1)
     normals /= np.maximum(areas, 1e-300)[:, None]
     size = np.ptp(points, axis=0).max()
-    best, most = normals[0], 0.0
+    best, largest_area = normals[0], 0.0
     for face in np.argsort(areas)[: -CANDIDATES - 1 : -1]:
         is_on = (np.abs((corners - corners[face, 0]) @ normals[face]) < FLAT * size).all(axis=1)
         area = float(areas[is_on].sum())
-        if area > most:
-            # what all of its faces say together is better than what one does
-            best, most = (areas[is_on, None] * normals[is_on]).sum(axis=0), area
-    if most < LEAST_BASE * areas.sum():
+        if area > largest_area:
+            # the mean normal of the patch is more exact than that of one face
+            best, largest_area = (areas[is_on, None] * normals[is_on]).sum(axis=0), area
+    if largest_area < LEAST_BASE * areas.sum():
         raise SchemaError(
-            f"the largest flat patch of {where} is {100 * most / areas.sum():.0f} % of its boundary",
+            f"the largest flat patch of {where} is {100 * largest_area / areas.sum():.0f} % of its boundary",
             f"a flat base of at least {100 * LEAST_BASE:.0f} %",
             "State which way is out: out='-y', along='-x', for example.",
         )
@@ -71,12 +83,13 @@ def _base_normal(points: Array, faces: Indices, where: str) -> Array:
 
 
 def _long_side(points: Array, z: Array) -> Array:
-    """Along the longer side of the smallest rectangle around the outline, towards the narrower end."""
+    """Unit vector (3,) along the longer side of the smallest rectangle around the outline, to the narrower end."""
     u = np.cross(z, AXES["+x"] if abs(z[0]) < 0.9 else AXES["+y"])
     u /= np.linalg.norm(u)
     plane = np.stack([u, np.cross(z, u)])
     outline = points @ plane.T
     outline = outline[ConvexHull(outline).vertices]
+    # the smallest rectangle has a side along one side of the convex outline
     sides = np.roll(outline, -1, axis=0) - outline
     directions = sides / np.linalg.norm(sides, axis=1)[:, None]
     across = np.stack([-directions[:, 1], directions[:, 0]], axis=1)
@@ -84,7 +97,8 @@ def _long_side(points: Array, z: Array) -> Array:
     best = int(np.argmin(lengths * widths))
     long, wide = (directions, across) if lengths[best] >= widths[best] else (across, directions)
     place, side = (points @ plane.T) @ long[best], (points @ plane.T) @ wide[best]
+    # compare the widths of both ends
     share = (place - place.min()) / np.ptp(place)
-    towards = 1.0 if np.ptp(side[share > 1 - END]) <= np.ptp(side[share < END]) else -1.0
-    direction: Array = towards * long[best] @ plane
+    sign = 1.0 if np.ptp(side[share > 1 - END]) <= np.ptp(side[share < END]) else -1.0
+    direction: Array = sign * long[best] @ plane
     return direction

@@ -17,13 +17,14 @@ CellKind = Literal["hexahedron8", "tetrahedron10"]
 
 @dataclass(frozen=True)
 class PadMesh:
-    """A pad, undeformed, in the gel frame: outer surface about z = 0 in the middle, base below it.
+    """Undeformed pad in the gel frame: the middle of its outer surface is near z = 0, the base below it.
 
     Parameters
     ----------
     name : str
-        For people and for files, for example ``"digit-low"``.
+        Name for users and files, for example ``"digit-low"``.
     kind : "hexahedron8" or "tetrahedron10"
+        Type of all cells.
     vertices : (v, 3) m
         All nodes. The order never changes: frames and sensors that share the mesh share it.
     cells : (c, 8) or (c, 10)
@@ -43,19 +44,19 @@ class PadMesh:
 
     @cached_property
     def surface(self) -> Indices:
-        """Nodes (s,) of the outer surface, ascending."""
+        """Numbers (s,) of the nodes of the outer surface, ascending."""
         return np.unique(self.faces)
 
     @cached_property
     def free(self) -> Indices:
         """Degrees of freedom (3 v - 3 b,) that are not held, ascending: 3 * node + axis."""
-        held = np.zeros(len(self.vertices), dtype=bool)
-        held[self.base] = True
-        return np.flatnonzero(np.repeat(~held, 3))
+        is_held = np.zeros(len(self.vertices), dtype=bool)
+        is_held[self.base] = True
+        return np.flatnonzero(np.repeat(~is_held, 3))
 
     @cached_property
     def triangles(self) -> Indices:
-        """The outer surface as triangles (t, 3) of its corner nodes, outward; for pictures and files."""
+        """Triangles (t, 3) of the outer surface's corner nodes, outward, for pictures and files."""
         if self.kind == "hexahedron8":
             return np.concatenate([self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]])
         return self.faces[:, :3]
@@ -67,10 +68,10 @@ class PadMesh:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of everything that a solution depends on; the key of what is kept on disk."""
-        whole = hashlib.sha256(self.kind.encode())
+        """SHA-256 of all that a solution depends on, which is the key of cached results."""
+        digest = hashlib.sha256(self.kind.encode())
         parts: tuple[NDArray[Any], ...] = (self.vertices, self.cells, self.base, self.faces)
         for part in parts:
-            whole.update(str(part.shape).encode())
-            whole.update(np.ascontiguousarray(part).tobytes())
-        return whole.hexdigest()
+            digest.update(str(part.shape).encode())
+            digest.update(np.ascontiguousarray(part).tobytes())
+        return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""Pads from a sensor's gel geometry: hexahedra in a grid that is fine where indenters touch."""
+"""Pads of hexahedra from a sensor's gel geometry, on a grid that is fine where indenters touch."""
 
 from __future__ import annotations
 
@@ -18,14 +18,18 @@ Resolution = Literal["low", "high"]
 
 @dataclass(frozen=True)
 class GridPlan:
-    """How a pad is divided.
+    """Numbers and spacing of the intervals into which a pad is divided.
 
     Parameters
     ----------
-    across, along : intervals from the middle to the rim, along x and y
-    spacing : m, of the uniform middle
-    uniform : (x, y) m, half the size of the uniform middle
-    levels : ascending shares of the thickness at which the layers of nodes lie, 0 (base) to 1 (surface)
+    across, along : int
+        Intervals from the middle to the rim, along x and y.
+    spacing : m
+        Spacing in the uniform middle.
+    uniform : (x, y) m
+        Half the size of the uniform middle.
+    levels : ascending
+        Heights of the layers of nodes as shares of the thickness, 0 (base) to 1 (surface).
     """
 
     across: int
@@ -42,21 +46,23 @@ PLANS: dict[Resolution, GridPlan] = {
 
 
 def pad_mesh(sensor: str, geometry: GelGeometry, resolution: Resolution = "low") -> PadMesh:
-    """The pad of a sensor.
+    """Make the pad of a sensor.
 
     ``low`` has 6,105 vertices, ``high`` 80,190: the sizes of the SPLIT paper (6,103 and 80,744) within one percent.
 
     Parameters
     ----------
     sensor : str
-        Goes into the mesh's name.
+        Sensor model, for the mesh's name.
     geometry : GelGeometry
-        What a log states, or the sensor model's own.
+        Dimensions from a log, or those of the sensor model.
+    resolution : "low" or "high"
+        Key of ``PLANS``.
 
     Raises
     ------
     UsageError
-        A resolution that does not exist.
+        An unknown resolution.
     """
     plan = PLANS.get(resolution)
     if plan is None:
@@ -65,18 +71,28 @@ def pad_mesh(sensor: str, geometry: GelGeometry, resolution: Resolution = "low")
 
 
 def structured_pad(name: str, geometry: GelGeometry, plan: GridPlan) -> PadMesh:
-    """The pad on a grid of one's own."""
+    """Make a pad on a given grid.
+
+    Parameters
+    ----------
+    name : str
+        Name of the mesh.
+    geometry : GelGeometry
+        Dimensions, m.
+    plan : GridPlan
+        Intervals of the grid.
+    """
     s, t, level = np.meshgrid(*grid_lines(geometry, plan), indexing="ij")
     x, y = _outlined(s, t, geometry)
     # the dome falls to the rim's height all around: 0 in the middle, 1 on the outline
-    fall = 1.0 - (1.0 - s**2) * (1.0 - t**2)
-    height = geometry.thickness - (geometry.thickness - geometry.edge_thickness) * fall
+    rim_share = 1.0 - (1.0 - s**2) * (1.0 - t**2)
+    height = geometry.thickness - (geometry.thickness - geometry.edge_thickness) * rim_share
     z = level * height - geometry.thickness
     return _as_mesh(name, np.stack([x, y, z], axis=-1))
 
 
 def grid_lines(geometry: GelGeometry, plan: GridPlan) -> tuple[Array, Array, Array]:
-    """Where the grid's planes lie along x and y, as shares of the half outline in [-1, 1], and of the thickness."""
+    """Positions of the grid's planes along x and y, as shares of the half outline in [-1, 1], and of the thickness."""
     half_short, half_long = geometry.outline[0] / 2, geometry.outline[1] / 2
     across = _graded(half_short, plan.across, plan.spacing, plan.uniform[0]) / half_short
     along = _graded(half_long, plan.along, plan.spacing, plan.uniform[1]) / half_long
@@ -84,38 +100,41 @@ def grid_lines(geometry: GelGeometry, plan: GridPlan) -> tuple[Array, Array, Arr
 
 
 def _graded(half: float, count: int, spacing: float, uniform: float) -> Array:
-    """Positions (count + 1,) from 0 to ``half``: evenly ``spacing`` apart up to ``uniform``, then ever wider."""
+    """Positions (count + 1,), m, from 0 to ``half``: ``spacing`` apart up to ``uniform``, then widening."""
     inner = round(uniform / spacing)
     outer = count - inner
     if outer < 1 or inner * spacing >= half or (inner + outer) * spacing >= half:
         return np.linspace(0.0, half, count + 1)
     start = inner * spacing
 
-    def miss(ratio: float) -> float:
+    # the intervals grow by a constant ratio, such that the last one ends at the rim
+    def excess(ratio: float) -> float:
         return float(start + spacing * sum(ratio**k for k in range(1, outer + 1)) - half)
 
-    ratio = brentq(miss, 1.0, 10.0)
+    ratio = brentq(excess, 1.0, 10.0)
     widths = spacing * ratio ** np.arange(1, outer + 1)
     return np.concatenate([np.arange(inner + 1) * spacing, start + np.cumsum(widths)])
 
 
 def _mirrored(positive: Array) -> Array:
+    """Positions from -1 to 1, from those from 0 to 1."""
     return np.concatenate([-positive[:0:-1], positive])
 
 
 def _outlined(s: Array, t: Array, geometry: GelGeometry) -> tuple[Array, Array]:
-    """Grid coordinates in [-1, 1] to metres on the outline: a half-elliptic end at +y, rounded corners at -y.
+    """Map grid coordinates in [-1, 1] to x and y in metres within the outline, with a round end and rounded corners.
 
-    Both maps leave the middle as it is. The round end is the elliptical grid mapping of a half square on a half disc
-    (Fong, Analytical Methods for Squaring the Disc, 2015).
+    The half-elliptic end is at +y, the rounded corners are at -y; both maps leave the middle unchanged. The round end
+    is the elliptical grid mapping of a half square on a half disc (Fong, Analytical Methods for Squaring the Disc,
+    2015).
     """
     half_short, half_long = geometry.outline[0] / 2, geometry.outline[1] / 2
     x, y = s * half_short, t * half_long
     if geometry.round_end > 0:
         start = half_long - geometry.round_end
-        into = np.clip((y - start) / geometry.round_end, 0.0, 1.0)
-        y = np.where(y > start, start + geometry.round_end * into * np.sqrt(1.0 - s**2 / 2), y)
-        x = x * np.sqrt(1.0 - into**2 / 2)
+        end_share = np.clip((y - start) / geometry.round_end, 0.0, 1.0)
+        y = np.where(y > start, start + geometry.round_end * end_share * np.sqrt(1.0 - s**2 / 2), y)
+        x = x * np.sqrt(1.0 - end_share**2 / 2)
     if geometry.corner_radius > 0:
         # the corner of a square lies (sqrt 2 - 1) r further out than that of a rounded one
         inset = (1.0 - np.sqrt(0.5)) * geometry.corner_radius
@@ -126,11 +145,12 @@ def _outlined(s: Array, t: Array, geometry: GelGeometry) -> tuple[Array, Array]:
 
 
 def _as_mesh(name: str, grid: Array) -> PadMesh:
-    """Hexahedra between the nodes of a grid (nx, ny, nz, 3)."""
+    """Mesh of hexahedra between the nodes of a grid (nx, ny, nz, 3), m; the lowest layer is the base."""
     nx, ny, nz = grid.shape[:3]
     number = np.arange(nx * ny * nz, dtype=np.int64).reshape(nx, ny, nz)
 
     def corner(i: int, j: int, k: int) -> Indices:
+        """Node of every cell at its corner (i, j, k)."""
         return number[i : nx - 1 + i, j : ny - 1 + j, k : nz - 1 + k].ravel()
 
     ring = ((0, 0), (1, 0), (1, 1), (0, 1))

@@ -1,4 +1,4 @@
-"""The arm that carries the sensor: where its flange is at given joint angles, and what the tool behind it is."""
+"""Kinematics of the UR5e: the flange at given joint angles, and the rigid tool between flange and recorded poses."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ UR5E_LINKS = (
     (0.0, 0.0997, -np.pi / 2),
     (0.0, 0.0996, 0.0),
 )
-"""Denavit-Hartenberg a (m), d (m) and alpha (rad) of each joint: Universal Robots, "DH Parameters for calculations of
-kinematics and dynamics". The base is the controller's, which ROS calls ``base``, not ``base_link``."""
+"""Denavit-Hartenberg parameters a (m), d (m) and alpha (rad) of each joint.
+
+Source: Universal Robots, "DH Parameters for calculations of kinematics and dynamics". The base frame is the
+controller's, which ROS calls ``base``, not ``base_link``."""
 
 
 def base_from_flange(joints: ArrayLike) -> Array:
@@ -34,6 +36,7 @@ def base_from_flange(joints: ArrayLike) -> Array:
 
 
 def _tail(a: float, d: float, alpha: float) -> Array:
+    """Constant part (4, 4) of a joint's transform, after the rotation about its axis."""
     tail = np.eye(4)
     tail[:3, :3] = Rotation.from_euler("x", alpha).as_matrix()
     tail[:3, 3] = (a, 0.0, d)
@@ -42,15 +45,16 @@ def _tail(a: float, d: float, alpha: float) -> Array:
 
 @dataclass(frozen=True)
 class ToolCheck:
-    """What joints and poses, recorded side by side, say of one another.
+    """Rigid tool fitted to joints and poses recorded together, and the error that it leaves.
 
     Parameters
     ----------
     flange_from_tcp : (4, 4)
-        The tool that fits all samples best.
+        The tool that fits all samples best, metres.
     samples : int
+        Number of samples with finite joints and poses.
     position_off, rotation_off : m, rad
-        Root mean square of what is left; a tool is rigid, so that this is noise, delay, or a wrong frame.
+        Root mean square errors. A tool is rigid, so that they come from noise, a delay, or a wrong frame.
     """
 
     flange_from_tcp: Array
@@ -60,15 +64,17 @@ class ToolCheck:
 
 
 def fit_tool(joints: Array, base_from_tcp: Array) -> ToolCheck | None:
-    """The rigid tool between the flange of joints (n, 6) and poses (n, 4, 4); ``None`` without a finite sample."""
-    known = np.isfinite(joints).all(axis=1) & np.isfinite(base_from_tcp).all(axis=(1, 2))
-    if not known.any():
+    """Fit the rigid tool between the flange at joints (n, 6), rad, and poses (n, 4, 4); ``None`` if none is finite."""
+    is_known = np.isfinite(joints).all(axis=1) & np.isfinite(base_from_tcp).all(axis=(1, 2))
+    if not is_known.any():
         return None
-    tools = np.linalg.inv(base_from_flange(joints[known])) @ base_from_tcp[known]
+    tools = np.linalg.inv(base_from_flange(joints[is_known])) @ base_from_tcp[is_known]
     mean = Rotation.from_matrix(tools[:, :3, :3]).mean()
-    off = (mean.inv() * Rotation.from_matrix(tools[:, :3, :3])).magnitude()
+    angles = (mean.inv() * Rotation.from_matrix(tools[:, :3, :3])).magnitude()
     tool = np.eye(4)
     tool[:3, :3] = mean.as_matrix()
     tool[:3, 3] = tools[:, :3, 3].mean(axis=0)
-    away = np.linalg.norm(tools[:, :3, 3] - tool[:3, 3], axis=1)
-    return ToolCheck(tool, int(known.sum()), float(np.sqrt((away**2).mean())), float(np.sqrt((off**2).mean())))
+    distances = np.linalg.norm(tools[:, :3, 3] - tool[:3, 3], axis=1)
+    return ToolCheck(
+        tool, int(is_known.sum()), float(np.sqrt((distances**2).mean())), float(np.sqrt((angles**2).mean()))
+    )

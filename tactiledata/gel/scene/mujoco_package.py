@@ -1,4 +1,4 @@
-"""MuJoCo, imported when it is needed: an optional package."""
+"""Import of MuJoCo, an optional package, at the moment when it is needed."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from tactiledata.errors import UsageError
 
 
 def load_mujoco(what: str) -> Any:
-    """The package, able to draw also where there is no window system.
+    """Import MuJoCo, set up to draw also where there is no window system.
 
     Parameters
     ----------
     what : str
-        What needs it, in words.
+        What needs MuJoCo, in words, for the message.
 
     Raises
     ------
     UsageError
-        It is not installed.
+        MuJoCo is not installed.
     """
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         # read when mujoco is first imported; without a window system only EGL or OSMesa can draw

@@ -1,4 +1,4 @@
-"""A moment of a touch as a MuJoCo scene: arm, sensor and indenter; distances, pictures, MJCF."""
+"""MuJoCo scene of one moment of a touch, with arm, sensor and indenter: distances, pictures, MJCF document."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ from tactiledata.gel.scene.mujoco_package import load_mujoco
 from tactiledata.transforms import matrix_poses
 
 ARM_RADIUS = 0.045
+"""Radius of the drawn links, m."""
 TOOL_RADIUS = 0.012
+"""Radius of the drawn tool, m."""
 FARTHEST = 1.0
-"""m: distances beyond it are not measured."""
+"""Largest distance that is measured, m."""
 COLOURS = {
     "arm": "0.55 0.6 0.66 1",
     "tool": "0.3 0.32 0.36 1",
@@ -34,20 +36,22 @@ PICTURE = (720, 960)
 
 @dataclass(frozen=True)
 class SceneParts:
-    """What stands in the scene, all poses 4 x 4, m.
+    """Shapes and poses of all that the scene shows; poses are (4, 4), metres.
 
     Parameters
     ----------
     base_from_tcp, tcp_from_gel : (4, 4)
+        Places of the tool's centre point and of the gel.
     gel : trimesh.Trimesh
-        The pad in the gel frame.
+        The pad in the gel frame, m.
     indenter : trimesh.Trimesh
-        In its own frame.
+        The indenter in its own frame, m.
     base_from_indenter : (4, 4)
+        Place of the indenter.
     joints : (6,) rad, optional
-        The arm is drawn where they are known.
+        Joint angles; without them the arm is not drawn.
     flange_from_tcp : (4, 4), optional
-        Needed with joints.
+        The tool; required with ``joints``.
     """
 
     base_from_tcp: Array
@@ -60,9 +64,9 @@ class SceneParts:
 
 
 class GelScene:
-    """The scene, compiled by MuJoCo.
+    """Scene compiled by MuJoCo when a pose, a distance or a picture is asked for.
 
-    Convex hulls stand for pad and indenter in distances, as everywhere in MuJoCo; pictures show the true shapes.
+    Distances are those of the convex hulls of pad and indenter, as everywhere in MuJoCo; pictures show true shapes.
     """
 
     def __init__(self, parts: SceneParts) -> None:
@@ -70,7 +74,7 @@ class GelScene:
 
     @cached_property
     def mjcf(self) -> str:
-        """The scene as one MJCF document; meshes are in it."""
+        """The scene as one MJCF document that contains its meshes."""
         return _document(self.parts)
 
     @cached_property
@@ -84,29 +88,31 @@ class GelScene:
         return model, data
 
     def pose(self, body: str) -> Array:
-        """Pose (4, 4), m, of a body (``gel``, ``indenter``, ``tcp``) in the base's frame, as MuJoCo places it."""
+        """Pose (4, 4), m, of a body (``gel``, ``indenter``, ``tcp``) in the base frame, as computed by MuJoCo."""
         _, data = self._compiled
-        placed = data.body(body)
+        placement = data.body(body)
         pose = np.eye(4)
-        pose[:3, :3] = placed.xmat.reshape(3, 3)
-        pose[:3, 3] = placed.xpos
+        pose[:3, :3] = placement.xmat.reshape(3, 3)
+        pose[:3, 3] = placement.xpos
         return pose
 
     def distance(self) -> tuple[float, Array]:
-        """Least distance of gel and indenter, m, negative where they overlap, and the points (2, 3) it lies between."""
+        """Least distance of gel and indenter, m, negative where they overlap, and its end points (2, 3), base frame."""
         model, data = self._compiled
         ends = np.zeros(6)
         mujoco = load_mujoco("the scene")
-        found = mujoco.mj_geomDistance(model, data, model.geom("gel").id, model.geom("indenter").id, FARTHEST, ends)
-        return float(found), ends.reshape(2, 3)
+        least_distance = mujoco.mj_geomDistance(
+            model, data, model.geom("gel").id, model.geom("indenter").id, FARTHEST, ends
+        )
+        return float(least_distance), ends.reshape(2, 3)
 
     def picture(self) -> NDArray[np.uint8]:
-        """RGB (rows, 2 columns, 3): the whole arm on the left, the touch from nearby on the right.
+        """Draw an RGB picture (rows, 2 columns, 3) with the whole arm on the left and a close-up on the right.
 
         Raises
         ------
         TactileDataError
-            A machine without OpenGL.
+            OpenGL is not available.
         """
         model, data = self._compiled
         mujoco = load_mujoco("the scene")
@@ -125,7 +131,7 @@ class GelScene:
         return np.concatenate(views, axis=1)
 
     def _cameras(self, mujoco: Any) -> list[Any]:
-        """The whole arm, and the touch as seen along the surface of the gel."""
+        """Return two cameras: one of the whole arm, one close to the touch along the gel's surface."""
         gel = self.pose("gel")
         cameras = []
         for target, distance, azimuth, elevation in (
@@ -140,6 +146,7 @@ class GelScene:
 
 
 def _document(parts: SceneParts) -> str:
+    """Return the MJCF document of the scene; refuse joints without a tool."""
     if parts.joints is not None and parts.flange_from_tcp is None:
         raise UsageError("joints without flange_from_tcp", "the tool between flange and tcp", "See fit_tool.")
     root = ElementTree.Element("mujoco", model="touch")
@@ -149,6 +156,7 @@ def _document(parts: SceneParts) -> str:
     ElementTree.SubElement(visual, "global", offwidth=str(PICTURE[1]), offheight=str(PICTURE[0]))
     ElementTree.SubElement(visual, "map", znear="0.01")
     ElementTree.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.5 0.5 0.5")
+    # sky and meshes
     asset = ElementTree.SubElement(root, "asset")
     sky = {"type": "skybox", "builtin": "gradient", "rgb1": "0.93 0.95 0.97", "rgb2": "0.7 0.75 0.8"}
     ElementTree.SubElement(asset, "texture", {**sky, "width": "64", "height": "64"})
@@ -161,6 +169,7 @@ def _document(parts: SceneParts) -> str:
             vertex=_numbers(mesh.vertices),
             face=" ".join(map(str, np.asarray(mesh.faces).ravel())),
         )
+    # floor, arm (where joints are known), tcp and gel
     world = ElementTree.SubElement(root, "worldbody")
     _geom(world, "floor", "floor", type="plane", size="1 1 0.1", pos="0 0 -0.05")
     holder = world if parts.joints is None else _arm(world)
@@ -168,6 +177,7 @@ def _document(parts: SceneParts) -> str:
     tcp = _body(holder, "tcp", tcp_at)
     gel = _body(tcp, "gel", parts.tcp_from_gel)
     _geom(gel, "gel", "gel", type="mesh", mesh="gel")
+    # a straight tool from the flange to the back of the gel
     if parts.joints is not None:
         flange_from_gel = tcp_at @ parts.tcp_from_gel
         back = flange_from_gel @ [0, 0, float(parts.gel.bounds[0, 2]) - TOOL_RADIUS, 1]
@@ -180,7 +190,7 @@ def _document(parts: SceneParts) -> str:
 
 
 def _arm(world: ElementTree.Element) -> ElementTree.Element:
-    """A UR5e of plain capsules; its last body is the flange."""
+    """Add a UR5e of plain capsules to the world; return its last body, the flange."""
     body = world
     tail = np.eye(4)
     for joint, (a, d, alpha) in enumerate(UR5E_LINKS):
@@ -198,14 +208,17 @@ def _arm(world: ElementTree.Element) -> ElementTree.Element:
 
 
 def _body(parent: ElementTree.Element, name: str, pose: Array) -> ElementTree.Element:
+    """Add a body at a pose (4, 4) relative to its parent."""
     x, y, z, qx, qy, qz, qw = matrix_poses(pose)[0]
     return ElementTree.SubElement(parent, "body", name=name, pos=_numbers((x, y, z)), quat=_numbers((qw, qx, qy, qz)))
 
 
 def _geom(parent: ElementTree.Element, name: str, colour: str, **attributes: str) -> None:
+    """Add a shape without collisions, in a colour of ``COLOURS``."""
     fixed = {"name": name, "rgba": COLOURS[colour], "contype": "0", "conaffinity": "0"}
     ElementTree.SubElement(parent, "geom", {**attributes, **fixed})
 
 
 def _numbers(values: Any) -> str:
+    """Text of numbers for an attribute of the document."""
     return " ".join(f"{value:.9g}" for value in np.asarray(values, dtype=float).ravel())
