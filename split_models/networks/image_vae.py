@@ -232,7 +232,7 @@ class ImageVae(Network):
         return pictures
 
     def forward(self, pictures: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Reconstruction (n, 3, h, w), mean and log variance (n, latent); training decodes a sample of the latent vector."""
+        """Reconstruction (n, 3, h, w), mean and log variance (n, latent); training decodes a sample of the vector."""
         mean, log_variance = self.distribution(pictures)
         return self.decode(draw(mean, log_variance) if self.training else mean), mean, log_variance
 

@@ -67,7 +67,7 @@ def _maps(matrices: Sequence[csr_array]) -> nn.ModuleList:
 
 
 class MeshEncoder(nn.Module):
-    """At each level a convolution, ReLU and pooling: scaled displacements (v, n, 3) become features (n, f)."""
+    """Convolution, ReLU and pooling at each level: scaled displacements (v, n, 3) become features (n, f)."""
 
     def __init__(self, maps: MeshMaps, filters: Sequence[int], order: int) -> None:
         super().__init__()
@@ -181,7 +181,7 @@ class MeshVae(Network):
         return self.unscaled(self.decode_scaled(latent))
 
     def forward(self, displacements: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Scaled reconstruction (n, v, 3), mean and log variance (n, latent); training decodes a sample of the latent vector."""
+        """Scaled reconstruction (n, v, 3), mean and log variance (n, latent); training decodes a sample."""
         mean, log_variance = self.distribution(displacements)
         return self.decode_scaled(draw(mean, log_variance) if self.training else mean), mean, log_variance
 

@@ -43,7 +43,7 @@ class SparseMap(nn.Module):
 
 
 class _Multiply(torch.autograd.Function):
-    """Sparse product with gradient, in the matrix's precision: not every device multiplies sparse matrices in bfloat16."""
+    """Sparse product with gradient, in the matrix's precision: not every device multiplies sparse bfloat16 matrices."""
 
     @staticmethod
     def forward(context: Any, values: Tensor, matrix: Tensor, transposed: Tensor) -> Tensor:
