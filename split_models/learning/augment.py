@@ -1,4 +1,4 @@
-"""Pictures turned, mirrored, noisy, and of other contrast and brightness."""
+"""Random changes of training pictures: rotation, mirroring, noise, contrast and brightness."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ from torch.nn import functional
 
 @dataclass(frozen=True)
 class Augmentation:
-    """How far pictures are changed; 0 everywhere changes nothing.
+    """Ranges of random changes of pictures; 0 everywhere changes nothing.
 
     Parameters
     ----------
-    rotation : rad, largest angle either way
-    flip : chance of a mirrored picture, along each axis by itself
-    noise : standard deviation, pictures in [-1, 1]
-    contrast, brightness : largest change; of the factor about 1, of the shift about 0
+    rotation : float, rad
+        Largest angle of a rotation, either way.
+    flip : float
+        Probability that a picture is mirrored, along each axis independently.
+    noise : float
+        Standard deviation of the noise, for pictures in [-1, 1].
+    contrast, brightness : float
+        Largest deviation of the contrast's factor from 1, and of the brightness' shift from 0.
     """
 
     rotation: float = 0.0
@@ -28,9 +32,10 @@ class Augmentation:
     brightness: float = 0.0
 
     def changed(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
-        """What a network is given and what it should give back, (n, 3, h, w) each.
+        """The network's input and its goal, (n, 3, h, w) each, after one random change of each picture.
 
-        Noise is on what is given only: it cannot be foreseen. Randomness is that of the default generator.
+        Only the input is noisy, because noise cannot be predicted. Random numbers come from PyTorch's default
+        generator.
         """
         count, device = len(pictures), pictures.device
 
@@ -51,19 +56,21 @@ class Augmentation:
         return given, pictures
 
     def moved_together(self, *sets: Tensor) -> tuple[Tensor, ...]:
-        """Sets of pictures (n, 3, h, w), all mirrored and turned alike, by what one draw says."""
+        """Sets of pictures (n, 3, h, w), all mirrored and rotated in the same way, which is drawn once."""
         chance = torch.rand(3, device=sets[0].device).tolist()
-        for axis, one in ((3, chance[0]), (2, chance[1])):
-            if one < self.flip:
-                sets = tuple(some.flip(axis) for some in sets)
+        for axis, probability in ((3, chance[0]), (2, chance[1])):
+            if probability < self.flip:
+                sets = tuple(pictures.flip(axis) for pictures in sets)
         if self.rotation:
             angle = (2 * chance[2] - 1) * self.rotation
-            sets = tuple(turned(some, torch.full((len(some),), angle, device=some.device)) for some in sets)
+            sets = tuple(
+                turned(pictures, torch.full((len(pictures),), angle, device=pictures.device)) for pictures in sets
+            )
         return sets
 
 
 def turned(pictures: Tensor, angles: Tensor) -> Tensor:
-    """Pictures (n, 3, h, w) turned about their middle by angles (n,), rad; the rim is mirrored outwards."""
+    """Pictures (n, 3, h, w) rotated about their centre by angles (n,), rad; pixels beyond the rim are reflected."""
     height, width = pictures.shape[2:]
     cosine, sine, zero = angles.cos(), angles.sin(), torch.zeros_like(angles)
     # grid coordinates run from -1 to 1 along both axes, whatever the picture's shape

@@ -1,4 +1,4 @@
-"""Weights on disk with what they were learned from; read without running code, refused where they do not fit."""
+"""Files of weights with a record of what they were trained on; reading runs no code, and unfit weights are refused."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ KINDS = Registry(
     },
     group="split_models.networks",
 )
-"""Networks that a checkpoint can hold."""
+"""Classes of the networks that a checkpoint can hold, by their kind."""
 
 
 @dataclass(frozen=True)
 class TrainedOn:
-    """What weights were learned from; all of it must be the same to go on, or to be used on its data.
+    """Digests of what weights were trained on; all must agree to resume training or to use the weights on the data.
 
     Parameters
     ----------
@@ -61,28 +61,30 @@ class TrainedOn:
     topology: str = ""
 
     def differing(self, other: TrainedOn) -> list[str]:
-        """Names of what is not the same."""
+        """Names of the digests that differ from those of another record."""
         return [name for name, value in vars(self).items() if value != getattr(other, name)]
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A file of weights.
+    """The content of a file of weights.
 
     Parameters
     ----------
     kind : str
+        The network's name in `KINDS`.
     settings : dict
-        Of the network; JSON values.
+        The network's arguments, as JSON values.
     stamps : TrainedOn
+        Digests of what the weights were trained on.
     topology : str
-        Digest of the mesh that the network is for.
+        Digest of the mesh that the network is for; empty where it is for none.
     weights, extras : dict of Tensor
-        Mean and spread by which values are scaled are among the weights.
+        Parameters and buffers (mean and spread of scaled values among them), and tensors that the class needs.
     progress : dict
-        Of the training, JSON values.
+        State of the training, as JSON values.
     optimiser : dict
-        Its state; empty where training is over.
+        State of the optimiser; empty where training is over.
     """
 
     kind: str
@@ -96,7 +98,18 @@ class Checkpoint:
 
     @classmethod
     def of(cls, network: Network, stamps: TrainedOn, progress: Any = None, optimiser: Any = None) -> Checkpoint:
-        """Of a network as it is now."""
+        """The checkpoint of a network in its present state.
+
+        Parameters
+        ----------
+        network : Network
+        stamps : TrainedOn
+            Digests of what the weights were trained on.
+        progress : dict, optional
+            State of the training, as JSON values.
+        optimiser : dict, optional
+            State of the optimiser.
+        """
         return cls(
             network.kind,
             network.settings,
@@ -109,7 +122,7 @@ class Checkpoint:
         )
 
     def network(self) -> Network:
-        """The network with these weights, on the CPU, for evaluation.
+        """The network with these weights, on the CPU, in evaluation mode.
 
         Raises
         ------
@@ -129,7 +142,7 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """A file that is there whole or not at all."""
+    """Write a checkpoint atomically: the file is complete or absent."""
     document = {
         "format": FORMAT,
         "version": __version__,
@@ -151,11 +164,16 @@ def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
-    """The checkpoint in a file, on the CPU; only tensors and plain values are read, no code is run.
+    """The checkpoint in a file, on the CPU; only tensors and plain values are read, and no code is run.
 
     Raises
     ------
-    MissingFile, NotFetched, CheckpointError
+    MissingFile
+        The file does not exist.
+    NotFetched
+        The file is a Git LFS pointer.
+    CheckpointError
+        The file is no checkpoint of this format.
     """
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
@@ -172,8 +190,8 @@ def load_checkpoint(path: Path) -> Checkpoint:
             path=str(path),
         ) from error
     if not isinstance(document, dict) or document.get("format") != FORMAT:
-        found = document.get("format") if isinstance(document, dict) else document
-        raise CheckpointError(f"{path} has format {found!r}", FORMAT, "It is of another program or version.")
+        file_format = document.get("format") if isinstance(document, dict) else document
+        raise CheckpointError(f"{path} has format {file_format!r}", FORMAT, "It is of another program or version.")
     weights, extras, optimiser = parts
     return Checkpoint(
         document["kind"],
@@ -188,7 +206,22 @@ def load_checkpoint(path: Path) -> Checkpoint:
 
 
 def require_stamps(found: TrainedOn, expected: TrainedOn, where: str) -> None:
-    """Nothing, where weights were learned from what is at hand; else `CheckpointError`."""
+    """Refuse weights that were trained on other data, or by another recipe, than the present ones.
+
+    Parameters
+    ----------
+    found : TrainedOn
+        Digests in the checkpoint.
+    expected : TrainedOn
+        Digests of the present recipe and data.
+    where : str
+        The checkpoint's place, for the message.
+
+    Raises
+    ------
+    CheckpointError
+        A digest differs; the message names which.
+    """
     differing = found.differing(expected)
     if not differing:
         return
@@ -200,17 +233,31 @@ def require_stamps(found: TrainedOn, expected: TrainedOn, where: str) -> None:
     }
     listed = ", ".join(words[name] for name in differing)
     values = ", ".join(f"{name} {getattr(found, name)[:12] or 'none'}" for name in differing)
-    wanted = ", ".join(f"{name} {getattr(expected, name)[:12] or 'none'}" for name in differing)
+    expected_values = ", ".join(f"{name} {getattr(expected, name)[:12] or 'none'}" for name in differing)
     raise CheckpointError(
         f"{where} was made with another state of {listed} ({values})",
-        wanted,
+        expected_values,
         "Name another --out folder, or remove the file to train anew.",
         differing=differing,
     )
 
 
 def require_topology(network: Network, topology: str, where: str) -> None:
-    """Nothing, where a network is for the mesh at hand or for none; else `CheckpointError`."""
+    """Refuse a network for another mesh than the present one; a network for no mesh passes.
+
+    Parameters
+    ----------
+    network : Network
+    topology : str
+        Digest of the present mesh.
+    where : str
+        The present mesh's source, for the message.
+
+    Raises
+    ------
+    CheckpointError
+        The network is for another mesh.
+    """
     if network.topology and network.topology != topology:
         raise CheckpointError(
             f"the {network.kind} is for another mesh topology ({network.topology[:12]})",

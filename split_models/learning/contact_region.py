@@ -1,4 +1,4 @@
-"""Where a picture shows the touch: where it differs from the sensor's background."""
+"""Masks of the touch in a picture: pixels that differ from the sensor's background."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 THRESHOLD = 6.0
-"""Grey levels; JPEG and the noise of the camera stay below it once they are blurred."""
+"""Least difference in grey levels that counts as a touch; blurred camera noise and JPEG artefacts stay below it."""
 BLUR = 0.0125
 """Standard deviation of the blur, as a share of the picture's width."""
 
 
 def contact_region(pictures: NDArray[np.uint8], background: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Masks (n, h, w) of pictures (n, h, w, 3) of a sensor with a background (h, w, 3).
+    """Masks (n, h, w) of the touch in pictures (n, h, w, 3) of a sensor with a background (h, w, 3).
 
-    They are of the true pictures alone: no camera must be registered, and no method has a say in where it is judged.
+    Only the recorded pictures decide: no camera needs registration, and no method influences where it is scored.
     """
     sigma = BLUR * pictures.shape[2]
     masks = np.empty(pictures.shape[:3], bool)

@@ -1,4 +1,4 @@
-"""Training curves as files: a row an epoch."""
+"""Training curves as files, with one row for each epoch."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from typing import Any
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 
 CURVE = "curve"
+"""Stem of the files' names."""
 
 
 def write_curves(folder: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """``curve.csv`` and ``curve.json`` in a folder."""
+    """Write the rows of a training curve to ``curve.csv`` and ``curve.json`` in a folder."""
     columns = list(dict.fromkeys(name for row in rows for name in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")

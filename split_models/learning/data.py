@@ -1,4 +1,4 @@
-"""Frames of one part of a split as networks take them: pictures of one size, displacements, forces, backgrounds."""
+"""Frames of one part of a split as arrays for networks: pictures of one size, displacements, forces, backgrounds."""
 
 from __future__ import annotations
 
@@ -17,34 +17,43 @@ from tactiledata.errors import UsageError
 from tactiledata.loaders.numpy import TactileArrays
 
 KEPT_BYTES = 4 * 2**30
-"""Pictures and displacements are read once and kept, each up to so many bytes; above, every batch is read anew."""
+"""Largest size in bytes up to which pictures, and displacements, are kept in memory; larger ones are read by batch."""
 CHUNK = 256
+"""Frames that are read together."""
 
 
 class TouchFrames:
-    """Frames of one part of a split; frames without one of the asked values are left out.
+    """Frames of one part of a split; frames that lack a requested value are left out.
 
     Parameters
     ----------
     location : str or Path
-        A store.
+        The store.
     part : str
         ``"<split>/<part>"``; data are never opened without a split.
     camera : str
-    size : (height, width), optional
-        Pictures are scaled to it by area; their own size unless stated.
+        Stream of pictures.
+    size : (height, width) px, optional
+        Size to which pictures are scaled by area; their own size unless given.
     mesh : str, optional
-        Which mesh of the store; ``""`` the only one, None for none.
+        Name of a mesh of the store; ``""`` for its only one, None for none.
     wrench : str, optional
-        The signal that forces are taken of; None for none.
+        Signal that forces are taken from; None for none.
     background : bool
         Whether each sensor must have a picture without contact.
     kept_bytes : int
+        Largest size in bytes of pictures, and of displacements, that are kept in memory.
 
     Raises
     ------
-    MissingSplit, StoreError, UnknownName, UsageError
-        No split, no meshes, no background of a sensor, no such stream, nothing left: before anything is read.
+    MissingSplit
+        The store has no such split.
+    StoreError
+        The store has no mesh, or a sensor has no background.
+    UnknownName
+        The store has no such stream.
+    UsageError
+        No frame is left.
     """
 
     def __init__(
@@ -81,67 +90,69 @@ class TouchFrames:
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same frames, seen in the same way."""
+        """Digest of the frames, the pictures' size, the mesh and the wrench; equal for equal data."""
         mesh = "" if self._mesh is None else self.arrays.store.mesh(self._mesh).facts["digest"]
         return digest_of([self.arrays.fingerprint, self.size, mesh, self.wrench])
 
     @property
     def split_digest(self) -> str:
-        """Of the split's table: who is in which part."""
+        """Digest of the split's table, which assigns trajectories to parts."""
         name = self.part.rpartition("/")[0]
         from tactiledata.splits.manifest import read_split
 
         return str(read_split(self.arrays.store, name).document["table"]["sha256"])
 
     def topology(self) -> Topology:
-        """The mesh that displacements are of."""
+        """Topology of the mesh that displacements refer to."""
         return topology_of(self.arrays.store.mesh(self.mesh_name))
 
     def pictures(self, numbers: Sequence[int] | NDArray[np.int64]) -> PictureArray:
-        """Pictures (n, h, w, 3), uint8."""
+        """Pictures (n, h, w, 3), uint8 RGB, of frames by their number."""
         return self._get("pictures", self._read_pictures, numbers)
 
     def displacements(self, numbers: Sequence[int] | NDArray[np.int64]) -> NDArray[np.float32]:
-        """Displacements (n, v, 3), m, gel frame."""
+        """Displacements (n, v, 3), m, gel frame, of frames by their number."""
         name = self.mesh_name
         return self._get("displacements", lambda rows: self.arrays.store.mesh(name).displacement(rows), numbers)
 
     def forces(self, numbers: Sequence[int] | NDArray[np.int64] | None = None) -> NDArray[np.float32]:
-        """Contact forces (n, 3), N, gel frame."""
+        """Contact forces (n, 3), N, gel frame, of frames by their number; of all frames unless given."""
         if self.wrench is None:
             raise UsageError("forces of frames that were opened without a wrench", "wrench='contact_wrench'")
         rows = self.rows if numbers is None else self.rows[np.asarray(numbers, np.int64)]
         return self.arrays.store.aligned(self.wrench, rows)[0][:, :3].astype(np.float32)
 
     def background(self, sensor: str) -> PictureArray:
-        """The sensor's picture (h, w, 3) without contact."""
+        """Picture (h, w, 3), uint8 RGB, of a sensor without contact."""
         return self._sized(self.arrays.store.reference(sensor).image[None])[0]
 
     def backgrounds(self) -> dict[str, PictureArray]:
-        """Pictures (h, w, 3) without contact of the sensors that frames are of, where the store has them."""
+        """Pictures (h, w, 3) without contact by sensor, for the sensors of these frames that have one in the store."""
         held = self.arrays.store.manifest["references"]
         return {name: self.background(name) for name in self.sensor_names if name in held}
 
     @property
     def sensor_names(self) -> list[str]:
-        """Sensors that frames are of, sorted."""
+        """Sorted names of the sensors of these frames."""
         return sorted(set(self.sensors))
 
     @property
     def mesh_name(self) -> str:
-        """The store's name of the mesh that displacements are of."""
+        """The store's name of the mesh that displacements refer to."""
         if self._mesh is None:
-            raise UsageError("meshes of frames that were opened without", "mesh='' or a mesh's name")
+            raise UsageError("meshes of frames that were opened without a mesh", "mesh='' or a mesh's name")
         return self._mesh
 
     def _read_pictures(self, rows: NDArray[np.int64]) -> PictureArray:
+        """Pictures (n, h, w, 3) of rows of the store, scaled to `size`."""
         return self._sized(np.asarray(self.arrays.store.images(rows)))
 
     def _sized(self, pictures: PictureArray) -> PictureArray:
+        """Pictures (n, h, w, 3) scaled by area to `size`."""
         if self.size is None or pictures.shape[1:3] == self.size:
             return pictures
         height, width = self.size
-        return np.stack([cv2.resize(one, (width, height), interpolation=cv2.INTER_AREA) for one in pictures])
+        return np.stack([cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA) for picture in pictures])
 
     def _get(
         self,
@@ -149,6 +160,7 @@ class TouchFrames:
         read: Callable[[NDArray[np.int64]], NDArray[Any]],
         numbers: Sequence[int] | NDArray[np.int64],
     ) -> NDArray[Any]:
+        """Values (n, ...) of frames by their number: from memory where all of a kind fit, else read by ``read``."""
         places = np.asarray(numbers, np.int64)
         if kind not in self._kept:
             first = read(self.rows[:1])
@@ -162,17 +174,18 @@ class TouchFrames:
 
 
 LEAST_SHARE = 0.1
-"""Vertices that move less than this share of the root mean square over all of them are scaled as if they moved so much:
-bonded nodes, and vertices that the touches of the train part happened to miss, would become huge on other touches."""
+"""Least spread of a vertex, as a share of the root mean square of all vertices' spreads.
+
+Bonded nodes, and vertices that no touch of the train part moves, would otherwise be scaled to huge values elsewhere."""
 
 
 def vertex_scale(frames: TouchFrames) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean and spread (v, 3), m, by which displacements of every vertex are scaled.
+    """Mean and spread (v, 3), m, by which each vertex's displacement is scaled; the spread is bounded below.
 
     Raises
     ------
     UsageError
-        Nothing moves in any frame.
+        No vertex moves in any frame.
     """
     mean, spread = vertex_moments(frames)
     least = LEAST_SHARE * float(np.sqrt(np.square(spread).mean()))
@@ -186,7 +199,7 @@ def vertex_scale(frames: TouchFrames) -> tuple[NDArray[np.float64], NDArray[np.f
 
 
 def vertex_moments(frames: TouchFrames) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean and standard deviation (v, 3), m, of every vertex's displacement over all frames."""
+    """Mean and standard deviation (v, 3), m, of each vertex's displacement over all frames."""
     total: Any = 0.0
     squares: Any = 0.0
     for start in range(0, len(frames), CHUNK):

@@ -1,4 +1,4 @@
-"""Where networks run, and in which precision."""
+"""The device that networks run on, their precision, and the processes that share a training."""
 
 from __future__ import annotations
 
@@ -13,15 +13,18 @@ from torch import distributed
 from tactiledata.errors import UnknownName, UsageError
 
 DEVICES = ("cpu", "cuda")
+"""Values of the option ``--device``."""
 
 
 def find_device(name: str) -> torch.device:
-    """The device of this process: of several, that of its local rank.
+    """The device of this process; with several processes, the GPU of its local rank.
 
     Raises
     ------
-    UnknownName, UsageError
-        Neither cpu nor cuda; cuda where there is none.
+    UnknownName
+        The name is neither cpu nor cuda.
+    UsageError
+        PyTorch has no GPU, or fewer GPUs than there are processes.
     """
     if name not in DEVICES:
         raise UnknownName("device", name, DEVICES)
@@ -45,7 +48,7 @@ def find_device(name: str) -> torch.device:
 
 
 def uses_bfloat16(device: torch.device, convolves: bool) -> bool:
-    """Whether learning in bfloat16 helps: on a GPU that knows it; on a CPU that multiplies in it, convolutions do.
+    """Whether training in bfloat16 is faster: on a GPU that supports it, and for convolutions on a CPU that does.
 
     Parameters
     ----------
@@ -55,31 +58,39 @@ def uses_bfloat16(device: torch.device, convolves: bool) -> bool:
     """
     if device.type == "cuda":
         return torch.cuda.is_bf16_supported()
-    knows = torch.cpu.get_capabilities()
-    return convolves and bool(knows.get("avx512_bf16") or knows.get("amx_bf16"))
+    capabilities = torch.cpu.get_capabilities()
+    return convolves and bool(capabilities.get("avx512_bf16") or capabilities.get("amx_bf16"))
 
 
 @dataclass(frozen=True)
 class Ranks:
-    """Which of how many processes this is."""
+    """Number of this process among the processes that train together.
+
+    Parameters
+    ----------
+    rank : int
+        Number of this process, from 0.
+    world : int
+        Number of processes.
+    """
 
     rank: int = 0
     world: int = 1
 
     @property
     def is_first(self) -> bool:
-        """Whether it is the one that writes files and tells people."""
+        """Whether this process is the one that writes files and reports progress."""
         return self.rank == 0
 
     def wait(self) -> None:
-        """Go on when all have come here."""
+        """Wait until all processes have called this method."""
         if self.world > 1:
             distributed.barrier()
 
 
 @contextlib.contextmanager
 def processes(device: torch.device) -> Iterator[Ranks]:
-    """The processes that `torchrun` started together, or this one alone."""
+    """Number of this process among those that `torchrun` started together; one process without it."""
     if int(os.environ.get("WORLD_SIZE", "1")) < 2:
         yield Ranks()
         return

@@ -1,4 +1,4 @@
-"""Backgrounds that nothing may be learned from: those of sensors that are held out to be tested on."""
+"""A check that no background of a held-out sensor is learned from."""
 
 from __future__ import annotations
 
@@ -11,14 +11,27 @@ from tactiledata.store.read.reader import Store
 
 
 def refuse_held_out(name: str, picture: PictureArray, store: Store, known: Collection[str], remedy: str) -> None:
-    """Nothing, where a background (h, w, 3) is of no sensor of the store beside those that may be learned from.
+    """Refuse a background (h, w, 3) of a sensor that is held out of training.
 
-    A bundled picture that is a held-out sensor's own is found by its pixels, whatever it is called.
+    Backgrounds are compared by their pixels, so that a bundled picture of a held-out sensor is refused under any name.
+
+    Parameters
+    ----------
+    name : str
+        Name of the background, for the message.
+    picture : (h, w, 3) uint8 RGB
+        The background.
+    store : Store
+        The store whose sensors are held out, but for the known ones.
+    known : collection of str
+        Sensors that may be learned from.
+    remedy : str
+        Advice at the end of the message.
 
     Raises
     ------
     UsageError
-        It is a held-out sensor's.
+        The background is that of a held-out sensor.
     """
     for sensor, reference in store.references().items():
         if sensor in known:

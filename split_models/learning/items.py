@@ -1,4 +1,4 @@
-"""What a network learns from, batch by batch: pictures, meshes, latent vectors, each with what they are to become."""
+"""Training items, read in batches: pictures, meshes or latent vectors, each with the values to be predicted from it."""
 
 from __future__ import annotations
 
@@ -17,34 +17,35 @@ Batch = dict[str, Tensor]
 
 
 class Items(Protocol):
-    """Things with numbers from 0, read in batches."""
+    """Training items with numbers from 0, which are read in batches."""
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same items."""
+        """Digest of the items; equal for equal items."""
 
     def __len__(self) -> int: ...
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """Tensors with an item along their first axis."""
+        """Tensors by name, each with one item along its first axis."""
 
     def where(self, number: int) -> str:
-        """In words, where an item comes from."""
+        """Source of an item in words, for messages."""
 
 
 class PictureItems:
     """Pictures of several sets of frames, and backgrounds of sensors among them.
 
     A batch has ``image`` (n, h, w, 3), uint8, and ``sensor`` (n,), int64: the place of each picture's sensor in
-    ``sensor_names``, -1 for pictures of other sensors and of other sets than the first.
+    ``sensor_names``. Pictures of other sensors, and of all sets but the first, have -1.
 
     Parameters
     ----------
-    sets : TouchFrames, the first of them the one whose sensors' backgrounds are taken
+    sets : sequence of TouchFrames
+        Sets of frames; backgrounds are those of the first set's sensors.
     background_copies : int
         How often each sensor's picture without contact is among the items.
     sensor_names : sequence of str, optional
-        Those that are told apart; those of the first set unless stated.
+        Sensors that ``sensor`` numbers; those of the first set unless given.
     """
 
     def __init__(
@@ -65,14 +66,14 @@ class PictureItems:
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same pictures."""
+        """Digest of the sets of frames and of the backgrounds among them."""
         return digest_of([[frames.fingerprint for frames in self.sets], self._names])
 
     def __len__(self) -> int:
         return int(self._ends[-1]) + len(self._names)
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """``image`` and ``sensor``."""
+        """``image`` (n, h, w, 3) and ``sensor`` (n,) of items by their number."""
         places = np.asarray(numbers, np.int64)
         which = np.searchsorted(self._ends, places, side="right")
         parts, order = [], []
@@ -88,7 +89,7 @@ class PictureItems:
         return {"image": torch.from_numpy(pictures), "sensor": self._sensors[torch.from_numpy(places)]}
 
     def where(self, number: int) -> str:
-        """Store and frame."""
+        """Store and frame of an item, or the sensor of a background."""
         which = int(np.searchsorted(self._ends, number, side="right"))
         if which == len(self.sets):
             return f"the background of {self._names[number - int(self._ends[-1])]}"
@@ -97,39 +98,49 @@ class PictureItems:
 
 
 class FrameItems:
-    """Of frames ``mesh`` (n, v, 3), m, ``image`` (n, h, w, 3) and ``force`` (n, 3), N, as far as they are asked for."""
+    """Meshes, pictures and forces of frames, as far as they are requested.
+
+    A batch may have ``mesh`` (n, v, 3), m, ``image`` (n, h, w, 3), uint8, and ``force`` (n, 3), N.
+
+    Parameters
+    ----------
+    frames : TouchFrames
+    what : sequence of str
+        Which of the three a batch has.
+    """
 
     def __init__(self, frames: TouchFrames, what: Sequence[str]) -> None:
         self.frames, self.what = frames, tuple(what)
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same frames."""
+        """Digest of the frames and of which values are read."""
         return digest_of([self.frames.fingerprint, list(self.what)])
 
     def __len__(self) -> int:
         return len(self.frames)
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """What was asked for."""
+        """The requested values of items by their number."""
         read = {"mesh": self.frames.displacements, "image": self.frames.pictures, "force": self.frames.forces}
         return {name: torch.from_numpy(read[name](numbers)) for name in self.what}
 
     def where(self, number: int) -> str:
-        """Store and frame."""
+        """Store and frame of an item."""
         return frame_of(self.frames, number)
 
 
 class TensorItems:
-    """Tensors that are in memory, all of one length: latent vectors and what they are to become.
+    """Tensors in memory, all of one length, such as latent vectors and the values to be predicted from them.
 
     Parameters
     ----------
-    tensors : dict
+    tensors : dict of Tensor
+        Values by name, (n, ...) each.
     fingerprint : str
-        Names them.
+        Digest that stands for them.
     frames : TouchFrames, optional
-        Whose frames they go with.
+        Frames that the items are of, for messages.
     """
 
     def __init__(self, tensors: Mapping[str, Tensor], fingerprint: str, frames: TouchFrames | None = None) -> None:
@@ -137,23 +148,23 @@ class TensorItems:
 
     @property
     def fingerprint(self) -> str:
-        """As it was given."""
+        """The digest that the items were made with."""
         return self._fingerprint
 
     def __len__(self) -> int:
         return len(next(iter(self.tensors.values())))
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """All of them."""
+        """All tensors at items by their number."""
         places = torch.as_tensor(numbers)
         return {name: values[places] for name, values in self.tensors.items()}
 
     def where(self, number: int) -> str:
-        """Store and frame, or the number."""
+        """Store and frame of an item, or its number where no frames are known."""
         return f"item {number}" if self._frames is None else frame_of(self._frames, number)
 
 
 def frame_of(frames: TouchFrames, number: int) -> str:
-    """In words, which frame of which store it is."""
+    """Row, trajectory and store of a frame in words, for messages."""
     place = f"frame {int(frames.rows[number])} (trajectory {frames.trajectories[number]})"
     return f"{place} of {frames.arrays.location}"

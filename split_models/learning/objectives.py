@@ -1,4 +1,4 @@
-"""What each network learns: its loss of a batch, in parts; the total is called ``loss``."""
+"""The objective of each network: its loss for a batch, in parts; the sum to be minimised is called ``loss``."""
 
 from __future__ import annotations
 
@@ -21,15 +21,26 @@ Losses = dict[str, Tensor]
 class Objective(nn.Module):
     """A network and its loss.
 
-    ``forward(batch, epoch)`` gives the losses; ``epoch`` counts with fractions. What is validated is the loss at the
-    end of all annealing, without anything random, so that epochs can be compared.
+    ``forward(batch, epoch)`` gives the losses; ``epoch`` counts with fractions. The validation loss has the weights of
+    the end of all annealing and nothing random, so that epochs can be compared.
     """
 
     network: Network
 
 
 class ImageVaeObjective(Objective):
-    """Squared error of pictures in [-1, 1], and the divergence, whose weight grows from 0 over ``anneal`` epochs."""
+    """Squared error of pictures in [-1, 1], plus the divergence, whose weight grows from 0 over ``anneal`` epochs.
+
+    Parameters
+    ----------
+    network : ImageVae
+    divergence_weight : float
+        Weight of the divergence after annealing.
+    anneal : int
+        Epochs over which the weight grows.
+    augmentation : Augmentation
+        Random changes of the training pictures.
+    """
 
     def __init__(self, network: ImageVae, divergence_weight: float, anneal: int, augmentation: Augmentation) -> None:
         super().__init__()
@@ -38,15 +49,15 @@ class ImageVaeObjective(Objective):
         self.weight, self.anneal, self.augmentation = divergence_weight, anneal, augmentation
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
-        """``loss``, ``error`` and ``divergence``."""
+        """Scalars ``loss``, ``error`` and ``divergence`` of a batch with ``image`` (n, h, w, 3), uint8."""
         pictures = as_input(batch["image"])
-        given, wanted = self.augmentation.changed(pictures) if self.training else (pictures, pictures)
+        given, target = self.augmentation.changed(pictures) if self.training else (pictures, pictures)
         weight = annealed(self.weight, epoch, self.anneal) if self.training else self.weight
-        return vae_losses(self.vae(given), wanted, weight)
+        return vae_losses(self.vae(given), target, weight)
 
 
 class MeshVaeObjective(Objective):
-    """Squared error of displacements, scaled vertex by vertex, and the divergence."""
+    """Squared error of displacements, scaled vertex by vertex, plus the weighted divergence."""
 
     def __init__(self, network: MeshVae, divergence_weight: float) -> None:
         super().__init__()
@@ -55,59 +66,73 @@ class MeshVaeObjective(Objective):
         self.weight = divergence_weight
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
-        """``loss``, ``error`` and ``divergence``."""
+        """Scalars ``loss``, ``error`` and ``divergence`` of a batch with ``mesh`` (n, v, 3), m."""
         moved = batch["mesh"]
         return vae_losses(self.vae(moved), self.vae.scaled(moved), self.weight)
 
 
 def vae_losses(
-    output: tuple[Tensor, Tensor, Tensor], wanted: Tensor, weight: float, emphasis: Tensor | None = None
+    output: tuple[Tensor, Tensor, Tensor], target: Tensor, weight: float, emphasis: Tensor | None = None
 ) -> Losses:
-    """The losses of a beta-VAE whose output is a reconstruction, mean and log variance.
+    """Losses of a beta-VAE: the squared error of its reconstruction, the divergence, and their weighted sum.
 
-    ``emphasis``, of ``wanted``'s shape or one that spreads to it, is what the squared errors are multiplied by.
+    Parameters
+    ----------
+    output : (reconstruction, mean, log variance)
+        The VAE's output: (n, ...) and twice (n, latent).
+    target : (n, ...)
+        What the reconstruction should be.
+    weight : float
+        Weight of the divergence.
+    emphasis : Tensor, optional
+        Factors on the squared errors, of ``target``'s shape or broadcast to it.
+
+    Returns
+    -------
+    dict of scalar Tensor
+        ``loss``, with a gradient; ``error`` and ``divergence``, without.
     """
-    found, mean, log_variance = (one.float() for one in output)
-    squares = (found - wanted).square()
+    reconstruction, mean, log_variance = (part.float() for part in output)
+    squares = (reconstruction - target).square()
     error = (squares if emphasis is None else squares * emphasis).mean()
     spread = divergence(mean, log_variance)
     return {"loss": error + weight * spread, "error": error.detach(), "divergence": spread.detach()}
 
 
 class Regression(Objective):
-    """Squared error of what a network makes of ``batch[given]``.
+    """Mean squared error between a network's output for ``batch[given]`` and ``batch[target]``.
 
     Parameters
     ----------
     network : Network
-    given, wanted : str
-        Names in the batch.
-    prepare_given, prepare_wanted : callable, optional
-        Tensor -> tensor, before the network and before the comparison.
+    given, target : str
+        Names of the input and of the target in the batch.
+    prepare_given, prepare_target : callable, optional
+        Functions of a tensor, applied to the input before the network and to the target before the comparison.
     """
 
     def __init__(
         self,
         network: Network,
         given: str,
-        wanted: str,
+        target: str,
         prepare_given: Callable[[Tensor], Tensor] | None = None,
-        prepare_wanted: Callable[[Tensor], Tensor] | None = None,
+        prepare_target: Callable[[Tensor], Tensor] | None = None,
     ) -> None:
         super().__init__()
         self.network = network
-        self._given, self._wanted = given, wanted
-        self._prepare_given, self._prepare_wanted = prepare_given, prepare_wanted
+        self._given, self._target = given, target
+        self._prepare_given, self._prepare_target = prepare_given, prepare_target
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
-        """``loss``."""
-        given, wanted = batch[self._given], batch[self._wanted]
-        found = self.network(given if self._prepare_given is None else self._prepare_given(given))
-        wanted = wanted if self._prepare_wanted is None else self._prepare_wanted(wanted)
-        return {"loss": nn.functional.mse_loss(found.float(), wanted)}
+        """The scalar ``loss`` of a batch; the epoch is not used."""
+        given, target = batch[self._given], batch[self._target]
+        output = self.network(given if self._prepare_given is None else self._prepare_given(given))
+        target = target if self._prepare_target is None else self._prepare_target(target)
+        return {"loss": nn.functional.mse_loss(output.float(), target)}
 
 
 def scaled_forces(mean: Any, spread: Any) -> Callable[[Tensor], Tensor]:
-    """Forces (n, 3), N, with mean 0 and spread 1."""
-    middle, width = torch.as_tensor(mean).float(), torch.as_tensor(spread).float()
-    return lambda forces: (forces - middle.to(forces.device)) / width.to(forces.device)
+    """A function that scales forces (n, 3), N, by a mean and a spread (3,), N, to mean 0 and standard deviation 1."""
+    centre, width = torch.as_tensor(mean).float(), torch.as_tensor(spread).float()
+    return lambda forces: (forces - centre.to(forces.device)) / width.to(forces.device)

@@ -1,8 +1,8 @@
-"""An image VAE that learns the arithmetic it is used for: pictures under other sensors' light, beyond the paper.
+"""An image VAE trained on latent arithmetic itself: pictures under other sensors' light; beyond the paper.
 
-A touch changes the light that a sensor's camera sees by a ratio, nearly whatever the light is. So a picture times
-another sensor's background over its own is nearly what that other sensor would have seen, and one picture without
-contact of a sensor is enough to learn from: units of which nothing else was ever recorded.
+A touch changes the light that a camera sees by a ratio, nearly independently of the light. So a picture times another
+sensor's background over its own background is nearly what the other sensor would have recorded. One picture without
+contact is therefore enough to learn from a sensor of which nothing else was recorded.
 """
 
 from __future__ import annotations
@@ -21,29 +21,30 @@ from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent_normal import annealed, draw
 
 BLUR = 5
-"""px: differences to the background are averaged over so many before they count as a touch."""
+"""Side in px of the square over which differences to the background are averaged before they count as a touch."""
 
 
 class ArithmeticVaeObjective(Objective):
-    """A beta-VAE that decodes Z_Image - Z_Base + another Z_Base to the same touch under that other sensor's light.
+    """Loss of a beta-VAE that decodes Z_Image - Z_Base + Z_OtherBase to the same touch under another sensor's light.
 
     Parameters
     ----------
     network : ImageVae
     divergence_weight : float
-        Grows from 0 over ``anneal`` epochs.
+        Weight of the divergence after annealing.
     anneal : int
+        Epochs over which that weight grows from 0.
     augmentation : Augmentation
-        Its rotation, flips and noise; they are the same for a whole batch and the backgrounds, so that these stay each
-        other's. Other light stands for contrast and brightness.
+        Rotation, flips and noise, the same for a whole batch and for the backgrounds, so that each picture keeps its
+        background. Relighting replaces changes of contrast and brightness.
     backgrounds : (s + t, h, w, 3) uint8
-        Of the sensors that pictures are of, in the order of ``batch["sensor"]``, then of others.
+        Backgrounds of the pictures' sensors, in the order of ``batch["sensor"]``, then those of other sensors.
     relit : float
-        Share of the pictures that are given under the light of any of the backgrounds.
+        Share of the pictures that the network gets under the light of a random background.
     exchanged : float
-        Share whose latent vector changes its background for any of them before it is decoded.
+        Share of the pictures whose latent vector gets a random background before it is decoded.
     contact_weight : float
-        By how much more squared errors count where a picture shows the touch: a touch is a small part of a picture.
+        Additional weight of squared errors where a picture shows the touch, which is a small part of the picture.
     """
 
     def __init__(
@@ -67,25 +68,27 @@ class ArithmeticVaeObjective(Objective):
         self.register_buffer("backgrounds", pictures, persistent=False)
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
-        """``loss``, ``error`` and ``divergence``."""
+        """Scalars ``loss``, ``error`` and ``divergence`` of a batch with ``image`` (n, h, w, 3) and ``sensor`` (n,)."""
         pictures, own = batch["image"].permute(0, 3, 1, 2).float(), batch["sensor"]
         if not self.training:
             scaled = _scaled(pictures)
             return vae_losses(self.vae(scaled), scaled, self.weight, self._emphasis(pictures, self.backgrounds, own))
+        # draw the light of the input, and the light that the decoded picture should have
         pictures, backgrounds = self.augmentation.moved_together(pictures, self.backgrounds.float())
-        given = self._some_other(own, self.relit)
-        wanted = self._some_other(given, self.exchanged)
-        shown = _scaled(relight(pictures, backgrounds, own, given))
+        input_light = self._some_other(own, self.relit)
+        goal_light = self._some_other(input_light, self.exchanged)
+        shown = _scaled(relight(pictures, backgrounds, own, input_light))
         shown = (shown + self.augmentation.noise * torch.randn_like(shown)).clamp(-1, 1)
+        # exchange the background in latent space; place -1 is a zero vector, for pictures without a background
         mean, log_variance = self.vae.distribution(shown)
         base = torch.cat([self.vae.distribution(_scaled(backgrounds))[0], torch.zeros_like(mean[:1])])
-        found = self.vae.decode(draw(mean, log_variance) - base[given] + base[wanted])
-        goal = _scaled(relight(pictures, backgrounds, own, wanted))
+        decoded = self.vae.decode(draw(mean, log_variance) - base[input_light] + base[goal_light])
+        goal = _scaled(relight(pictures, backgrounds, own, goal_light))
         emphasis = self._emphasis(pictures, backgrounds, own)
-        return vae_losses((found, mean, log_variance), goal, annealed(self.weight, epoch, self.anneal), emphasis)
+        return vae_losses((decoded, mean, log_variance), goal, annealed(self.weight, epoch, self.anneal), emphasis)
 
     def _emphasis(self, pictures: Tensor, backgrounds: Tensor, own: Tensor) -> Tensor | None:
-        """How much errors count, (n, 1, h, w): more where a picture differs from its background."""
+        """Factors (n, 1, h, w) on squared errors, larger where a picture shows the touch; None without a weight."""
         if not self.contact_weight:
             return None
         difference = (pictures - backgrounds[own]).abs().amax(dim=1, keepdim=True)
@@ -94,21 +97,28 @@ class ArithmeticVaeObjective(Objective):
         return 1.0 + self.contact_weight * is_touched
 
     def _some_other(self, places: Tensor, share: float) -> Tensor:
-        """A share of the places (n,) drawn anew among all backgrounds; those of pictures without one (-1) stay."""
+        """Places (n,) of backgrounds, of which a random share is drawn anew; -1, for no background, stays."""
         drawn = torch.randint(len(self.backgrounds), places.shape, device=places.device)
         is_drawn = (torch.rand(places.shape, device=places.device) < share) & (places >= 0)
         return torch.where(is_drawn, drawn, places)
 
 
 def relight(pictures: Tensor, backgrounds: Tensor, own: Tensor, other: Tensor) -> Tensor:
-    """Pictures (n, 3, h, w) in [0, 255] times the other background over their own, each (n,) a place in backgrounds.
+    """Pictures (n, 3, h, w) under the light of another sensor: times its background over their own background.
 
-    Where both places are one the picture stays as it is, bit for bit.
+    A picture whose own and other background are the same stays as it is, bit for bit.
+
+    Parameters
+    ----------
+    pictures : (n, 3, h, w) in [0, 255]
+    backgrounds : (s, 3, h, w) in [0, 255]
+    own, other : (n,) int
+        Places in ``backgrounds`` of each picture's own background and of the other one.
     """
     ratio = (backgrounds[other] + 1.0) / (backgrounds[own] + 1.0)
     return (pictures * ratio).clamp(max=255.0)
 
 
 def _scaled(pictures: Tensor) -> Tensor:
-    """Pictures in [0, 255] in [-1, 1]."""
+    """Pictures in [-1, 1] from pictures in [0, 255]."""
     return pictures.div(127.5).sub(1.0)

@@ -1,4 +1,4 @@
-"""NaN and infinity in training, named before hours are spent on them."""
+"""Checks that stop a training at the first NaN or infinity, and name where it occurred."""
 
 from __future__ import annotations
 
@@ -12,12 +12,21 @@ from tactiledata.errors import NotFinite
 
 
 def require_finite_batch(batch: Batch, numbers: list[int], items: Items) -> None:
-    """Refuse a batch with numbers that are none.
+    """Refuse a batch with NaN or infinity.
+
+    Parameters
+    ----------
+    batch : dict of Tensor
+        Values (n, ...) by name.
+    numbers : list of int
+        Numbers of the n items.
+    items : Items
+        Source of the batch, which names an item's frame.
 
     Raises
     ------
     NotFinite
-        The message names frames.
+        A value is NaN or infinite; the message names the first frame.
     """
     for name, values in batch.items():
         if not values.is_floating_point():
@@ -37,12 +46,27 @@ def require_finite_batch(batch: Batch, numbers: list[int], items: Items) -> None
 def require_finite_losses(
     losses: Mapping[str, Tensor], network: str, epoch: int, items: Items, numbers: list[int], learning_rate: float
 ) -> None:
-    """Refuse a loss that is no number.
+    """Refuse a loss that is NaN or infinite.
+
+    Parameters
+    ----------
+    losses : dict of Tensor
+        Scalars by name.
+    network : str
+        The network's kind, for the message.
+    epoch : int
+        The present epoch, for the message.
+    items : Items
+        Source of the batch, which names an item's frame.
+    numbers : list of int
+        Numbers of the batch's items.
+    learning_rate : float
+        The learning rate, for the message.
 
     Raises
     ------
     NotFinite
-        The message names the epoch and the batch.
+        A loss is NaN or infinite; the message names the epoch and the batch.
     """
     for name, value in losses.items():
         if not bool(value.isfinite()):
@@ -56,12 +80,21 @@ def require_finite_losses(
 
 
 def require_finite_validation(checked: Mapping[str, float], network: str, epoch: int) -> None:
-    """Refuse a validation loss that is no number.
+    """Refuse a validation loss that is NaN or infinite.
+
+    Parameters
+    ----------
+    checked : dict of float
+        Validation losses by name; ``loss`` is looked at.
+    network : str
+        The network's kind, for the message.
+    epoch : int
+        The present epoch, for the message.
 
     Raises
     ------
     NotFinite
-        The message names the epoch.
+        The validation loss is NaN or infinite; the message names the epoch.
     """
     if not math.isfinite(checked["loss"]):
         raise NotFinite(

@@ -1,4 +1,4 @@
-"""One plain training loop for every network: it can be killed, resumed, and shared between processes."""
+"""The training loop of every network: it can be killed, resumed, and shared between processes."""
 
 from __future__ import annotations
 
@@ -30,11 +30,21 @@ from tactiledata.loaders.order import Order
 T = TypeVar("T")
 
 LAST, BEST = "last.pt", "best.pt"
+"""Files of the latest state, from which training resumes, and of the weights with the least validation loss."""
 
 
 @dataclass(frozen=True)
 class Trained:
-    """A network that has learned: its weights at the best epoch, and its curve."""
+    """A trained network with the weights of its best epoch, and its training curve.
+
+    Parameters
+    ----------
+    network : Network
+    rows : list of dict
+        Losses, learning rate and seconds of each epoch.
+    best_epoch : int
+        Epoch with the least validation loss.
+    """
 
     network: Network
     rows: list[dict[str, float]]
@@ -52,38 +62,44 @@ def train(
     ranks: Ranks | None = None,
     tell: Progress | None = None,
 ) -> Trained:
-    """A network trained, or gone on with where it was killed, or read where it is ready.
+    """A trained network: trained from the start, resumed where training was killed, or read where it is complete.
 
-    Whatever moment the process is killed at, the same call ends with the same losses: the order of items, and all
-    that is random in a step, depend on the seed, the epoch and the step alone.
+    Whenever the process is killed, the same call ends with the same losses: the order of items and all random numbers
+    of a step depend on the seed, the epoch and the step alone.
 
     Parameters
     ----------
     objective : Objective
+        The network and its loss.
     items, validation : Items
+        Items to train on, and items whose loss selects the best epoch.
+    options : TrainOptions
+        Epochs, batch size, learning rate, patience and seed.
     folder : Path
-        ``last.pt``, ``best.pt``, ``curve.csv`` and ``curve.json`` go there.
+        Folder for ``last.pt``, ``best.pt``, ``curve.csv`` and ``curve.json``.
     stamps : TrainedOn
-        What the weights depend on; a checkpoint with others is refused.
+        Digests of what the weights depend on; a checkpoint with others is refused.
     device : torch.device
     ranks : Ranks, optional
+        Number of this process among those that train together; one process unless given.
     tell : callable, optional
+        Called after each epoch with epochs done, epochs in all, and the losses in words.
 
     Raises
     ------
     UsageError
-        Nothing to learn from or to validate on.
+        There is nothing to train on or to validate on, or the batch size does not divide by the processes.
     NotFinite
         NaN or infinity in a batch or in a loss; the message names frames.
     CheckpointError
-        The folder holds weights of something else.
+        The folder holds weights that were trained on something else.
     """
     ranks = ranks or Ranks()
-    for what, some in (("train", items), ("validate", validation)):
-        if not len(some):
+    for what, listed in (("train", items), ("validate", validation)):
+        if not len(listed):
             raise UsageError(f"nothing to {what} the {objective.network.kind} on", "at least one item", "")
     with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
-        loop = _Loop(objective, items, validation, options, folder, stamps, device, ranks, tell)
+        loop = _Loop(objective, items, validation, options, folder, stamps, device, ranks=ranks, tell=tell)
         loop.resume()
         while not loop.progress.is_over:
             loop.epoch()
@@ -95,6 +111,8 @@ def train(
 
 
 class _Loop:
+    """State of one training: objective, items, optimiser, order of items and progress."""
+
     def __init__(
         self,
         objective: Objective,
@@ -116,7 +134,7 @@ class _Loop:
                 f"batches of {options.batch_size} for {ranks.world} processes", "a batch size that divides", ""
             )
         self.optimiser = torch.optim.Adam(
-            [one for one in objective.parameters() if one.requires_grad],
+            [weight for weight in objective.parameters() if weight.requires_grad],
             lr=options.learning_rate,
             weight_decay=options.weight_decay,
         )
@@ -133,7 +151,7 @@ class _Loop:
         self.saved = time.monotonic()
 
     def resume(self) -> None:
-        """Take up the last checkpoint where there is one; processes start from the same weights."""
+        """Load the last checkpoint where there is one, and prepare the gradient exchange between processes."""
         path = self.folder / LAST
         self.ranks.wait()
         if path.exists():
@@ -149,7 +167,7 @@ class _Loop:
         )
 
     def epoch(self) -> None:
-        """One epoch, or what is left of it, and its end."""
+        """Train one epoch, or the rest of an interrupted one, then validate and save."""
         epoch, started = self.order.epoch, time.monotonic()
         self.objective.train()
         spent, consumed = self.progress.seconds, self.order.consumed
@@ -163,10 +181,12 @@ class _Loop:
         self._end_epoch(epoch)
 
     def _step(self, batch: Batch, numbers: list[int], epoch: int, consumed: int) -> None:
+        """Train on one batch; ``consumed`` counts the epoch's items up to its end."""
         step = -(-consumed // self.order.stride)
         passed = epoch + (step - 1) / self.steps
         for group in self.optimiser.param_groups:
             group["lr"] = self.options.rate_at(passed)
+        # seeded by position, so that a resumed training draws the same numbers
         torch.manual_seed(_seed(self.options.seed, epoch, step, self.ranks.rank))
         require_finite_batch(batch, numbers, self.items)
         moved = {name: values.to(self.device, non_blocking=True) for name, values in batch.items()}
@@ -179,6 +199,7 @@ class _Loop:
         self._count(self.progress.sums, losses, len(numbers))
 
     def _losses(self, learner: torch.nn.Module, batch: Batch, epoch: float) -> Losses:
+        """Losses of a batch, in bfloat16 where the device gains by it."""
         is_used = uses_bfloat16(self.device, self.objective.network.convolves)
         with torch.autocast(self.device.type, torch.bfloat16, enabled=is_used):
             losses: Losses = learner(batch, epoch)
@@ -186,11 +207,13 @@ class _Loop:
 
     @staticmethod
     def _count(sums: dict[str, float], losses: Losses, count: int) -> None:
+        """Add the losses of ``count`` items to their sums."""
         for name, value in losses.items():
             sums[name] = sums.get(name, 0.0) + value.item() * count
         sums["items"] = sums.get("items", 0.0) + count
 
     def _end_epoch(self, epoch: int) -> None:
+        """Validate, append the epoch's row, decide whether training is over, and save."""
         progress = self.progress
         self.order.set_epoch(epoch + 1)
         names = sorted(set(progress.sums) - {"items"})
@@ -207,6 +230,7 @@ class _Loop:
             }
         )
         progress.sums, progress.seconds = {}, 0.0
+        # patience counts from the best epoch, and not before annealing has ended
         is_better = checked["loss"] < progress.best
         if is_better:
             progress.best, progress.best_epoch = checked["loss"], epoch
@@ -221,6 +245,7 @@ class _Loop:
             self.tell(self.options.epochs if progress.is_over else epoch + 1, self.options.epochs, words)
 
     def _validated(self, epoch: int) -> dict[str, float]:
+        """Sums of the validation losses over this process's share of the items."""
         self.objective.eval()
         sums: dict[str, float] = {"items": 0.0}
         size = self.options.batch_size
@@ -233,7 +258,7 @@ class _Loop:
         return sums
 
     def _shared(self, sums: Mapping[str, float], names: list[str]) -> dict[str, float]:
-        """Means over the items of all processes."""
+        """Mean losses by name over the items of all processes."""
         values = torch.tensor([*(sums.get(name, 0.0) for name in names), sums["items"]], dtype=torch.float64)
         if self.ranks.world > 1:
             moved = values.to(self.device)
@@ -242,6 +267,7 @@ class _Loop:
         return {name: (value / values[-1]).item() for name, value in zip(names, values[:-1], strict=True)}
 
     def _save(self) -> None:
+        """Write the last checkpoint and the curve; only the first process does."""
         self.saved = time.monotonic()
         if not self.ranks.is_first:
             return
@@ -252,16 +278,17 @@ class _Loop:
 
 
 def _seed(*parts: int) -> int:
+    """A seed of 63 bits that depends on all parts."""
     digest = hashlib.sha256(",".join(map(str, parts)).encode()).digest()
     return int.from_bytes(digest[:8], "big") >> 1
 
 
 def _ahead(values: Iterable[T]) -> Iterator[T]:
-    """The same, each read while the one before is worked on."""
+    """Yield the same values in the same order; a thread computes the next one meanwhile."""
     iterator = iter(values)
     end = object()
     with ThreadPoolExecutor(1) as pool:
-        waiting = pool.submit(next, iterator, end)
-        while (value := waiting.result()) is not end:
-            waiting = pool.submit(next, iterator, end)
+        future = pool.submit(next, iterator, end)
+        while (value := future.result()) is not end:
+            future = pool.submit(next, iterator, end)
             yield value  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""How a network learns, as a recipe says it; PyTorch is not needed to read it."""
+"""Options of a training, as a recipe states them; reading them does not need PyTorch."""
 
 from __future__ import annotations
 
@@ -10,33 +10,36 @@ Schedule = Literal["decay", "one_cycle"]
 RISING = 0.1
 """Share of a one-cycle training over which the learning rate rises."""
 LEAST_RATE = 0.01
-"""Of the learning rate: where one cycle begins and ends."""
+"""Share of the learning rate at which one cycle begins and ends."""
 
 
 @dataclass(frozen=True)
 class TrainOptions:
-    """How a network learns.
+    """Options of a training.
 
     Parameters
     ----------
     epochs : int
-        At most.
+        Largest number of epochs.
     batch_size : int
-        Of all processes together.
+        Items in a batch, of all processes together.
     learning_rate : float
+        First learning rate with ``decay``, largest one with ``one_cycle``.
     schedule : "decay" or "one_cycle"
-        By a factor after every epoch; or up to the learning rate and down again, once, over all epochs (Smith and Topin
-        2019), which allows a larger one.
+        ``decay`` multiplies the rate by a factor after every epoch. ``one_cycle`` raises and lowers it once over all
+        epochs (Smith and Topin 2019), which allows a larger rate.
     decay : float
-        Factor on the learning rate after every epoch; of no meaning to one cycle.
+        Factor on the learning rate after every epoch; not used by ``one_cycle``.
     weight_decay : float
+        Weight of the squared parameters in Adam.
     patience : int
-        Epochs without a better validation loss after which it stops; 0: never.
+        Epochs without a better validation loss after which training stops; 0 never stops early.
     settle : int
-        Epochs before patience begins to count: those in which a weight is annealed.
+        Epochs before patience begins to count, during which a weight is annealed.
     seed : int
+        Seed of the order of items and of all random numbers.
     save_seconds : float
-        A checkpoint is kept at least so often, within epochs as well.
+        Longest time between checkpoints within an epoch.
     """
 
     epochs: int
@@ -51,9 +54,9 @@ class TrainOptions:
     save_seconds: float = 120.0
 
     def rate_at(self, epoch: float) -> float:
-        """The learning rate after so many epochs, fractions counted."""
+        """The learning rate after a number of epochs, which may be a fraction."""
         if self.schedule == "decay":
             return self.learning_rate * self.decay ** math.floor(epoch)
         done = epoch / self.epochs
-        along = done / RISING if done < RISING else (1.0 - done) / (1.0 - RISING)
-        return self.learning_rate * (LEAST_RATE + (1.0 - LEAST_RATE) * 0.5 * (1.0 - math.cos(math.pi * along)))
+        fraction = done / RISING if done < RISING else (1.0 - done) / (1.0 - RISING)
+        return self.learning_rate * (LEAST_RATE + (1.0 - LEAST_RATE) * 0.5 * (1.0 - math.cos(math.pi * fraction)))

@@ -1,4 +1,4 @@
-"""The baseline without latent spaces of two kinds: one autoencoder from a mesh to the picture."""
+"""The baseline with one latent space: a single autoencoder from a mesh to its picture."""
 
 from __future__ import annotations
 
@@ -19,17 +19,18 @@ from split_models.networks.network import Network
 class EndToEnd(Network):
     """The mesh VAE's encoder and the image VAE's decoder with one vector between them, trained together from scratch.
 
-    It is not told the background, as in the paper.
+    The network does not get the background, as in the paper.
 
     Parameters
     ----------
     hierarchy : Hierarchy
+        The mesh and its coarser levels.
     mesh : dict
         ``filters`` and ``order``, as for `MeshVae`.
     image : dict
-        As for `ImageVae`; ``latent`` is the size of the vector between.
+        Settings as for `ImageVae`; ``latent`` is the size of the vector between encoder and decoder.
     mean, spread : (v, 3) m, optional
-        Of the train part, vertex by vertex.
+        Mean and standard deviation of the train part's displacements, vertex by vertex.
     """
 
     kind = "end_to_end"
@@ -60,16 +61,26 @@ class EndToEnd(Network):
 
     @property
     def topology(self) -> str:
-        """Digest of the mesh that it is for."""
+        """Digest of the mesh that the network is for."""
         return self._topology
 
     def extras(self) -> dict[str, Tensor]:
-        """The mesh's levels."""
+        """Arrays of the mesh's levels, so that a checkpoint can rebuild the network."""
         return self._extras
 
     @classmethod
     def rebuilt(cls, settings: Mapping[str, Any], extras: Mapping[str, Tensor], topology: str) -> EndToEnd:
-        """The network of a checkpoint, before its weights are loaded."""
+        """The network that a checkpoint describes, with initial weights.
+
+        Parameters
+        ----------
+        settings : dict
+            ``mesh`` and ``image``, the arguments of the class.
+        extras : dict of Tensor
+            Arrays of the mesh's levels.
+        topology : str
+            Digest of the mesh.
+        """
         arrays = {name: values.numpy() for name, values in extras.items()}
         return cls(Hierarchy.from_arrays(topology, arrays), **settings)
 

@@ -1,4 +1,4 @@
-"""Contact forces from latent vectors, or from the pretrained encoders of the VAEs, fine-tuned."""
+"""Networks for contact forces: from latent vectors, or from the pretrained encoders of the VAEs, fine-tuned."""
 
 from __future__ import annotations
 
@@ -19,30 +19,42 @@ VAES: dict[str, type[Vae]] = {ImageVae.kind: ImageVae, MeshVae.kind: MeshVae}
 
 
 class Forces(Network):
-    """A network that gives (n, 3) forces: fx, fy, fz, N, of its scaled output.
+    """A network whose scaled output stands for contact forces (n, 3): fx, fy, fz in N.
 
-    Parameters
+    Attributes
     ----------
     mean, spread : (3,) N
-        Of the train part.
+        Mean and standard deviation of the forces of the train part, by which outputs are scaled.
     """
 
     mean: Tensor
     spread: Tensor
 
     def keep_scale(self, mean: Sequence[float], spread: Sequence[float]) -> None:
-        """Take mean and spread as buffers."""
+        """Register mean and spread (3,), N, as buffers, so that they are saved with the weights."""
         self.register_buffer("mean", torch.as_tensor(mean).float())
         self.register_buffer("spread", torch.as_tensor(spread).float())
 
     def forces(self, inputs: Tensor) -> Tensor:
-        """Forces (n, 3), N."""
+        """Contact forces (n, 3), N, for a batch of inputs of the network."""
         scaled: Tensor = self(inputs)
         return scaled * self.spread + self.mean
 
 
 class ForceHead(Forces):
-    """Forces from fixed latent vectors (n, inputs)."""
+    """A perceptron from fixed latent vectors (n, inputs) to contact forces.
+
+    Parameters
+    ----------
+    inputs : int
+        Latent dimensions.
+    layers : sequence of int
+        Widths of the hidden layers.
+    dropout : sequence of float
+        Shares dropped after the first layers.
+    mean, spread : (3,) N
+        Mean and standard deviation of the forces of the train part.
+    """
 
     kind = "force_head"
 
@@ -60,19 +72,20 @@ class ForceHead(Forces):
         self.keep_scale(mean, spread)
 
     def forward(self, latent: Tensor) -> Tensor:
-        """Forces (n, 3), scaled, of latent vectors."""
+        """Scaled forces (n, 3), dimensionless, for latent vectors (n, inputs)."""
         scaled: Tensor = self.layers(latent)
         return scaled
 
 
 class RawForces(Forces):
-    """Forces from meshes or pictures: a VAE's encoder, its bottleneck replaced by one dense layer.
+    """Contact forces from meshes or pictures: a VAE's encoder whose bottleneck is replaced by one dense layer.
 
     Parameters
     ----------
     vae : ImageVae or MeshVae
-        Its encoder is taken as it is, and learns on; hand a copy.
+        Its encoder is used without a copy and trained further; pass a copy.
     mean, spread : (3,) N
+        Mean and standard deviation of the forces of the train part.
     """
 
     kind = "raw_forces"
@@ -90,33 +103,43 @@ class RawForces(Forces):
 
     @property
     def topology(self) -> str:
-        """That of the encoder."""
+        """Digest of the mesh that the encoder is for; empty for an encoder of pictures."""
         return self._topology
 
     def extras(self) -> dict[str, Tensor]:
-        """Those of the encoder."""
+        """Tensors that the encoder is built from, beside settings and weights."""
         return self._extras
 
     @classmethod
     def rebuilt(cls, settings: Mapping[str, Any], extras: Mapping[str, Tensor], topology: str) -> RawForces:
-        """The network of a checkpoint, before its weights are loaded."""
+        """The network that a checkpoint describes, with initial weights.
+
+        Parameters
+        ----------
+        settings : dict
+            ``encoder``, the kind of the VAE, and ``of``, its settings.
+        extras : dict of Tensor
+            Extras of the VAE.
+        topology : str
+            Digest of the VAE's mesh; empty for an image VAE.
+        """
         return cls(VAES[settings["encoder"]].rebuilt(settings["of"], extras, topology))
 
     def forward(self, inputs: Tensor) -> Tensor:
-        """Forces (n, 3), scaled, of what the encoder takes."""
+        """Scaled forces (n, 3), dimensionless, for a batch of the encoder's inputs."""
         scaled: Tensor = self.output(self.vae.features(inputs))
         return scaled
 
 
 def _without_bottleneck(vae: Vae) -> Vae:
-    """The VAE without what only decoding needs: parameters that take part in no gradient."""
+    """The VAE without its bottleneck and decoder, whose parameters would receive no gradient."""
     for name in ("to_mean", "to_log_variance", "decoder", "from_latent"):
         setattr(vae, name, nn.Identity())
     return vae
 
 
 def predicted_forces(head: Forces, given: Tensor) -> np.ndarray:
-    """Forces (n, 3), N, of what a head takes."""
+    """Contact forces (n, 3), N, that a trained network predicts for a batch of its inputs."""
     with torch.no_grad():
         forces: Tensor = head.forces(given.to(head.device)).float().cpu()
     return forces.numpy()

@@ -1,4 +1,4 @@
-"""The image beta-VAE: residual blocks between down-samplings, mirrored in the decoder; tanh throughout, or not."""
+"""The image beta-VAE: residual blocks between down-samplings, mirrored in the decoder; activations are tanh or SiLU."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ Upsampling = Literal["nearest", "sub_pixel"]
 GROUP = 8
 """Channels that are normalised together."""
 LAYOUT = torch.channels_last
-"""Channels of a pixel beside one another: a training step takes a quarter less time on a CPU."""
+"""Memory layout with the channels of a pixel side by side: a training step takes a quarter less time on a CPU."""
 
 
 ACTIVATIONS: dict[Activation, type[nn.Module]] = {"tanh": nn.Tanh, "silu": nn.SiLU}
+"""Layers by the name of an activation in a recipe."""
 
 
 class ResidualBlock(nn.Module):
-    """Two 3 x 3 convolutions beside the identity; the second starts at zero, so that a new block changes nothing."""
+    """Two 3 x 3 convolutions added to the identity; the second starts at zero, so that a new block is the identity."""
 
     def __init__(self, channels: int, activation: Activation = "tanh") -> None:
         super().__init__()
@@ -42,25 +43,27 @@ class ResidualBlock(nn.Module):
         )
 
     def forward(self, values: Tensor) -> Tensor:
-        """Features of the same shape."""
+        """Features (n, channels, h, w) of features of the same shape."""
         changed: Tensor = self.body(values)
         return values + changed
 
 
 def _normalised(channels: int) -> nn.GroupNorm:
+    """A group normalisation with `GROUP` channels in each group."""
     return nn.GroupNorm(max(1, channels // GROUP), channels)
 
 
 def _stage(channels: int, blocks: int, activation: Activation) -> nn.Sequential:
+    """Residual blocks of one width, in sequence."""
     return nn.Sequential(*(ResidualBlock(channels, activation) for _ in range(blocks)))
 
 
 def _enlarge(inputs: int, outputs: int, factor: int, upsampling: Upsampling) -> nn.Sequential:
-    """Features `factor` times as large: a convolution of nearest neighbours, or one with weights of its own for each of
-    the factor x factor pixels that one becomes (Shi et al. 2016).
+    """Layers that enlarge features ``factor`` times along both axes.
 
-    Of nearest neighbours a convolution cannot tell the inner pixels of a block of 5 x 5 apart. Sub-pixels start alike,
-    so that there is no checkerboard to be unlearned (Aitken et al. 2017).
+    ``nearest`` repeats pixels and convolves; the convolution then cannot distinguish the inner pixels of a block of 5 x
+    5. ``sub_pixel`` gives each of the factor x factor new pixels weights of its own (Shi et al. 2016). These start
+    equal, so that training does not begin with a checkerboard (Aitken et al. 2017).
     """
     if upsampling == "nearest":
         return nn.Sequential(nn.Upsample(scale_factor=factor, mode="nearest"), nn.Conv2d(inputs, outputs, 3, padding=1))
@@ -71,7 +74,7 @@ def _enlarge(inputs: int, outputs: int, factor: int, upsampling: Upsampling) -> 
 
 
 class ImageEncoder(nn.Module):
-    """Pictures (n, 3, h, w) in [-1, 1] to features (n, c, h / total, w / total)."""
+    """Convolutions from pictures (n, 3, h, w) in [-1, 1] to features (n, c, h / total, w / total)."""
 
     def __init__(
         self, blocks: Sequence[int], down: Sequence[int], channels: Sequence[int], activation: Activation = "tanh"
@@ -88,7 +91,7 @@ class ImageEncoder(nn.Module):
         self.last = nn.Tanh() if activation == "tanh" else _normalised(channels[-1])
 
     def forward(self, pictures: Tensor) -> Tensor:
-        """Features."""
+        """Features (n, c, h / total, w / total) of pictures (n, 3, h, w) in [-1, 1]."""
         values = self.stages[0](self.stem(pictures.contiguous(memory_format=LAYOUT)))
         for reduce, stage in zip(self.down, list(self.stages)[1:], strict=True):
             values = stage(reduce(values))
@@ -97,7 +100,7 @@ class ImageEncoder(nn.Module):
 
 
 class ImageDecoder(nn.Module):
-    """The mirror of `ImageEncoder`: features to pictures (n, 3, h, w) in [-1, 1]."""
+    """The mirror of `ImageEncoder`: convolutions from features to pictures (n, 3, h, w) in [-1, 1]."""
 
     def __init__(
         self,
@@ -117,7 +120,7 @@ class ImageDecoder(nn.Module):
         self.head = nn.Conv2d(channels[0], 3, 3, padding=1)
 
     def forward(self, features: Tensor) -> Tensor:
-        """Pictures."""
+        """Pictures (n, 3, h, w) in [-1, 1] of features (n, c, h / total, w / total)."""
         values = self.stages[0](features.contiguous(memory_format=LAYOUT))
         for enlarge, stage in zip(self.up, list(self.stages)[1:], strict=True):
             values = stage(enlarge(values))
@@ -130,17 +133,20 @@ class ImageVae(Network):
     Parameters
     ----------
     size : (height, width) px
+        Size of the pictures.
     blocks : (s,) int
-        Residual blocks of each stage.
+        Number of residual blocks of each stage.
     down : (s - 1,) int
         Factors by which the picture shrinks between stages.
     channels : (s,) int
-        Width of each stage.
+        Number of channels of each stage.
     latent : int
+        Latent dimensions.
     activation : "tanh" or "silu"
-        Between convolutions; with tanh the encoder's features are bounded, else they are normalised: without either
-        the divergence of the first steps has no bound. Pictures are always bounded.
+        Activation between convolutions. With tanh the encoder's features are bounded, else they are normalised: without
+        either the divergence of the first steps has no bound. Pictures are always bounded.
     upsampling : "nearest" or "sub_pixel"
+        How the decoder enlarges features.
 
     Attributes
     ----------
@@ -195,15 +201,25 @@ class ImageVae(Network):
 
     @classmethod
     def rebuilt(cls, settings: Mapping[str, Any], extras: Mapping[str, Tensor], topology: str) -> Self:
-        """The network of a checkpoint, before its weights are loaded."""
+        """The network that a checkpoint describes, with initial weights.
+
+        Parameters
+        ----------
+        settings : dict
+            The arguments of the class.
+        extras : dict of Tensor
+            Pictures without contact of the sensors it was trained on.
+        topology : str
+            Not used: an image VAE is for no mesh.
+        """
         vae = cls(**settings)
         vae.learned_from = of_extras(extras)
         return vae
 
     def features(self, pictures: Tensor) -> Tensor:
-        """The encoder's features (n, f) of pictures (n, 3, h, w) in [-1, 1]."""
-        found: Tensor = self.encoder(pictures).flatten(1)
-        return found
+        """Encoder features (n, f) of pictures (n, 3, h, w) in [-1, 1]."""
+        features: Tensor = self.encoder(pictures).flatten(1)
+        return features
 
     def distribution(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
         """Mean and log variance (n, latent) of pictures (n, 3, h, w) in [-1, 1]."""
@@ -216,22 +232,23 @@ class ImageVae(Network):
         return pictures
 
     def forward(self, pictures: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Reconstruction, mean and log variance; in training the latent vector is drawn."""
+        """Reconstruction (n, 3, h, w), mean and log variance (n, latent); training decodes a sample of the vector."""
         mean, log_variance = self.distribution(pictures)
         return self.decode(draw(mean, log_variance) if self.training else mean), mean, log_variance
 
 
 def as_input(pictures: Tensor) -> Tensor:
-    """Pictures (n, 3, h, w) in [-1, 1], float32, of pictures (n, h, w, 3), uint8."""
+    """Pictures (n, 3, h, w) in [-1, 1], float32, from pictures (n, h, w, 3), uint8."""
     return pictures.permute(0, 3, 1, 2).float().div(127.5).sub(1.0)
 
 
 def as_pictures(output: Tensor) -> Tensor:
-    """The inverse of `as_input`, rounded and clipped."""
+    """Pictures (n, h, w, 3), uint8, from pictures (n, 3, h, w) in [-1, 1]; values are rounded and clipped."""
     return output.float().add(1.0).mul(127.5).round().clamp(0, 255).to(torch.uint8).permute(0, 2, 3, 1)
 
 
 def _product(numbers: Sequence[int]) -> int:
+    """Product of integers; 1 where there are none."""
     total = 1
     for number in numbers:
         total *= int(number)
@@ -239,16 +256,17 @@ def _product(numbers: Sequence[int]) -> int:
 
 
 def _check_sizes(size: Sequence[int], blocks: Sequence[int], down: Sequence[int], channels: Sequence[int]) -> None:
+    """Refuse lists of unequal length, and a picture size that the down-sampling factors do not divide."""
     if not len(blocks) == len(channels) == len(down) + 1:
         raise UsageError(
             f"{len(blocks)} stages of blocks, {len(channels)} widths and {len(down)} factors",
-            "a width for every stage, and a factor between each two",
-            "Mend image_vae in the recipe.",
+            "a width for every stage, and a factor between each two stages",
+            "Correct image_vae in the recipe.",
         )
     total = _product(down)
     if any(int(side) % total for side in size):
         raise UsageError(
             f"pictures of {size[0]} x {size[1]} px do not divide by {total} ({' x '.join(map(str, down))})",
             "a size that every factor divides",
-            "Mend `size` or `down` of image_vae in the recipe.",
+            "Correct `size` or `down` of image_vae in the recipe.",
         )

@@ -22,68 +22,97 @@ from tactiledata.errors import CheckpointError
 
 Latents = Literal["mean", "sample"]
 Steps = list[tuple[str, Callable[[Any], Any]]]
-"""Named functions, each of what the one before gave."""
+"""Named functions to apply in order: each takes the result of the function before it."""
 CHUNK = 64
-"""Frames that go through a network together."""
+"""Frames that go through a network together, which limits memory."""
 
 
 def encode_pictures(vae: ImageVae, pictures: PictureArray, latents: Latents = "mean") -> Tensor:
     """Latent vectors (n, d), on the CPU, of pictures (n, h, w, 3), uint8.
 
+    Parameters
+    ----------
+    vae : ImageVae
+    pictures : (n, h, w, 3) uint8 RGB
+        Pictures of the size that the VAE was trained on.
+    latents : "mean" or "sample"
+        Whether a vector is the mean of the encoder's distribution or a sample of it.
+
     Raises
     ------
     UsageError
-        Pictures of another size than the VAE's.
+        The pictures have another size than the VAE's.
     """
     require_pictures(vae.size, pictures)
-    return _in_chunks(vae, pictures, lambda some: _chosen(vae.distribution(as_input(some)), latents))
+    return _in_chunks(vae, pictures, lambda chunk: _chosen(vae.distribution(as_input(chunk)), latents))
 
 
 def encode_displacements(vae: MeshVae, displacements: SingleArray, latents: Latents = "mean") -> Tensor:
     """Latent vectors (n, d), on the CPU, of displacements (n, v, 3), m.
 
+    Parameters
+    ----------
+    vae : MeshVae
+    displacements : (n, v, 3) m, gel frame
+        Displacements on the mesh that the VAE was trained on.
+    latents : "mean" or "sample"
+        Whether a vector is the mean of the encoder's distribution or a sample of it.
+
     Raises
     ------
     UsageError
-        Another number of vertices than the VAE's, or NaN.
+        The number of vertices is not the VAE's, or displacements are NaN.
     """
     require_displacements(vae.hierarchy.sizes[0], displacements)
-    return _in_chunks(vae, displacements, lambda some: _chosen(vae.distribution(some), latents))
+    return _in_chunks(vae, displacements, lambda chunk: _chosen(vae.distribution(chunk), latents))
 
 
 def decode_pictures(vae: ImageVae, latent: Tensor) -> PictureArray:
-    """Pictures (n, h, w, 3), uint8, of latent vectors (n, d)."""
-    return _in_chunks(vae, latent, lambda some: as_pictures(vae.decode(some))).numpy()
+    """Pictures (n, h, w, 3), uint8, that the VAE decodes from latent vectors (n, d)."""
+    return _in_chunks(vae, latent, lambda chunk: as_pictures(vae.decode(chunk))).numpy()
 
 
 def decode_displacements(vae: MeshVae, latent: Tensor) -> SingleArray:
-    """Displacements (n, v, 3), m, of latent vectors (n, d)."""
+    """Displacements (n, v, 3), m, that the VAE decodes from latent vectors (n, d)."""
     return _in_chunks(vae, latent, vae.decode).numpy()
 
 
 def project(projection: Projection, latent: Tensor) -> Tensor:
-    """Latent vectors (n, outputs), on the CPU, of latent vectors (n, inputs)."""
+    """Latent vectors (n, outputs), on the CPU, that the projection gives for latent vectors (n, inputs)."""
     return _in_chunks(projection, latent, projection)
 
 
 def subtract(latent: Tensor, background: Tensor) -> Tensor:
-    """The deformation's vectors: Z_Deform = Z_Image - Z_Base."""
+    """Latent vectors of the deformation: Z_Deform = Z_Image - Z_Base."""
     return latent - background
 
 
 def add(deformation: Tensor, background: Tensor) -> Tensor:
-    """The picture's vectors: Z_Image = Z_Deform + Z_Base."""
+    """Latent vectors of the picture: Z_Image = Z_Deform + Z_Base."""
     return deformation + background
 
 
 @dataclass(frozen=True)
 class LatentMeshToImage:
-    """Pictures of meshes by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
+    """Pictures of meshes by two VAEs and a projection: SPLIT with latent arithmetic, NOSPLIT without.
+
+    Parameters
+    ----------
+    name : str
+        Name of the row in tables.
+    mesh_vae : MeshVae
+    image_vae : ImageVae
+    projection : Projection
+        From the mesh's latent space to the picture's.
+    is_split : bool
+        Whether the projection gives the deformation's vector, to which the background's is added.
+    latents : "mean" or "sample"
+        How the mesh's latent vectors are taken from the encoder's distribution.
 
     Raises
     ------
     CheckpointError
-        The latent vectors of the networks have other sizes.
+        The latent vectors of the networks have different sizes.
     """
 
     name: str
@@ -104,7 +133,7 @@ class LatentMeshToImage:
         return decode_pictures(self.image_vae, projected)
 
     def steps(self, background: PictureArray) -> Steps:
-        """What `predict` does, step by step; the background is encoded once for all frames."""
+        """The steps of `predict` as named functions; the background is encoded once for all frames."""
         base = encode_pictures(self.image_vae, background[None]) if self.is_split else torch.zeros(1)
         return [
             ("mesh encoder", lambda moved: encode_displacements(self.mesh_vae, moved, self.latents)),
@@ -115,7 +144,7 @@ class LatentMeshToImage:
 
 @dataclass(frozen=True)
 class SplitOnBackground:
-    """SPLIT's change of the picture on the recorded background: what decoding blurs is not the background's.
+    """SPLIT's change of the picture, added to the recorded background, which decoding would blur.
 
     Beyond the paper: background + decode(Z_Deform + Z_Base) - decode(Z_Base).
     """
@@ -133,12 +162,25 @@ class SplitOnBackground:
 
 @dataclass(frozen=True)
 class LatentImageToMesh:
-    """Meshes of pictures by two VAEs and a projection: SPLIT with arithmetic, NOSPLIT without.
+    """Meshes of pictures by two VAEs and a projection: SPLIT with latent arithmetic, NOSPLIT without.
+
+    Parameters
+    ----------
+    name : str
+        Name of the row in tables.
+    image_vae : ImageVae
+    mesh_vae : MeshVae
+    projection : Projection
+        From the picture's latent space to the mesh's.
+    is_split : bool
+        Whether the background's vector is subtracted before the projection.
+    latents : "mean" or "sample"
+        How the pictures' latent vectors are taken from the encoder's distribution.
 
     Raises
     ------
     CheckpointError
-        The latent vectors of the networks have other sizes.
+        The latent vectors of the networks have different sizes.
     """
 
     name: str
@@ -152,11 +194,11 @@ class LatentImageToMesh:
         _require_fit(self.projection, self.image_vae.latent, self.mesh_vae.latent)
 
     def latent(self, pictures: PictureArray, background: PictureArray) -> Tensor:
-        """The mesh's latent vectors (n, d)."""
-        found = encode_pictures(self.image_vae, pictures, self.latents)
+        """The mesh's latent vectors (n, d) for pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
+        latent = encode_pictures(self.image_vae, pictures, self.latents)
         if self.is_split:
-            found = subtract(found, encode_pictures(self.image_vae, background[None]))
-        return project(self.projection, found)
+            latent = subtract(latent, encode_pictures(self.image_vae, background[None]))
+        return project(self.projection, latent)
 
     def predict(self, pictures: PictureArray, background: PictureArray) -> SingleArray:
         """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
@@ -165,7 +207,7 @@ class LatentImageToMesh:
 
 @dataclass(frozen=True)
 class DirectMeshToImage:
-    """Pictures of meshes by the end-to-end network, which is not told the background."""
+    """Pictures of meshes by the end-to-end network, which does not get the background."""
 
     name: str
     network: EndToEnd
@@ -173,55 +215,57 @@ class DirectMeshToImage:
     def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m."""
         require_displacements(len(self.network.mean), displacements)
-        return _in_chunks(self.network, displacements, lambda some: as_pictures(self.network(some))).numpy()
+        return _in_chunks(self.network, displacements, lambda chunk: as_pictures(self.network(chunk))).numpy()
 
 
 @dataclass(frozen=True)
 class NoContact:
-    """The background itself, whatever presses: what any method must beat."""
+    """The background itself as the picture of every mesh: the baseline that any method must beat."""
 
     name: str = "no_contact"
 
     def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
-        """The background (h, w, 3), n times."""
+        """The background (h, w, 3), repeated n times."""
         return np.broadcast_to(background, (len(displacements), *background.shape)).copy()
 
 
 @dataclass(frozen=True)
 class AtRest:
-    """The undeformed mesh, whatever the picture shows: what any method must beat."""
+    """The undeformed mesh for every picture: the baseline that any method must beat."""
 
     vertices: int
     name: str = "at_rest"
 
     def predict(self, pictures: PictureArray, background: PictureArray) -> SingleArray:
-        """No displacement, (n, v, 3)."""
+        """Displacements of 0, (n, v, 3), m."""
         return np.zeros((len(pictures), self.vertices, 3), np.float32)
 
 
 def _require_fit(projection: Projection, inputs: int, outputs: int) -> None:
-    found = projection.settings["inputs"], projection.settings["outputs"]
-    if found != (inputs, outputs):
+    """Refuse a projection whose input or output size differs from those of the VAEs."""
+    sizes = projection.settings["inputs"], projection.settings["outputs"]
+    if sizes != (inputs, outputs):
         raise CheckpointError(
-            f"a projection from {found[0]} to {found[1]} latent dimensions",
-            f"from {inputs} to {outputs}, as the VAEs beside it have",
+            f"a projection from {sizes[0]} to {sizes[1]} latent dimensions",
+            f"from {inputs} to {outputs}, the latent dimensions of the VAEs",
             "Train the projection with these VAEs.",
         )
 
 
 def _chosen(distribution: tuple[Tensor, Tensor], latents: Latents) -> Tensor:
+    """Mean of the distribution, or a sample of it, (n, d)."""
     mean, log_variance = distribution
     return draw(mean, log_variance) if latents == "sample" else mean
 
 
 @torch.no_grad()
 def _in_chunks(network: Network, values: Any, work: Callable[[Tensor], Tensor]) -> Tensor:
-    """What a network makes of values (n, ...), some at a time, gathered on the CPU."""
+    """Results of ``work`` for all values (n, ...), `CHUNK` at a time on the network's device, gathered on the CPU."""
     network.eval()
 
-    def done() -> Iterator[Tensor]:
+    def results() -> Iterator[Tensor]:
         for start in range(0, len(values), CHUNK):
-            some = torch.as_tensor(values[start : start + CHUNK]).to(network.device)
-            yield work(some).cpu()
+            chunk = torch.as_tensor(values[start : start + CHUNK]).to(network.device)
+            yield work(chunk).cpu()
 
-    return torch.cat(list(done()))
+    return torch.cat(list(results()))

@@ -1,4 +1,4 @@
-"""The normal distribution of a latent vector: drawn from, and held against the standard normal."""
+"""The normal distribution of a latent vector: samples of it, and its divergence from the standard normal."""
 
 from __future__ import annotations
 
@@ -10,27 +10,37 @@ from torch import Tensor
 
 
 def draw(mean: Tensor, log_variance: Tensor) -> Tensor:
-    """A sample (n, d) of each distribution, through which gradients flow."""
+    """A sample (n, d) of each normal distribution; gradients reach mean and log variance (reparametrisation)."""
     return mean + torch.randn_like(mean) * torch.exp(0.5 * log_variance)
 
 
 def divergence(mean: Tensor, log_variance: Tensor) -> Tensor:
-    """Kullback-Leibler divergence from the standard normal, nat, mean over batch and latent dimensions.
+    """Kullback-Leibler divergence from the standard normal in nat, mean over batch and latent dimensions.
 
-    The mean over dimensions, as the squared error is the mean over pixels or vertices: with the sum, the paper's
-    weights drown the touch (see docs/decisions/0013-split-model-sizes.md).
+    It is the mean over dimensions, as the squared error is the mean over pixels or vertices. With the sum over
+    dimensions the paper's weights would drown the touch (see docs/decisions/0013-split-model-sizes.md).
     """
     return (-0.5 * (1.0 + log_variance - mean.square() - log_variance.exp())).mean()
 
 
 def annealed(final: float, epoch: float, epochs: int) -> float:
-    """The weight of the divergence: from 0 linearly to ``final`` over ``epochs``."""
+    """Weight of the divergence at an epoch: it grows linearly from 0 to ``final`` over ``epochs``.
+
+    Parameters
+    ----------
+    final : float
+        Weight after annealing.
+    epoch : float
+        Epochs done, with fractions.
+    epochs : int
+        Epochs of annealing; 0 gives ``final`` at once.
+    """
     return final * min(1.0, epoch / epochs) if epochs > 0 else final
 
 
 @contextmanager
 def drawn_alike(seed: int) -> Iterator[None]:
-    """Within, all that PyTorch draws depends on the seed alone; outside, nothing has happened."""
+    """Within the context, PyTorch's CPU random numbers depend on the seed alone; then the generator is as before."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         yield

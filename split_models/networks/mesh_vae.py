@@ -19,9 +19,18 @@ from split_models.networks.sparse_map import SparseMap
 
 
 class ChebyshevConvolution(nn.Module):
-    """A graph convolution: a polynomial in the scaled Laplacian, learned in Chebyshev's basis.
+    """A graph convolution: a learned polynomial of the scaled Laplacian in Chebyshev's basis.
 
-    Source: Defferrard et al. 2016, equation 4; ``order`` is the number of polynomials, K.
+    Parameters
+    ----------
+    laplacian : Module
+        The scaled Laplacian as a `SparseMap`.
+    inputs, outputs : int
+        Features of a vertex before and after.
+    order : int
+        Number of polynomials, K.
+
+    Source: Defferrard et al. 2016, equation 4.
     """
 
     def __init__(self, laplacian: nn.Module, inputs: int, outputs: int, order: int) -> None:
@@ -42,7 +51,7 @@ class ChebyshevConvolution(nn.Module):
 
 
 class MeshMaps(nn.Module):
-    """The constant matrices of a mesh's levels."""
+    """The constant sparse matrices of a mesh's levels: Laplacians, pooling and interpolation."""
 
     def __init__(self, hierarchy: Hierarchy) -> None:
         super().__init__()
@@ -53,11 +62,12 @@ class MeshMaps(nn.Module):
 
 
 def _maps(matrices: Sequence[csr_array]) -> nn.ModuleList:
+    """Each sparse matrix as a `SparseMap`."""
     return nn.ModuleList(SparseMap(matrix) for matrix in matrices)
 
 
 class MeshEncoder(nn.Module):
-    """Four times a convolution, ReLU and pooling: displacements (v, n, 3), scaled, to features (n, f)."""
+    """Convolution, ReLU and pooling at each level: scaled displacements (v, n, 3) become features (n, f)."""
 
     def __init__(self, maps: MeshMaps, filters: Sequence[int], order: int) -> None:
         super().__init__()
@@ -70,14 +80,14 @@ class MeshEncoder(nn.Module):
         self.features = maps.sizes[len(filters)] * filters[-1]
 
     def forward(self, values: Tensor) -> Tensor:
-        """Features (n, f), the coarsest level's vertices by filters."""
+        """Features (n, f) of scaled displacements (v, n, 3); f is the coarsest level's vertices times its filters."""
         for layer, pool in zip(self.layers, self.maps.down, strict=True):
             values = pool(torch.relu(layer(values)))
         return values.transpose(0, 1).flatten(1)
 
 
 class MeshDecoder(nn.Module):
-    """The mirror of `MeshEncoder`: features (n, f) to displacements (v, n, 3), scaled."""
+    """The mirror of `MeshEncoder`: features (n, f) become scaled displacements (v, n, 3)."""
 
     def __init__(self, maps: MeshMaps, filters: Sequence[int], order: int) -> None:
         super().__init__()
@@ -90,7 +100,7 @@ class MeshDecoder(nn.Module):
         )
 
     def forward(self, features: Tensor) -> Tensor:
-        """Displacements (v, n, 3), scaled."""
+        """Scaled displacements (v, n, 3) of features (n, f)."""
         values = features.unflatten(1, (-1, self.width)).transpose(0, 1)
         for step, (layer, lift) in enumerate(zip(self.layers, reversed(list(self.maps.up)), strict=True)):
             values = layer(lift(values))
@@ -105,13 +115,15 @@ class MeshVae(Network):
     Parameters
     ----------
     hierarchy : Hierarchy
+        The mesh and its coarser levels.
     filters : (levels - 1,) int
-        Of the encoder's convolutions; the decoder mirrors them.
+        Features of a vertex after each of the encoder's convolutions; the decoder mirrors them.
     order : int
         Chebyshev polynomials of each convolution.
     latent : int
+        Latent dimensions.
     mean, spread : (v, 3) m
-        Of the train part, vertex by vertex; by default 0 and 1.
+        Mean and standard deviation of the train part's displacements, vertex by vertex; 0 and 1 unless given.
     """
 
     kind = "mesh_vae"
@@ -142,17 +154,17 @@ class MeshVae(Network):
         self.register_buffer("spread", torch.as_tensor(np.ones((count, 3)) if spread is None else spread).float())
 
     def scaled(self, displacements: Tensor) -> Tensor:
-        """Displacements (n, v, 3), m, with mean 0 and spread 1 at every vertex."""
+        """Displacements (n, v, 3), m, scaled to mean 0 and standard deviation 1 at every vertex."""
         return (displacements - self.mean) / self.spread
 
     def unscaled(self, values: Tensor) -> Tensor:
-        """The inverse of `scaled`."""
+        """Displacements (n, v, 3), m, from scaled ones; the inverse of `scaled`."""
         return values * self.spread + self.mean
 
     def features(self, displacements: Tensor) -> Tensor:
-        """The encoder's features (n, f) of displacements (n, v, 3), m."""
-        found: Tensor = self.encoder(self.scaled(displacements).transpose(0, 1))
-        return found
+        """Encoder features (n, f) of displacements (n, v, 3), m."""
+        features: Tensor = self.encoder(self.scaled(displacements).transpose(0, 1))
+        return features
 
     def distribution(self, displacements: Tensor) -> tuple[Tensor, Tensor]:
         """Mean and log variance (n, latent) of displacements (n, v, 3), m."""
@@ -160,30 +172,40 @@ class MeshVae(Network):
         return self.to_mean(features), self.to_log_variance(features)
 
     def decode_scaled(self, latent: Tensor) -> Tensor:
-        """Displacements (n, v, 3), scaled, of latent vectors (n, latent)."""
-        found: Tensor = self.decoder(self.from_latent(latent)).transpose(0, 1)
-        return found
+        """Scaled displacements (n, v, 3) of latent vectors (n, latent)."""
+        decoded: Tensor = self.decoder(self.from_latent(latent)).transpose(0, 1)
+        return decoded
 
     def decode(self, latent: Tensor) -> Tensor:
         """Displacements (n, v, 3), m, of latent vectors (n, latent)."""
         return self.unscaled(self.decode_scaled(latent))
 
     def forward(self, displacements: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Scaled reconstruction (n, v, 3), mean and log variance; in training the latent vector is drawn."""
+        """Scaled reconstruction (n, v, 3), mean and log variance (n, latent); training decodes a sample."""
         mean, log_variance = self.distribution(displacements)
         return self.decode_scaled(draw(mean, log_variance) if self.training else mean), mean, log_variance
 
     def extras(self) -> dict[str, Tensor]:
-        """What a checkpoint needs beside weights and settings, so that the mesh can be rebuilt."""
+        """Arrays of the mesh's levels, so that a checkpoint can rebuild the mesh."""
         return {name: torch.as_tensor(values) for name, values in self.hierarchy.arrays().items()}
 
     @property
     def topology(self) -> str:
-        """Digest of the mesh that it is for."""
+        """Digest of the mesh that the network is for."""
         return self.hierarchy.digest
 
     @classmethod
     def rebuilt(cls, settings: Mapping[str, Any], extras: Mapping[str, Tensor], topology: str) -> MeshVae:
-        """The network of a checkpoint, before its weights are loaded."""
+        """The network that a checkpoint describes, with initial weights.
+
+        Parameters
+        ----------
+        settings : dict
+            ``filters``, ``order`` and ``latent``.
+        extras : dict of Tensor
+            Arrays of the mesh's levels.
+        topology : str
+            Digest of the mesh.
+        """
         arrays = {name: values.numpy() for name, values in extras.items()}
         return cls(Hierarchy.from_arrays(topology, arrays), **settings)

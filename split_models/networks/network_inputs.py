@@ -1,4 +1,4 @@
-"""What a network may be given: checked before it runs, without PyTorch."""
+"""Checks of what a network is given, before it runs; they do not need PyTorch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,13 @@ from tactiledata.errors import UsageError
 
 
 def require_displacements(vertices: int, displacements: Any) -> None:
-    """Nothing, where displacements are (n, vertices, 3) and finite; else `UsageError`."""
+    """Refuse displacements that are not (n, vertices, 3) or not finite.
+
+    Raises
+    ------
+    UsageError
+        The shape differs, or a value is NaN or infinite.
+    """
     shape = np.shape(displacements)
     if len(shape) != 3 or shape[1:] != (vertices, 3):
         raise UsageError(
@@ -19,11 +25,17 @@ def require_displacements(vertices: int, displacements: Any) -> None:
             "Replay the store with the resolution, --keep and pad of the training store.",
         )
     if not np.isfinite(displacements).all():
-        raise UsageError("displacements with NaN", "frames with a mesh", "Leave frames without a mesh out.")
+        raise UsageError("displacements with NaN", "frames with a mesh", "Leave out frames without a mesh.")
 
 
 def require_pictures(size: tuple[int, int], pictures: Any) -> None:
-    """Nothing, where pictures are (n, h, w, 3), uint8, of a size (h, w); else `UsageError`."""
+    """Refuse pictures that are not (n, h, w, 3), uint8, of the given size (h, w).
+
+    Raises
+    ------
+    UsageError
+        The shape or the type differs.
+    """
     shape = np.shape(pictures)
     if len(shape) != 4 or shape[1:] != (*size, 3) or pictures.dtype != np.uint8:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Fully connected layers with ELU and dropout, of which projections and force heads are made."""
+"""Fully connected layers with ELU and dropout, as projections and force heads use them."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ from torch import nn
 
 
 def perceptron(inputs: int, layers: Sequence[int], outputs: int, dropout: Sequence[float]) -> nn.Sequential:
-    """Linear layers, each followed by ELU, the first ones by dropout as well; the last layer is linear.
+    """Linear layers, each followed by ELU, the first ones also by dropout; the last layer is linear.
 
-    Where the last of ``layers`` is as wide as the output it is the output; else a linear layer to the output is added.
+    The last of ``layers`` is the output layer where it has the output's width; else a linear output layer is added.
 
     Parameters
     ----------
     inputs, outputs : int
-    layers : widths
-    dropout : shares dropped after the first layers
+        Sizes of the input and output vectors.
+    layers : sequence of int
+        Widths of the layers.
+    dropout : sequence of float
+        Shares that are dropped after the first layers, one for each.
     """
     is_output = layers[-1] == outputs
     hidden = list(layers[:-1] if is_output else layers)

@@ -1,4 +1,4 @@
-"""The networks between the latent spaces of meshes and images."""
+"""The network between the latent spaces of meshes and pictures."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from split_models.networks.perceptron import perceptron
 
 
 class Projection(Network):
-    """Latent vectors of one kind to those of another.
+    """A perceptron from latent vectors of one kind to latent vectors of another.
 
-    Mesh to image or image to mesh; with latent arithmetic (SPLIT) the image's vector is that of the deformation, the
-    background's subtracted, without (NOSPLIT) that of the whole picture. Which it is, is the caller's business: see
-    `split_models.networks.latent`.
+    It goes from mesh to picture or from picture to mesh. With latent arithmetic (SPLIT) the picture's vector is that of
+    the deformation, the background's subtracted; without (NOSPLIT) it is that of the whole picture. The caller decides
+    which: see `split_models.networks.latent`.
 
     Parameters
     ----------
     inputs, outputs : int
-    layers, dropout : as for `perceptron`
+        Sizes of the two latent vectors.
+    layers, dropout : sequence
+        Widths and dropped shares, as for `perceptron`.
     """
 
     kind = "projection"
@@ -42,6 +44,6 @@ class Projection(Network):
         self.layers = perceptron(inputs, layers, outputs, dropout)
 
     def forward(self, latent: Tensor) -> Tensor:
-        """Latent vectors (n, outputs) of latent vectors (n, inputs)."""
+        """Latent vectors (n, outputs) for latent vectors (n, inputs)."""
         projected: Tensor = self.layers(latent)
         return projected

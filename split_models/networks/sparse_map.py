@@ -1,4 +1,4 @@
-"""A constant sparse matrix as a part of a network."""
+"""A constant sparse matrix as a layer of a network."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from torch import Tensor, nn
 
 
 class SparseMap(nn.Module):
-    """A sparse matrix (m, n) that multiplies the first axis of a tensor (n, ...); it is not learned.
+    """A constant sparse matrix (m, n) that multiplies the first axis of a tensor (n, ...); it is not trained.
 
-    Its numbers are dense buffers, which move between devices and into checkpoints as any others do, and it is kept
-    beside its transpose, so that gradients need none.
+    Its numbers are dense buffers, which move between devices with the network. Its transpose is kept as well, for the
+    gradient.
     """
 
     def __init__(self, matrix: csr_array) -> None:
         super().__init__()
         self.shape = (int(matrix.shape[0]), int(matrix.shape[1]))
-        for name, one in (("forward", matrix), ("back", csr_array(matrix.T.tocsr()))):
-            for part, values in (("pointer", one.indptr), ("index", one.indices), ("value", one.data)):
-                kept = torch.as_tensor(values, dtype=torch.float32 if part == "value" else torch.int64)
-                self.register_buffer(f"{name}_{part}", kept, persistent=False)
+        for name, sparse in (("forward", matrix), ("back", csr_array(matrix.T.tocsr()))):
+            for part, values in (("pointer", sparse.indptr), ("index", sparse.indices), ("value", sparse.data)):
+                buffer = torch.as_tensor(values, dtype=torch.float32 if part == "value" else torch.int64)
+                self.register_buffer(f"{name}_{part}", buffer, persistent=False)
         with warnings.catch_warnings():
-            # once in a process PyTorch says that its CSR tensors are young
+            # PyTorch warns once in a process that its CSR tensors are in beta
             warnings.filterwarnings("ignore", message="Sparse CSR tensor support")
             self._matrix("forward")
 
@@ -36,13 +36,14 @@ class SparseMap(nn.Module):
         return product.reshape(self.shape[0], *values.shape[1:])
 
     def _matrix(self, name: str) -> Tensor:
+        """The matrix (``forward``) or its transpose (``back``) as a CSR tensor of the buffers."""
         pointer, index, value = (getattr(self, f"{name}_{part}") for part in ("pointer", "index", "value"))
         size = self.shape if name == "forward" else self.shape[::-1]
         return torch.sparse_csr_tensor(pointer, index, value, size=size, check_invariants=False)
 
 
 class _Multiply(torch.autograd.Function):
-    """In the matrix's precision, whatever is used around it: sparse products know no bfloat16 on every device."""
+    """Sparse product with gradient, in the matrix's precision: not every device multiplies sparse bfloat16 matrices."""
 
     @staticmethod
     def forward(context: Any, values: Tensor, matrix: Tensor, transposed: Tensor) -> Tensor:

@@ -1,4 +1,4 @@
-"""The image beta-VAE and its loss, as a recipe words them."""
+"""The image beta-VAE and its objective, built from a recipe's section ``image_vae``."""
 
 from __future__ import annotations
 
@@ -19,37 +19,40 @@ from split_models.networks.learned_backgrounds import kept_small
 from tactiledata.store.read.targets import find_target
 
 SIZES = ("blocks", "down", "channels", "latent", "activation", "upsampling")
-"""What of a recipe's section shapes the network."""
+"""Keys of a recipe's section that are arguments of `ImageVae`."""
 
 
 def image_vae_objective(
     section: Mapping[str, Any], frames: TouchFrames, start: ImageVae | None = None, extra: Sequence[TouchFrames] = ()
 ) -> Objective:
-    """The objective of a recipe's section ``image_vae``.
+    """The objective of a recipe's section ``image_vae``: latent arithmetic where it asks for relighting, else plain.
 
     Parameters
     ----------
     section : dict
+        The section, complete.
     frames : TouchFrames
-        Of the train part.
+        Frames of the train part.
     start : ImageVae, optional
-        Whose weights it learns on from.
+        Network whose weights training starts from.
     extra : list of TouchFrames
-        Pictures of other corpora that it learns from.
+        Pictures of other corpora to learn from.
 
     Raises
     ------
     UnknownName
-        A background that goes by no such name.
+        A background has no such name.
     UsageError
         A background is that of a sensor of the store that is held out of the train part.
     """
     assert frames.size is not None  # recipes state it
+    # the network, and the sensors that it learns from
     vae = ImageVae(frames.size, **{name: section[name] for name in SIZES})
     if start is not None:
         vae.load_state_dict(start.state_dict())
     own = [(name, background) for part in (frames, *extra) for name, background in part.backgrounds().items()]
     vae.learned_from = kept_small([*(start.learned_from if start is not None else ()), *own])
+    # the objective, plain or with relighting
     augmentation = Augmentation(**section["augmentation"])
     relighting = section["relighting"]
     if not (relighting["relit"] or relighting["exchanged"] or relighting["contact_weight"]):
@@ -69,7 +72,7 @@ def image_vae_objective(
 
 
 def _background(name: str, frames: TouchFrames) -> NDArray[np.uint8]:
-    """The picture (h, w, 3) of a sensor that is not tested on."""
+    """Background (h, w, 3) of a sensor by name, at the frames' size; those of held-out sensors are refused."""
     store = frames.arrays.store
     assert frames.size is not None
     picture = _sized(find_target(name, store).background, frames.size)
@@ -78,4 +81,5 @@ def _background(name: str, frames: TouchFrames) -> NDArray[np.uint8]:
 
 
 def _sized(picture: NDArray[np.uint8], size: Sequence[int]) -> NDArray[np.uint8]:
+    """The picture (h, w, 3) scaled by area to (height, width)."""
     return np.asarray(cv2.resize(picture, (size[1], size[0]), interpolation=cv2.INTER_AREA), np.uint8)

@@ -1,4 +1,4 @@
-"""Models in a folder, named by what shaped them: each is trained once, by whoever asks first."""
+"""Networks in a folder, named by what shaped them; each is trained once, when it is first needed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import UsageError
 
 Build = Callable[[], tuple[Objective, Items, Items]]
-"""What gives a network to train, its items and those to validate on."""
+"""A function that gives an objective, the items to train on and the items to validate on."""
 
 
 class KeptModels:
@@ -31,19 +31,21 @@ class KeptModels:
     Parameters
     ----------
     folder : Path
+        Folder with one folder for each network.
     device : torch.device
     ranks : Ranks
+        Number of this process among those that train together.
     tell : callable
-        Called with epochs done, epochs in all, and words.
+        Called with epochs done, epochs in all, and the network's name and losses in words.
     may_train : bool
-        Without, a model that is not trained yet is an error.
+        Whether a network that is not trained yet is trained; else it is an error.
 
     Attributes
     ----------
     keys : dict
-        What shaped each network that was asked for, as a digest.
+        Digest of what shaped each network that was requested, by name.
     folders : dict
-        Where it lies.
+        Folder of each of these networks.
     """
 
     def __init__(self, folder: Path, device: torch.device, ranks: Ranks, tell: Progress, may_train: bool) -> None:
@@ -55,29 +57,30 @@ class KeptModels:
     def trained(
         self, name: str, described: Mapping[str, Any], stamps: TrainedOn, options: TrainOptions, build: Build
     ) -> Network:
-        """The network of a name.
+        """The trained network of a name.
 
         Parameters
         ----------
         name : str
+            Name of the network in this recipe; with the digest it names the folder.
         described : dict
-            Everything that shapes its weights beside the options, JSON values.
+            Everything that shapes its weights beside the options, as JSON values.
         stamps : TrainedOn
-            Of its data; ``recipe`` is filled in.
+            Digests of its data; ``recipe`` is filled in.
         options : TrainOptions
         build : callable
-            Called only where there is something to train.
+            Gives objective and items; called only where there is something to train.
 
         Raises
         ------
         UsageError
-            It is not trained yet, and may not be.
+            The network is not trained yet, and may not be trained.
         CheckpointError
-            What lies there was learned from other data.
+            The folder's weights were trained on other data.
         """
         if name in self._networks:
             return self._networks[name]
-        # how often it is saved changes no weight
+        # the interval between checkpoints does not influence the weights, so it is not part of the key
         key = digest_of({**described, "options": vars(replace(options, save_seconds=0.0))})
         folder = self.folder / f"{name}-{key[:12]}"
         stamps = replace(stamps, recipe=key)
@@ -88,6 +91,7 @@ class KeptModels:
         return network
 
     def _ready(self, folder: Path, stamps: TrainedOn) -> Network | None:
+        """The network in a folder, or None where its training is not complete."""
         if not (folder / LAST).exists():
             return None
         kept = load_checkpoint(folder / LAST)
@@ -95,6 +99,7 @@ class KeptModels:
         return load_checkpoint(folder / BEST).network().to(self.device) if kept.progress["is_over"] else None
 
     def _train(self, name: str, folder: Path, stamps: TrainedOn, options: TrainOptions, build: Build) -> Network:
+        """The network after training, which reports progress under its name."""
         if not self.may_train:
             raise UsageError(
                 f"the model {name} is not trained yet ({folder})",
@@ -104,7 +109,9 @@ class KeptModels:
         with drawn_alike(options.seed):
             objective, items, validation = build()
 
-        def told(done: int, total: int, what: str = "") -> None:
+        def report_epoch(done: int, total: int, what: str = "") -> None:
             self.tell(done, total, f"{name}: {what}")
 
-        return train(objective, items, validation, options, folder, stamps, self.device, self.ranks, told).network
+        return train(
+            objective, items, validation, options, folder, stamps, self.device, self.ranks, report_epoch
+        ).network

@@ -1,4 +1,4 @@
-"""The store of a recipe: opened, or recorded, ingested, replayed and split; whatever is there already is left alone."""
+"""The store of a recipe: opened, or recorded, ingested, replayed and split; existing results are kept."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
 
 STORE = "ds.zarr"
+"""Name of the store of a simulated world."""
 RECORDED = "recorded.json"
-"""Lies beside the recordings once all of them are there."""
+"""File that is written beside the recordings when all of them are complete."""
 
 
 def store_place(recipe: Recipe, out: Path) -> Path:
-    """Where the store of a recipe lies or will lie; worlds are kept in ``out/data``, one folder each."""
+    """Path of a recipe's store, existing or not; each simulated world has a folder in ``out/data``."""
     data = recipe.data
     if data["store"]:
         return Path(data["store"])
@@ -37,21 +38,22 @@ def store_place(recipe: Recipe, out: Path) -> Path:
 
 
 def prepare_store(recipe: Recipe, out: Path, workers: int, tell: Progress) -> Path:
-    """The store that a recipe works on, with meshes and its split.
+    """Path of the store that a recipe works on, after its meshes and its split have been made where they were missing.
 
     Parameters
     ----------
     recipe : Recipe
     out : Path
+        Folder below which worlds are kept.
     workers : int
-        Local processes.
+        Local processes that record, ingest and replay.
     tell : callable
         Called with how much is done, how much there is, and words.
 
     Raises
     ------
     TactileDataError
-        A recording that cannot be read, or no frame with a mesh.
+        A recording cannot be read, or no frame has a mesh.
     """
     data, place = recipe.data, store_place(recipe, out)
     if data["world"]:
@@ -65,33 +67,36 @@ def prepare_store(recipe: Recipe, out: Path, workers: int, tell: Progress) -> Pa
 
 
 def _scenario_document(world: str) -> Any:
+    """The scenario of a world as a document, from a file or from the bundled ones."""
     source = find_scenario(world)
     return read_document(source, "scenario") if isinstance(source, Path) else source
 
 
 def _make_world(data: Any, store: Path, workers: int, tell: Progress) -> None:
+    """Record, ingest and replay a world into a store; steps that are complete are left alone."""
     scenario = load_scenario(find_scenario(data["world"]))
     recordings = store.parent / "recordings"
     if not (store.parent / RECORDED).exists():
-        record(scenario, recordings, "mcap", partial(_told, tell, "recording"), workers)
+        record(scenario, recordings, "mcap", partial(_report_step, tell, "recording"), workers)
         write_json_atomic(store.parent / RECORDED, {"scenario": digest_of(_scenario_document(data["world"]))})
-    report = ingest([recordings], store, workers=workers, progress=partial(_told, tell, "ingesting"))
+    report = ingest([recordings], store, workers=workers, progress=partial(_report_step, tell, "ingesting"))
     if report.fell_short:
         raise TactileDataError(
-            f"recordings of the world {data['world']} did not come into the store whole",
-            "whole recordings",
+            f"recordings of the world {data['world']} are not complete in the store",
+            "complete recordings",
             f"Look with `tactiledata info {store}`.",
         )
     options = replay_options(data["replay"], scenario)
-    replay(store, options, workers, progress=partial(_told, tell, "replaying"))
+    replay(store, options, workers, progress=partial(_report_step, tell, "replaying"))
 
 
-def _told(tell: Progress, step: str, done: int, total: int, what: str = "") -> None:
+def _report_step(tell: Progress, step: str, done: int, total: int, what: str = "") -> None:
+    """Report progress under the name of a step."""
     tell(done, total, f"{step}: {what}")
 
 
 def replay_options(section: Any, scenario: Scenario) -> ReplayOptions:
-    """How a world is replayed: with its own material where the recipe states none."""
+    """Options of a world's replay; where the recipe states no material, the world's own is used."""
     own = scenario.material
     material = {
         name: getattr(own, name) if section[name] is None else section[name]
@@ -107,14 +112,14 @@ def replay_options(section: Any, scenario: Scenario) -> ReplayOptions:
 
 
 def replayed_name(section: Any) -> str:
-    """What a replay is called in the store: by resolution, fidelity and kept nodes."""
+    """Name of a replayed mesh in the store, from its resolution, fidelity and kept nodes."""
     linear = "-linear" if section["fidelity"] == "linear" else ""
     surface = "-surface" if section["keep"] == "surface" else ""
     return f"{section['resolution']}{linear}{surface}"
 
 
 def mesh_name(data: Any) -> str:
-    """The mesh of the store that a recipe works with; empty: the only one."""
+    """Name of the store's mesh that a recipe works with; empty for the store's only mesh."""
     if data["mesh"] or data["store"]:
         return str(data["mesh"])
     return replayed_name(data["replay"])

@@ -1,4 +1,4 @@
-"""A recipe: which data, which models, which table; what it leaves out is as in the paper."""
+"""A recipe: which data, which networks, which table; what it leaves out is the paper's protocol."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from tactiledata.errors import SchemaError, UnknownName, UsageError
 
 FORMAT = "tactiledata-recipe/1"
 SCALES = ("small", "paper")
+"""Sizes of a recipe: for two CPU cores, and as in the paper."""
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """A recipe at one scale, with nothing left open.
+    """A recipe at one scale, with every key filled in.
 
     Parameters
     ----------
@@ -28,6 +29,7 @@ class Recipe:
         The file's stem.
     scale : "small" or "paper"
     title : str
+        Title of its page, for people.
     document : dict
         As in ``schemas/recipe.json``, all sections complete.
     """
@@ -39,45 +41,45 @@ class Recipe:
 
     @property
     def seed(self) -> int:
-        """Of weights and of the order of items."""
+        """Seed of weights and of the order of items."""
         return int(self.document["seed"])
 
     @property
     def table(self) -> str | None:
-        """Which table; None for models only."""
-        found: str | None = self.document["table"]
-        return found
+        """Name of the table that the recipe makes; None for a recipe that only trains."""
+        name: str | None = self.document["table"]
+        return name
 
     @property
     def data(self) -> Mapping[str, Any]:
-        """Store or world, split, sizes."""
-        found: Mapping[str, Any] = self.document["data"]
-        return found
+        """Section ``data``: store or world, split, sizes."""
+        section: Mapping[str, Any] = self.document["data"]
+        return section
 
     @property
     def models(self) -> Mapping[str, Any]:
-        """Sizes and training of the networks."""
-        found: Mapping[str, Any] = self.document["models"]
-        return found
+        """Section ``models``: sizes and training of the networks."""
+        section: Mapping[str, Any] = self.document["models"]
+        return section
 
     @property
     def rows(self) -> Mapping[str, Any]:
-        """What the table shows."""
-        found: Mapping[str, Any] = self.document["rows"]
-        return found
+        """Section ``rows``: methods, parts, scores and counts of the table."""
+        section: Mapping[str, Any] = self.document["rows"]
+        return section
 
     @property
     def digest(self) -> str:
-        """Of everything in it."""
+        """Digest of the scale and of the whole document."""
         return digest_of({"scale": self.scale, **self.document})
 
     def variant(self, name: str) -> Recipe:
-        """The same recipe with its models as a variant shapes them.
+        """A copy of the recipe with the networks of one of its variants.
 
         Raises
         ------
         UnknownName
-            It has no such variant.
+            The recipe has no such variant.
         """
         variants = self.document["variants"]
         if name not in variants:
@@ -86,22 +88,32 @@ class Recipe:
         return replace(self, document={**self.document, "models": models, "variants": {}})
 
     def training(self, model: str, seed: int | None = None, settle: int = 0) -> TrainOptions:
-        """How a network learns."""
+        """Training options of a network.
+
+        Parameters
+        ----------
+        model : str
+            Key of the network's section under ``models``.
+        seed : int, optional
+            Seed; the recipe's own unless given.
+        settle : int
+            Epochs before patience begins to count.
+        """
         section = self.models[model]["training"]
         return TrainOptions(**section, settle=settle, seed=self.seed if seed is None else seed)
 
 
 def load_recipe(name: str | Path, scale: str = "small") -> Recipe:
-    """A recipe from a file, or one of the bundled ones by its name.
+    """A recipe from a file, or a bundled recipe by its name.
 
     Raises
     ------
     UnknownName
-        Neither a file nor a bundled recipe; a scale that does not exist.
+        The name is neither a file nor a bundled recipe, or the scale does not exist.
     SchemaError
-        It does not fit ``schemas/recipe.json``: unknown keys are refused.
+        The document does not fit ``schemas/recipe.json``; unknown keys are refused.
     UsageError
-        It names no data, or both a store and a world.
+        The document names no data, or both a store and a world.
     """
     if scale not in SCALES:
         raise UnknownName("scale", scale, SCALES)
@@ -116,19 +128,19 @@ def load_recipe(name: str | Path, scale: str = "small") -> Recipe:
         raise UsageError(
             f"the recipe {stem} names {'both a store and a world' if data['store'] else 'neither a store nor a world'}",
             "one of them under `data`",
-            "`store: ds.zarr` for recordings of your own, `world: NAME` for one that is recorded first.",
+            "`store: ds.zarr` for your own recordings, `world: NAME` for a simulated world that is recorded first.",
         )
     return Recipe(stem, scale, title, complete)
 
 
 def bundled_recipes() -> list[str]:
-    """Names of the recipes that come with the toolkit."""
+    """Sorted names of the recipes that come with the toolkit."""
     folder = shipped_folder("recipes")
     return sorted(entry.name.removesuffix(".yaml") for entry in folder.iterdir() if entry.name.endswith(".yaml"))
 
 
 def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """A document over another, section by section; a list or a value replaces.
+    """A document merged with another one above it, section by section; lists and values are replaced.
 
     Examples
     --------
@@ -143,7 +155,7 @@ def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, A
 
 
 def _read(name: str | Path) -> tuple[str, dict[str, Any], Path | None]:
-    """Stem, document and folder (None for a bundled one) of a recipe."""
+    """Stem, document and folder of a recipe; the folder of a bundled recipe is None."""
     path = Path(name)
     if path.is_file() or path.suffix in {".yaml", ".yml", ".json"}:
         return path.stem, read_document(path, "recipe"), path.parent
@@ -158,12 +170,12 @@ def _read(name: str | Path) -> tuple[str, dict[str, Any], Path | None]:
 
 
 def _with_included(document: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
-    """The document over the one that it includes."""
+    """The document merged over the one that it includes; without ``include`` a copy of it."""
     own = dict(document)
     included = own.pop("include", None)
     if included is None:
         return own
     _, below, _ = _read(Path(included).stem if folder is None else folder / included)
     if "include" in below:
-        raise SchemaError(f"{included}, which is included, includes another recipe", "one level", path="$.include")
+        raise SchemaError(f"the included {included} includes another recipe", "one level", path="$.include")
     return laid_over(below, own)

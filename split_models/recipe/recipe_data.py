@@ -1,4 +1,4 @@
-"""The data of a recipe: its store, made where it is a world, and what of it models learn from."""
+"""The data of a recipe: its store, made first where it is a simulated world, and the frames that networks use."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from tactiledata.contract.progress import Progress
 
 
 class RecipeData:
-    """What a recipe learns from, read when it is asked for.
+    """The data of a recipe, each part read when it is first used.
 
     Parameters
     ----------
     recipe : Recipe
     out : Path
-        Worlds go below it.
+        Folder below which worlds are kept.
     ranks : Ranks
-        The first process makes what is not there, the others wait.
+        The first process makes a missing store while the others wait.
     tell : callable
         Called with how much is done, how much there is, and words.
     workers : int
-        Local processes that record and replay.
+        Local processes that record, ingest and replay.
     """
 
     def __init__(self, recipe: Recipe, out: Path, ranks: Ranks, tell: Progress, workers: int) -> None:
@@ -37,14 +37,14 @@ class RecipeData:
 
     @cached_property
     def store(self) -> Path:
-        """The store, ready to learn from."""
+        """Path of the store, ready to learn from."""
         if self.ranks.is_first:
             prepare_store(self.recipe, self.out, self.workers, self.tell)
         self.ranks.wait()
         return store_place(self.recipe, self.out)
 
     def frames(self, part: str) -> TouchFrames:
-        """Frames of a part of the split that have picture, mesh, wrench and background."""
+        """Frames of a part of the split that have a picture, a mesh, a wrench and a background."""
         if part not in self._frames:
             data = self.recipe.data
             self._frames[part] = TouchFrames(
@@ -59,28 +59,28 @@ class RecipeData:
 
     @cached_property
     def topology(self) -> Topology:
-        """The mesh of the store."""
+        """Topology of the store's mesh."""
         return self.frames("train").topology()
 
     @cached_property
     def hierarchy(self) -> Hierarchy:
-        """Its levels."""
+        """The store's mesh with its coarser levels, one for each of the mesh VAE's filters."""
         return build_hierarchy(self.topology, len(self.recipe.models["mesh_vae"]["filters"]))
 
     @cached_property
     def vertex_scale(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mean and spread (v, 3), m, of the train part."""
+        """Mean and spread (v, 3), m, of the train part's displacements."""
         return vertex_scale(self.frames("train"))
 
     @cached_property
     def force_scale(self) -> tuple[list[float], list[float]]:
-        """Mean and spread (3,), N, of the train part."""
+        """Mean and spread (3,), N, of the train part's forces; the spread is at least 1e-3 N."""
         forces = self.frames("train").forces().astype(np.float64)
         return forces.mean(axis=0).tolist(), np.maximum(forces.std(axis=0), 1e-3).tolist()
 
     @cached_property
     def extra_frames(self) -> list[TouchFrames]:
-        """Pictures of other corpora, which only the image VAE learns from."""
+        """Pictures of other corpora, from which only the image VAE learns."""
         return [
             TouchFrames(
                 extra["store"],

@@ -1,4 +1,4 @@
-"""What a recipe leaves out: the paper's protocol."""
+"""Defaults of a recipe: the paper's protocol."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 def _training(
     epochs: int, batch_size: int, patience: int, learning_rate: float = 1e-3, weight_decay: float = 0.0
 ) -> dict[str, Any]:
+    """A section ``training``, with the decay and the checkpoint interval that all networks share."""
     return {
         "epochs": epochs,
         "batch_size": batch_size,
@@ -120,4 +121,4 @@ DEFAULTS: dict[str, Any] = {
     },
     "published": {},
 }
-"""The paper's protocol; where the paper leaves a size open, docs/decisions/0013-split-model-sizes.md says why."""
+"""The paper's protocol; docs/decisions/0013-split-model-sizes.md explains the sizes that the paper leaves open."""

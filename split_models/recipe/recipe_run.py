@@ -1,4 +1,4 @@
-"""The models of a recipe, each trained once: what two recipes say alike they share, whatever else they say."""
+"""The networks of a recipe, each trained once; recipes share a network when they describe it alike."""
 
 from __future__ import annotations
 
@@ -32,24 +32,27 @@ from tactiledata.contract.provenance import digest_of
 
 Direction = Literal["mesh_to_image", "image_to_mesh"]
 MODELS = "models"
+"""Folder of the trained networks below ``out``."""
 
 
 class RecipeRun(RecipeData):
-    """What a recipe needs, made when it is asked for and kept in ``out``.
+    """One run of a recipe: its data, networks and latent vectors, made when they are first used and kept in ``out``.
 
     Parameters
     ----------
     recipe : Recipe
     out : Path
-        ``data/``, ``models/`` and the tables go there.
+        Folder for ``data/``, ``models/`` and the tables.
     device : torch.device
-    ranks : Ranks
+        Device that networks run on.
+    ranks : Ranks, optional
+        Number of this process among those that train together.
     tell : callable, optional
         Called with how much is done, how much there is, and words.
     workers : int
-        Local processes that record and replay.
+        Local processes that record, ingest and replay.
     may_train : bool
-        Without, a model that is not trained yet is an error.
+        Whether a network that is not trained yet is trained; else it is an error.
     """
 
     def __init__(
@@ -67,10 +70,10 @@ class RecipeRun(RecipeData):
         self.kept = KeptModels(out / MODELS, device, self.ranks, self.tell, may_train)
         self._latents: dict[str, Tensor] = {}
         self._variants: dict[str, RecipeRun] = {}
-        self._base_workshop: RecipeRun | None = None
+        self._base_run: RecipeRun | None = None
 
     def variant(self, name: str) -> RecipeRun:
-        """The same with models as a variant of the recipe shapes them, sharing what that leaves alone; itself for "".
+        """The run of a recipe variant, sharing networks that the variant does not change; an empty name returns self.
 
         Raises
         ------
@@ -82,22 +85,22 @@ class RecipeRun(RecipeData):
         if name not in self._variants:
             recipe = self.recipe.variant(name)
             other = RecipeRun(recipe, self.out, self.device, self.ranks, self.tell, self.workers, self.kept.may_train)
-            other._frames, other._base_workshop = self._frames, self
+            other._frames, other._base_run = self._frames, self
             self._variants[name] = other
         return self._variants[name]
 
     @property
     def tables(self) -> Path:
-        """Where the recipe's table and pictures go."""
+        """Folder of the recipe's table and pictures."""
         return self.out / self.recipe.name / self.recipe.scale
 
     # -- models ------------------------------------------------------------------------------------------------------
 
     @property
     def image_vae(self) -> ImageVae:
-        """The image beta-VAE."""
+        """The trained image beta-VAE; a variant may continue from the base recipe's weights."""
         section = self.recipe.models["image_vae"]
-        base = self._base_workshop if section["learns_on"] else None
+        base = self._base_run if section["learns_on"] else None
         start, parents = (base.image_vae, base.key_of("image_vae")) if base is not None else (None, {})
 
         def build() -> tuple[Objective, Items, Items]:
@@ -112,7 +115,7 @@ class RecipeRun(RecipeData):
 
     @property
     def mesh_vae(self) -> MeshVae:
-        """The mesh beta-VAE."""
+        """The trained mesh beta-VAE."""
         section = self.recipe.models["mesh_vae"]
         sizes = {name: section[name] for name in ("filters", "order", "latent")}
 
@@ -127,7 +130,7 @@ class RecipeRun(RecipeData):
 
     @property
     def end_to_end(self) -> EndToEnd:
-        """The network from meshes to pictures."""
+        """The trained end-to-end network from meshes to pictures."""
         models = self.recipe.models
         mesh = {name: models["mesh_vae"][name] for name in ("filters", "order")}
         image = {name: models["image_vae"][name] for name in SIZES}
@@ -146,17 +149,24 @@ class RecipeRun(RecipeData):
         )
 
     def projection(self, direction: Direction, is_split: bool) -> Projection:
-        """The network between the latent spaces, with or without arithmetic."""
+        """The trained network between the latent spaces.
+
+        Parameters
+        ----------
+        direction : "mesh_to_image" or "image_to_mesh"
+        is_split : bool
+            Whether the picture's side is the deformation's vector (SPLIT) or the whole picture's (NOSPLIT).
+        """
         section = self.recipe.models["projection"]
         image = "deformation" if is_split else "image"
-        given, wanted = ("mesh", image) if direction == "mesh_to_image" else (image, "mesh")
+        given, target = ("mesh", image) if direction == "mesh_to_image" else (image, "mesh")
         name = f"projection_{direction}_{'split' if is_split else 'nosplit'}"
 
         def build() -> tuple[Objective, Items, Items]:
             sizes = {"mesh": self.mesh_vae.latent, image: self.image_vae.latent}
-            network = Projection(sizes[given], sizes[wanted], section["layers"], section["dropout"])
-            objective = Regression(network, "given", "wanted")
-            return objective, self._latent_items("train", given, wanted), self._latent_items("val", given, wanted)
+            network = Projection(sizes[given], sizes[target], section["layers"], section["dropout"])
+            objective = Regression(network, "given", "target")
+            return objective, self._latent_items("train", given, target), self._latent_items("val", given, target)
 
         described = {"direction": direction, "is_split": is_split, **section}
         return cast(
@@ -172,19 +182,21 @@ class RecipeRun(RecipeData):
         )
 
     def force_head(self, given: str, seed: int) -> ForceHead:
-        """Forces from latent vectors.
+        """The trained network from latent vectors to forces.
 
         Parameters
         ----------
         given : "mesh", "image", "deformation", "projected_nosplit" or "projected_split"
+            Latent vectors that it takes; see `part_latents`.
         seed : int
+            Seed of its weights and of the order of items.
         """
         section = self.recipe.models["force_head"]
 
         def build() -> tuple[Objective, Items, Items]:
             inputs = self.latents("train", given).shape[1]
             head = ForceHead(inputs, section["layers"], section["dropout"], *self.force_scale)
-            objective = Regression(head, "given", "wanted", None, scaled_forces(*self.force_scale))
+            objective = Regression(head, "given", "target", None, scaled_forces(*self.force_scale))
             return objective, self._latent_items("train", given, "force"), self._latent_items("val", given, "force")
 
         parents = {**self._vaes(), **self._projections_of(given)}
@@ -195,7 +207,7 @@ class RecipeRun(RecipeData):
         )
 
     def raw_forces(self, given: Literal["mesh", "image"], seed: int) -> RawForces:
-        """Forces from meshes or pictures by the VAE's encoder, which learns on."""
+        """The trained network from meshes or pictures to forces, made of the VAE's encoder, which is fine-tuned."""
         vae = self.mesh_vae if given == "mesh" else self.image_vae
         prepare = as_input if given == "image" else None
 
@@ -220,7 +232,7 @@ class RecipeRun(RecipeData):
         )
 
     def train_backbone(self) -> None:
-        """Both VAEs and the projections with arithmetic, of every variant: what every table shares."""
+        """Train what all tables share: both VAEs and the projections with arithmetic, for every variant as well."""
         self._vaes()
         self.projection("mesh_to_image", True)
         self.projection("image_to_mesh", True)
@@ -230,7 +242,7 @@ class RecipeRun(RecipeData):
     # -- latent vectors ----------------------------------------------------------------------------------------------
 
     def latents(self, part: str, kind: str) -> Tensor:
-        """Latent vectors (n, d) of the frames of a part; of force heads' inputs see `force_head`."""
+        """Latent vectors (n, d) of the frames of a part, kept in memory; for the kinds see `part_latents`."""
         key = f"{part}/{kind}"
         if key not in self._latents:
             with drawn_alike(self.recipe.seed):
@@ -240,22 +252,25 @@ class RecipeRun(RecipeData):
     # -- training ----------------------------------------------------------------------------------------------------
 
     def _items(self, part: str, *what: str) -> FrameItems:
+        """Meshes, pictures or forces of a part's frames as items."""
         return FrameItems(self.frames(part), what)
 
-    def _latent_items(self, part: str, given: str, wanted: str) -> TensorItems:
+    def _latent_items(self, part: str, given: str, target: str) -> TensorItems:
+        """Latent vectors or forces of a part as items with ``given`` and ``target``."""
         frames = self.frames(part)
-        tensors = {"given": self.latents(part, given), "wanted": self.latents(part, wanted)}
+        tensors = {"given": self.latents(part, given), "target": self.latents(part, target)}
         return TensorItems(tensors, frames.fingerprint, frames)
 
     def key_of(self, model: str) -> dict[str, str]:
-        """What shaped a model that was asked for, by its name."""
+        """Digest of what shaped a network that was requested, by the network's name."""
         return {model: self.kept.keys[model]}
 
     def _vaes(self) -> dict[str, str]:
-        """Keys of both VAEs, trained where they are not."""
+        """Digests of what shaped both VAEs, which are trained if necessary."""
         return {**self.key_of(self.image_vae.kind), **self.key_of(self.mesh_vae.kind)}
 
     def _projections_of(self, given: str) -> dict[str, str]:
+        """Digest of the projection that projected latent vectors come from; empty for other vectors."""
         if not given.startswith("projected"):
             return {}
         is_split = given == "projected_split"
@@ -273,22 +288,23 @@ class RecipeRun(RecipeData):
         build: Build,
         topology: str = "",
     ) -> Network:
-        """A network that learns from the train part: from memory, from disk, or trained.
+        """A network trained on the train part: from memory, from disk, or trained now.
 
         Parameters
         ----------
         name : str
+            Name of the network in this recipe.
         parents : dict
-            Keys of the networks that it is made with.
+            Digests of the networks that it is made with, by name.
         section : dict
-            What of the recipe shapes it.
+            Values of the recipe that shape it.
         fingerprint : str
-            Of its items.
+            Digest of its items.
         options : TrainOptions
         build : callable
-            Gives the objective, the items and those to validate on; called only where there is something to train.
+            Gives the objective, the items and the items to validate on; called only where there is something to train.
         topology : str
-            Digest of the mesh; empty where it is for none.
+            Digest of the mesh; empty where the network is for none.
         """
         described = {
             "data": self.recipe.data,

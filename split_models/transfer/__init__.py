@@ -1,1 +1,13 @@
-"""Pictures of one sensor in the style of another."""
+"""Pictures of one sensor in the style of another, for single pictures, for training batches and for whole stores.
+
+Read in this order:
+
+- ``pixels``: methods that compute on pixels, which a learned method has to beat;
+- ``latent_transfer``, ``adaptive_instance_norm`` and ``adain_transfer``: methods that use an image VAE;
+- ``methods``: all of them by name;
+- ``transfer_store``, ``transfer_take`` and ``transfer_picture``: a store whose trajectories name their parents;
+- ``fine_tune``: an image VAE that learns another sensor; ``style_augmentation``: transfer inside a training batch;
+- ``latent_vectors``: vectors by which the pictures of sensors are compared.
+
+The room imports ``networks`` and ``learning``. It takes weights from a file and knows no recipe.
+"""

@@ -31,7 +31,7 @@ class SlowItems(TensorItems):
 def items(count=48, seed=0, pause=0.0):
     generator = torch.Generator().manual_seed(seed)
     given = torch.randn(count, 6, generator=generator)
-    found = SlowItems({"given": given, "wanted": given[:, :3] * 2 + given[:, 3:].square()}, f"{count}-{seed}")
+    found = SlowItems({"given": given, "target": given[:, :3] * 2 + given[:, 3:].square()}, f"{count}-{seed}")
     found.pause = pause
     return found
 
@@ -39,7 +39,7 @@ def items(count=48, seed=0, pause=0.0):
 def objective(dropout=(0.2,), seed=0):
     with torch.random.fork_rng():
         torch.manual_seed(seed)
-        return Regression(Projection(6, 3, (16, 16, 3), dropout), "given", "wanted")
+        return Regression(Projection(6, 3, (16, 16, 3), dropout), "given", "target")
 
 
 def learn(folder, epochs=4, pause=0.0, save_seconds=1e9, dropout=(0.2,), tell=None, schedule="decay", **changes):

@@ -1,4 +1,12 @@
-"""Transfer between sensors by arithmetic on pixels: what a learned model has to beat; one file each, one line each."""
+"""Transfer between sensors by arithmetic on pixels, which a learned model has to beat.
+
+``base`` defines what a method is: pictures of a source sensor, its background and the target's background in, pictures
+in the target's style out. Each other module is one such method and has one line in the table below. From the simplest
+to the most elaborate they are ``no_contact``, ``background_swap``, ``background_ratio``, ``reinhard``,
+``histogram_matching`` and ``fourier``.
+
+A method imports ``base`` and never another method. None of them needs PyTorch, a store or a file of weights.
+"""
 
 from tactiledata.registry import Registry
 
@@ -14,4 +22,4 @@ PIXEL_TRANSFERS = Registry(
     },
     group="split_models.transfer.pixels",
 )
-"""Methods by name; each is a ``PixelTransfer``."""
+"""Pixel transfers by name; each is a `PixelTransfer`."""

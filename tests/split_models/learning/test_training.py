@@ -142,7 +142,7 @@ def test_it_stops_when_it_no_longer_gets_better(tmp_path):
             found = super().forward(batch, epoch)
             return {"loss": found["loss"] * 0.0 + 1.0}
 
-    frozen = Frozen(Projection(6, 3, (8, 3), ()), "given", "wanted")
+    frozen = Frozen(Projection(6, 3, (8, 3), ()), "given", "target")
     options = TrainOptions(epochs=50, batch_size=16, patience=2, settle=3)
     trained = train(frozen, items(), items(16, 1), options, tmp_path, STAMPS, torch.device("cpu"))
     assert [row["epoch"] for row in trained.rows] == [0, 1, 2, 3, 4, 5]
@@ -161,9 +161,9 @@ def test_nan_is_named_at_once(tmp_path):
             return {"loss": super().forward(batch, epoch)["loss"] * float("inf")}
 
     with pytest.raises(NotFinite, match="the loss of the projection became inf in epoch 0"):
-        learn(tmp_path / "loss", objective=Broken(Projection(6, 3, (8, 3), ()), "given", "wanted"))
+        learn(tmp_path / "loss", objective=Broken(Projection(6, 3, (8, 3), ()), "given", "target"))
     spoilt = items(16, 1)
-    spoilt.tensors["wanted"][0] = float("nan")
+    spoilt.tensors["target"][0] = float("nan")
     with pytest.raises(NotFinite, match="validation loss"):
         train(objective(), items(), spoilt, TrainOptions(1, 8), tmp_path / "val", STAMPS, torch.device("cpu"))
 
