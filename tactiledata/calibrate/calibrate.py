@@ -19,6 +19,7 @@ from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.errors import TactileDataError
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_trajectories
 
@@ -82,7 +83,8 @@ def calibrate(store: Store, options: CalibrationOptions, report_progress: Progre
     UsageError
         Options that do not fit the store.
     """
-    measured = read_measured(store, options)
+    opened = OpenedStore.planned(store, options.pads, options.indenter_folder)
+    measured = read_measured(opened, options)
     if measured.mesh is None or len(measured.touches) < FEWEST:
         raise too_few(len(measured.touches), measured.left_out)
     calibration = calibrate_measured(measured, options, store.digest, report_progress)

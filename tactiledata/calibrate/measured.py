@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,10 +20,10 @@ from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.ingest.clocks.align import fractions_between
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
-from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch, ReplayPlan, plan_replay
+from tactiledata.replay.opened import OpenedStore
+from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
 from tactiledata.store.check.values import need_sound_values
-from tactiledata.store.read.reader import Store
 
 WRENCH = "contact_wrench"
 """Stream of a store that is fitted."""
@@ -59,15 +58,22 @@ class Measured:
     left_out: dict[str, int]
 
 
-def read_measured(store: Store, options: CalibrationOptions) -> Measured:
+def read_measured(opened: OpenedStore, options: CalibrationOptions) -> Measured:
     """Read as many trajectories of a store as the options ask for, drawn by the seed, indenters in turn.
+
+    Parameters
+    ----------
+    opened : OpenedStore
+        The store, planned with the pads of the options.
+    options : CalibrationOptions
+        Which trajectories are wanted.
 
     Raises
     ------
     UnknownName
         A sensor or an indenter that the store does not hold.
     """
-    plan = plan_replay(store, options.pads, options.indenter_folder)
+    plan = opened.plan
     if options.sensor is not None:
         known = {touch.sensor for touch in plan.touches}
         if options.sensor not in known:
@@ -78,8 +84,8 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
             raise UnknownName("indenter", indenter, known)
     # draw trajectories in turn until there are enough with a contact wrench
     left_out: Counter[str] = Counter()
-    usable = _usable(store, plan, options, left_out)
-    reader = _WrenchReader(store)
+    usable = _usable(opened, options, left_out)
+    reader = _WrenchReader(opened)
     touches: list[MeasuredTouch] = []
     free_air_readings: list[Array] = []
     for planned in drawn_in_turn(usable, options.seed):
@@ -91,7 +97,7 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
             continue
         readings, distinct = reader.free_air(planned)
         free_air_readings.append(readings)
-        touches.append(_measured(store, planned, wrench, distinct))
+        touches.append(_measured(opened, planned, wrench, distinct))
     # too little free air to measure the noise: take the data sheet's
     noise = noise_at_rest(free_air_readings, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
     pad = plan.pads[usable[0].pad] if usable else None
@@ -99,13 +105,11 @@ def read_measured(store: Store, options: CalibrationOptions) -> Measured:
     return Measured(tuple(touches), mesh, described, noise, dict(left_out))
 
 
-def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_out: Counter[str]) -> list[PlannedTouch]:
+def _usable(opened: OpenedStore, options: CalibrationOptions, left_out: Counter[str]) -> list[PlannedTouch]:
     """Chosen touches on the most frequent pad that can be simulated; the others are counted in ``left_out``."""
-    peaks = dict(zip(*(store.trajectories(["uid", "peak_force"])[name].to_pylist() for name in ("uid", "peak_force")),
-                     strict=True))  # fmt: skip
     chosen = [
         touch
-        for touch in plan.touches
+        for touch in opened.plan.touches
         if options.sensor in (None, touch.sensor) and (not options.indenters or touch.indenter in options.indenters)
     ]
     # one mesh for all: the pad of most of them
@@ -113,7 +117,7 @@ def _usable(store: Store, plan: ReplayPlan, options: CalibrationOptions, left_ou
     pad = pads.most_common(1)[0][0] if pads else -1
     usable = []
     for touch in chosen:
-        peak = peaks.get(touch.uid)
+        peak = opened.by_uid[touch.uid]["peak_force"]
         if touch.obstacle is not None:
             left_out[touch.reason] += 1
         elif touch.pad != pad:
@@ -139,12 +143,12 @@ def drawn_in_turn(touches: Sequence[PlannedTouch], seed: int) -> list[PlannedTou
     return [touch for _, _, touch in sorted(ranked, key=lambda entry: entry[:2])]
 
 
-def _measured(store: Store, planned: PlannedTouch, wrench: Array, free_samples: int) -> MeasuredTouch:
+def _measured(opened: OpenedStore, planned: PlannedTouch, wrench: Array, free_samples: int) -> MeasuredTouch:
     """Measured touch of a planned one with its contact wrench (frames, 6), thinned to ``MOST_FRAMES``."""
     rows = np.arange(*planned.frames)
-    t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])[rows]
+    t_ns = opened.frame_t_ns[rows]
     kept = kept_rows(len(rows))
-    whole = planned.gel_touch(store, 0.0)
+    whole = planned.gel_touch(opened.store, 0.0)
     return MeasuredTouch(
         planned.uid,
         planned.name,
@@ -173,19 +177,15 @@ def _stated_noise() -> WrenchNoise:
 class _WrenchReader:
     """Reader of a store's contact wrenches in the gel frame, at frames and at the native rate."""
 
-    def __init__(self, store: Store) -> None:
-        self._store = store
+    def __init__(self, opened: OpenedStore) -> None:
+        self._opened, self._store = opened, opened.store
+        store = opened.store
         wrenches = [name for name in store.aligned_names if name.partition("@")[0] == WRENCH]
         self._names = [name for name in wrenches if store.meaning("aligned", name).frame == "gel"]
         need_sound_values(store, self._names)
-        table = store.trajectories(["uid", "signal_rows"])
-        self._spans = {
-            uid: json.loads(spans)
-            for uid, spans in zip(table["uid"].to_pylist(), table["signal_rows"].to_pylist(), strict=True)
-        }
         self._periods: list[float] = []
         self._fractions: list[Array] = []
-        self._frame_t_ns = np.asarray(store.frames(["t_ns"])["t_ns"])
+        self._frame_t_ns = opened.frame_t_ns
 
     def wrench(self, planned: PlannedTouch) -> Array | None:
         """Contact wrench (n, 6), N and N m, at a touch's frames, NaN where unknown; ``None`` if known at no frame."""
@@ -198,7 +198,7 @@ class _WrenchReader:
 
     def free_air(self, planned: PlannedTouch) -> tuple[Array, int]:
         """Return the samples (n, 6) at the native rate before the touch, and how many of them are new readings."""
-        spans = self._spans[planned.uid]
+        spans = self._opened.by_uid[planned.uid]["spans"]
         name = next((name for name in self._names if name in spans), None)
         if name is None:
             return np.empty((0, 6)), 0

@@ -20,6 +20,7 @@ from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import read_zeros
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_trajectories
@@ -56,7 +57,9 @@ def diagnose_store(
     # check, read and play
     need_learning_library()
     need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
-    played = store_touches(store, options.calibration(), play_progress)
+    calibration = options.calibration()
+    opened = OpenedStore.planned(store, calibration.pads, calibration.indenter_folder)
+    played = store_touches(opened, calibration, play_progress)
     # name what is missing
     candidates = tuple(name for name in played.effects if not options.effects or name in options.effects)
     errors = NumericalErrors.of(options.fidelity)
@@ -77,7 +80,7 @@ def diagnose_store(
     # what to record next, limits of the recordings, causes of drifting zeros
     step_progress("what to record next")
     proposals = propose_trials(naming)
-    free = read_zeros(store)
+    free = read_zeros(opened)
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
     simulated = simulated_trajectories(store, played.uids)

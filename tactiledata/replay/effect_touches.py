@@ -17,6 +17,7 @@ from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.indenters.base import Indenter
 from tactiledata.indenters.scaled import scaled
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.plan import NOMINAL, PlannedPad, PlannedTouch, ReplayPlan
 from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.replay.store_motion import StoreMotion
@@ -72,8 +73,8 @@ class ReplayEffects:
     """
 
     def __init__(self, store: Store, plan: ReplayPlan, settings: Sequence[EffectSetting]) -> None:
-        self._facts = StoreFacts(store, plan.touches)
-        self._motion = StoreMotion(store)
+        opened = OpenedStore(store, plan)
+        self._facts, self._motion = StoreFacts(opened), StoreMotion(opened)
         self._plain = {touch.uid: touch for touch in plan.touches}
         _need_places(settings, [self._places(touch) for touch in plan.touches])
         self._acting = {touch.uid: self._acting_on(touch, settings) for touch in plan.touches}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,10 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.contract.description import LogDescription
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
-from tactiledata.store.read.reader import Store
 from tactiledata.transforms import pose_matrices
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -47,23 +45,16 @@ class StoreFacts:
 
     Parameters
     ----------
-    store : Store
-        Its times, streams and descriptions are read.
-    touches : sequence of PlannedTouch
-        All trajectories of the store in order, because earlier touches of a gel count.
+    opened : OpenedStore
+        Its times, streams and descriptions are read. All its trajectories count, because earlier touches of a gel do.
     """
 
-    def __init__(self, store: Store, touches: Sequence[PlannedTouch]) -> None:
-        self._store = store
+    def __init__(self, opened: OpenedStore) -> None:
+        self._opened, self._store = opened, opened.store
         self._tables: dict[str, ImprintTable] = {}
-        self._t_ns: Array = np.asarray(store.frames(["t_ns"])["t_ns"])
-        table = store.trajectories(["uid", "source"])
-        self._source = dict(zip(table["uid"].to_pylist(), table["source"].to_pylist(), strict=True))
-        self._descriptions = [
-            LogDescription(json.loads(text)) for text in store.sources(["description"])["description"].to_pylist()
-        ]
-        self._touches = touches
-        self._mounts = _mounts(touches, self._source)
+        self._t_ns = opened.frame_t_ns
+        self._touches = opened.plan.touches
+        self._mounts = _mounts(self._touches, {uid: row["source"] for uid, row in opened.by_uid.items()})
 
     def seconds(self, rows: Indices) -> Array:
         """Time (n,), s, of rows since the first of them."""
@@ -88,7 +79,7 @@ class StoreFacts:
 
     def powered(self, planned: PlannedTouch, rows: Indices) -> Array | None:
         """Time (n,), s, since the sensor was last switched on; ``None`` where the recording does not state it."""
-        description = self._descriptions[self._source[planned.uid]]
+        description = self._opened.description_of(planned.uid)
         switched_on = description.switched_on(planned.sensor, int(self._t_ns[rows[0]]))
         return None if switched_on is None else np.asarray((self._t_ns[rows] - switched_on) / 1e9)
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.contract.description import LogDescription
 from tactiledata.effects.touch.moved_until import moved_until
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.plan import PlannedTouch
 from tactiledata.replay.poses import gel_from_indenter
-from tactiledata.store.read.reader import Store
 
 
 class StoreMotion:
@@ -20,17 +18,13 @@ class StoreMotion:
 
     Parameters
     ----------
-    store : Store
+    opened : OpenedStore
         Its poses at the native rate and its descriptions are read.
     """
 
-    def __init__(self, store: Store) -> None:
-        self._store = store
-        self._t_ns: Array = np.asarray(store.frames(["t_ns"])["t_ns"])
-        table = store.trajectories(["uid", "source", "signal_rows"]).to_pylist()
-        self._rows = {row["uid"]: row for row in table}
-        texts = store.sources(["description"])["description"].to_pylist()
-        self._descriptions = [LogDescription(json.loads(text)) for text in texts]
+    def __init__(self, opened: OpenedStore) -> None:
+        self._opened, self._store = opened, opened.store
+        self._t_ns = opened.frame_t_ns
 
     def facts(self, planned: PlannedTouch, rows: Indices) -> dict[str, Any]:
         """Return fields of a `Touch`: motion until each frame and ``gel_from_sensor``, as far as they are known."""
@@ -38,7 +32,7 @@ class StoreMotion:
 
     def _moves(self, planned: PlannedTouch, rows: Indices) -> dict[str, Array]:
         """Motion of the indenter until each frame, from poses at the native rate; empty where they are unknown."""
-        spans = json.loads(self._rows[planned.uid]["signal_rows"])
+        spans = self._opened.by_uid[planned.uid]["spans"]
         if planned.poses not in spans or planned.tcp_from_gel is None or planned.base_from_indenter is None:
             return {}
         signal, span = self._store.signal(planned.poses), spans[planned.poses]
@@ -52,7 +46,7 @@ class StoreMotion:
 
     def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
         """Pose of the force sensor in the gel frame (count, 4, 4), metres; empty where it is unknown."""
-        tcp_from_ft = self._descriptions[self._rows[planned.uid]["source"]].transform("tcp_from_ft")
+        tcp_from_ft = self._opened.description_of(planned.uid).transform("tcp_from_ft")
         if tcp_from_ft is None or planned.tcp_from_gel is None:
             return {}
         gel_from_sensor = np.linalg.inv(planned.tcp_from_gel) @ tcp_from_ft.matrix

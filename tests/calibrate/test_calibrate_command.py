@@ -11,6 +11,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.cli.main import run
 from tactiledata.gel.mesh import structured_pad
 from tactiledata.gel.mesh.structured_pad import GridPlan
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
@@ -92,9 +93,9 @@ def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, 
 
 def test_the_flex_leaves_out_what_it_cannot_press(tiny_store):
     """The cross of the tiny world is counted with its reason for mujoco-flex, and takes part for fem."""
-    store = Store.open(tiny_store)
+    opened = OpenedStore.planned(Store.open(tiny_store), CalibrationOptions().pads)
     reason = "an indenter that is not convex, which mujoco-flex cannot press"
-    flex, fem = (read_measured(store, CalibrationOptions(engine=engine)) for engine in ("mujoco-flex", "fem"))
+    flex, fem = (read_measured(opened, CalibrationOptions(engine=engine)) for engine in ("mujoco-flex", "fem"))
     assert flex.left_out.get(reason, 0) > 0
     assert reason not in fem.left_out
     assert len(flex.touches) + flex.left_out[reason] == len(fem.touches)

@@ -8,7 +8,7 @@ from recorded_touches import POWERED, recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.effects.touch.imprint import SPREAD, ImprintTable
-from tactiledata.replay.plan import plan_replay
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.store.read.reader import Store
 
@@ -18,8 +18,8 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     store = Store.open(recorded_store(tmp_path_factory.mktemp("world")))
-    planned = plan_replay(store, CalibrationOptions().pads).touches
-    return store, planned, StoreFacts(store, planned)
+    opened = OpenedStore.planned(store, CalibrationOptions().pads)
+    return store, opened.plan.touches, StoreFacts(opened)
 
 
 def test_gravity_points_down_whatever_way_the_sensor_hangs(recorded):
@@ -78,5 +78,5 @@ def test_history_counts_what_came_before_at_the_spot(recorded):
 def test_a_store_that_does_not_say_it_is_not_asked(tmp_path):
     path = recorded_store(tmp_path, streams={"joints": 0, "tcp": 125, "wrench": 100, "arm_wrench": 0})
     store = Store.open(path)
-    planned = plan_replay(store, CalibrationOptions().pads).touches
-    assert StoreFacts(store, planned).joints(np.arange(*planned[0].frames)) is None
+    opened = OpenedStore.planned(store, CalibrationOptions().pads)
+    assert StoreFacts(opened).joints(np.arange(*opened.plan.touches[0].frames)) is None

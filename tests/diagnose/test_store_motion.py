@@ -6,7 +6,7 @@ from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.effects.touch.felt_acceleration import FREQUENCIES
-from tactiledata.replay.plan import plan_replay
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.rig.scenario.scenario import Robot
 from tactiledata.store.read.reader import Store
@@ -17,7 +17,8 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     store = Store.open(recorded_store(tmp_path_factory.mktemp("world")))
-    return store, plan_replay(store, CalibrationOptions().pads).touches, StoreMotion(store)
+    opened = OpenedStore.planned(store, CalibrationOptions().pads)
+    return store, opened.plan.touches, StoreMotion(opened)
 
 
 def test_frames_of_a_step_stand_and_know_the_last_move(recorded):

@@ -10,6 +10,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.store import diagnose_store
 from tactiledata.errors import TactileDataError
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
 
@@ -34,7 +35,7 @@ def test_a_lost_chunk_is_no_recording_without_forces(copy, array):
     """It reads as numbers that nobody recorded; calibration and diagnosis, which read touches alike, say so."""
     chunk_of(copy, array).unlink()
     with pytest.raises(TactileDataError, match=rf"a damaged store: {array}, rows 0 to \d+ of .*mcap: .*CRC-32C"):
-        read_measured(Store.open(copy), CalibrationOptions())
+        read_measured(OpenedStore.planned(Store.open(copy), CalibrationOptions().pads), CalibrationOptions())
 
 
 @pytest.mark.parametrize("array", ["signals/tcp/value", "signals/wrench/value", "signals/joints/t_ns"])

@@ -22,11 +22,11 @@ from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import TactileDataError
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
-from tactiledata.replay.plan import PlannedTouch, plan_replay
+from tactiledata.replay.opened import OpenedStore
+from tactiledata.replay.plan import PlannedTouch
 from tactiledata.replay.store_facts import StoreFacts
 from tactiledata.replay.store_motion import StoreMotion
 from tactiledata.sensors.base import GelGeometry
-from tactiledata.store.read.reader import Store
 
 FREE_AIR = 1e-4
 """Height in metres above the gel beyond which a tip touches nothing, whatever the contact offset."""
@@ -66,13 +66,13 @@ class StoreTouches:
     uids: tuple[str, ...]
 
 
-def store_touches(store: Store, options: CalibrationOptions, progress: Progress = no_progress) -> StoreTouches:
+def store_touches(opened: OpenedStore, options: CalibrationOptions, progress: Progress = no_progress) -> StoreTouches:
     """Return the chosen trajectories of a store, played by the gel.
 
     Parameters
     ----------
-    store : Store
-        Recordings.
+    opened : OpenedStore
+        Recordings, planned with the pads of the options.
     options : CalibrationOptions
         Which trajectories are drawn, and how the gel plays them.
     progress : Progress
@@ -84,12 +84,11 @@ def store_touches(store: Store, options: CalibrationOptions, progress: Progress 
         Too few trajectories can be used; the message counts the reasons.
     """
     # measured trajectories
-    measured = read_measured(store, options)
+    measured = read_measured(opened, options)
     if measured.mesh is None or len(measured.touches) < FEWEST_CASES:
         raise too_few(len(measured.touches), measured.left_out)
-    plan = plan_replay(store, options.pads, options.indenter_folder)
-    planned = {touch.uid: touch for touch in plan.touches}
-    geometry = plan.pads[planned[measured.touches[0].uid].pad].geometry
+    planned = {touch.uid: touch for touch in opened.plan.touches}
+    geometry = opened.plan.pads[planned[measured.touches[0].uid].pad].geometry
     box = find_bounds(options.bounds)
     # plays; variants of the gel exist at finite strain only
     variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
@@ -98,7 +97,7 @@ def store_touches(store: Store, options: CalibrationOptions, progress: Progress 
     )
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
     # trajectories with covariates; those without usable frames are left out
-    make = _CaseMaker(measured, StoreFacts(store, plan.touches), StoreMotion(store), start, geometry)
+    make = _CaseMaker(measured, StoreFacts(opened), StoreMotion(opened), start, geometry)
     left_out = Counter(measured.left_out)
     cases, kept, uids = [], [], []
     for touch, played in zip(measured.touches, plays, strict=True):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,14 +10,13 @@ from typing import Any
 import numpy as np
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.forces.contact import zeros_at
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.ingest.forces.tare_events import locate_tares, without_steps
-from tactiledata.store.read.reader import Store
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.signal_rows import SignalRows
 from tactiledata.transforms import pose_matrices
 
@@ -64,11 +62,10 @@ class ForceZeros:
         return len(np.unique(self.trajectory))
 
 
-def read_zeros(store: Store) -> ForceZeros:
+def read_zeros(opened: OpenedStore) -> ForceZeros:
     """Zeros of all trajectories of a store that begin in free air and have poses; empty where there are none."""
-    reader = _Reader(store)
-    table = store.trajectories(["source", "sensor", "signal_rows"]).to_pylist()
-    pieces = [piece for number, row in enumerate(table) for piece in reader.pieces(number, row)]
+    reader = _Reader(opened)
+    pieces = [piece for number, row in enumerate(opened.trajectories) for piece in reader.pieces(number, row)]
     joints = [piece["joints"] for piece in pieces]
     return ForceZeros(
         np.array([piece["load"] for piece in pieces]).reshape(-1, 6),
@@ -81,16 +78,14 @@ def read_zeros(store: Store) -> ForceZeros:
 
 
 class _Reader:
-    """Reads pieces of free air from one store, whose log descriptions are parsed once."""
+    """Reads pieces of free air from one store."""
 
-    def __init__(self, store: Store) -> None:
-        self._store = store
-        texts = store.sources(["description"])["description"].to_pylist()
-        self._descriptions = [LogDescription(json.loads(text)) for text in texts]
+    def __init__(self, opened: OpenedStore) -> None:
+        self._store, self._descriptions = opened.store, opened.descriptions
 
     def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
         """The pieces of one trajectory, from its row of the table; keys as the fields of `ForceZeros`."""
-        spans = json.loads(row["signal_rows"])
+        spans = row["spans"]
         description = self._descriptions[row["source"]]
         tcp_from_ft = description.transform("tcp_from_ft")
         wrench, tcp = self._signal("wrench", spans), self._signal("tcp", spans)

@@ -19,6 +19,7 @@ from tactiledata.diagnose.zeros.causes import ZeroCause
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.mesh import structured_pad
 from tactiledata.gel.mesh.structured_pad import GridPlan
+from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
@@ -137,5 +138,7 @@ def test_bounds_are_those_of_what_is_played(bounds):
 def test_a_store_is_diagnosed_with_e_free(store):
     """With the paper's bounds, a stiffness that no durometer reads is in reach."""
     options = DiagnosisOptions(fidelity="linear", effects=("lag",), pairs=False)
-    box = store_touches(Store.open(store), options.calibration()).touch_set.box
+    box = store_touches(
+        OpenedStore.planned(Store.open(store), options.calibration().pads), options.calibration()
+    ).touch_set.box
     assert box == find_bounds("paper").with_free_modulus
