@@ -122,7 +122,7 @@ def told(located: LocatorResults) -> tuple[set[str], set[str]]:
     if located.is_certain("contrasts"):
         certain = [one for one in located.contrasts if one.p <= LEVEL]
         axes |= {_axis(one.shares) for one in certain}
-        where |= {name for one in certain for name in (one.along, *one.alike, *one.near)}
+        where |= {name for one in certain for name in (one.along, *one.alike, *one.alternatives)}
     if located.is_certain("departures from events on"):
         departures = [one for one in located.departures if one.p <= LEVEL]
         axes |= {AXES[one.component] for one in departures}

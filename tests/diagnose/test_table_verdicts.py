@@ -152,7 +152,7 @@ def test_scale_and_offset_that_cannot_be_told_apart_are_said_to_be_so():
 def test_a_share_that_is_not_known_to_its_own_size_is_no_number():
     """17000 ± 4000 % is none, 11 ± 2 % is one."""
     scale = ResidualParameter("the scale of fz", "1", 1.0)
-    for words in (Change(scale, 170.0, 40.0).words, Change(scale, 170.0, 40.0).standing):
+    for words in (Change(scale, 170.0, 40.0).words, Change(scale, 170.0, 40.0).offset_words):
         assert "%" not in words
         assert "these data" in words
     assert Change(scale, 0.11, 0.02).words == "the scale of fz rises by 11 ± 2 %"

@@ -1,4 +1,4 @@
-"""What one common value of a parameter would take from the residual: a calibration, not yet a missing effect."""
+"""Whether a shared parameter is wrong by a constant in all frames: a matter of calibration, not of a missing effect."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ from tactiledata.diagnose.residuals.wording import p_words
 
 @dataclass(frozen=True)
 class Offset:
-    """A shared parameter that stands elsewhere than the data would have it.
+    """The shift of a shared parameter that the data ask for, with its p-value.
 
     Parameters
     ----------
     parameter : str
+        Name of the parameter.
     p : float
-        For all parameters together.
+        Family-wise p-value over all parameters.
     change : Change
-        By which it would move, all others with it.
+        Shift of the parameter when all parameters are refitted together.
     words : str
+        The shift as a clause.
     """
 
     parameter: str
@@ -35,31 +37,40 @@ class Offset:
 
 
 def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Offset, ...]:
-    """Every shared parameter, the most certain first; after a calibration that converged none is certain.
+    """The shift of every shared parameter, the most certain first; after a converged calibration none is certain.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Residuals with sensitivities of the parameters.
+    seed : int
+        Random seed of the sign flips.
+    draws : int
+        Number of sign flips.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals.need_units("a common offset")
     projection = project(residuals)
     if not residuals.tested:
         return ()
-    found = [_alone(residuals, place) for place in residuals.tested]
-    thrown = signs(residuals.unit_count, draws, seed)
-    observed = np.array([abs(float(one.statistic[0])) for one in found])
-    drawn = np.stack([np.abs(one.flipped(thrown)[:, 0]) for one in found], axis=1)
+    scores = [_alone(residuals, place) for place in residuals.tested]
+    flips = signs(residuals.unit_count, draws, seed)
+    observed = np.array([abs(float(score.statistic[0])) for score in scores])
+    drawn = np.stack([np.abs(score.flipped(flips)[:, 0]) for score in scores], axis=1)
     p_values = family_wise(observed, drawn)
     listed = [
-        Offset(moved.parameter.name, float(p), moved, f"{moved.standing} throughout ({p_words(float(p))})")
-        for moved, p in zip(refitted(projection)[: len(found)], p_values, strict=True)
+        Offset(shift.parameter.name, float(p), shift, f"{shift.offset_words} throughout ({p_words(float(p))})")
+        for shift, p in zip(refitted(projection)[: len(scores)], p_values, strict=True)
     ]
-    return tuple(sorted(listed, key=lambda one: (one.p, -one.change.sharpness)))
+    return tuple(sorted(listed, key=lambda offset: (offset.p, -offset.change.sharpness)))
 
 
 def _alone(residuals: Residuals, place: int) -> Contributions:
-    """Score of one shared parameter beside all others."""
+    """Score of one parameter, by its index, orthogonal to all other parameters."""
     kept = [number for number in range(len(residuals.parameters)) if number != place]
     others = replace(
         residuals,

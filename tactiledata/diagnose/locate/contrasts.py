@@ -1,10 +1,11 @@
-"""By how much components and parameters differ between parts of the data, beyond what a simulation may be off.
+"""Contrasts: by how much components and parameters differ between parts of the data, beyond errors of the simulation.
 
-Signs of trajectories thrown anew need no size of the noise, but an effect that differs from touch to touch raises their
-own standard errors. Where noise is known, and how much the simulation's own errors make contrasts scatter on worlds
-that hide nothing, a contrast of size s and variance v of the noise is a normal value s / sqrt(v + e^2): the numerical
-discrepancy as a covariance of its own (Kennedy and O'Hagan, J. R. Statist. Soc. B 63, 2001). It does not grow without
-bound with the number of touches, and is as sharp for one sensor, place or indenter as for all data.
+Sign flips need no known noise, but an effect that differs from touch to touch inflates their standard errors. A
+contrast is sharper where two things are known: the noise, and the standard deviation e of the contrast that errors of
+the simulation cause where no physics is missing. A contrast of size s and noise variance v is then the standard normal
+value s / sqrt(v + e^2), with the numerical discrepancy as a covariance of its own (Kennedy and O'Hagan, J. R. Statist.
+Soc. B 63, 2001). It does not grow without bound with the number of touches, and is as sharp for one sensor, place or
+indenter as for all data.
 """
 
 from __future__ import annotations
@@ -29,40 +30,48 @@ from tactiledata.diagnose.residuals.slopes import over
 from tactiledata.diagnose.residuals.wording import departs, p_words, signed_change
 
 LEVEL = 0.05
+"""Largest p-value of a certain contrast."""
 MOST = 3
+"""Most contrasts that are listed."""
 SHOWS = 0.25
-"""Share of a contrast's energy from which on it is said to show in a component."""
+"""Least share of a contrast's energy in a component for the sentence to name that component."""
 DISTINCT = 1e-3
-"""Share of a contrast that must be left beside all that is refitted."""
+"""Least share of a contrast's information that must remain after the refit; with less it is not tested."""
 MOST_CHANGE = 1.0
-"""Share of itself by which a parameter may differ: one that falls by more has changed its sign, which none may."""
-NEARLY = 2.0 * np.log(20.0)
-"""What squared values may be behind: another covariate is then less than twenty times less likely."""
+"""Largest relative change of a parameter: a larger decrease would change its sign, which is impossible."""
+MOST_DEFICIT = 2.0 * np.log(20.0)
+"""Largest deficit in squared z at which another covariate is still listed as an alternative (likelihood ratio 20)."""
 IN_CONTACT = "in contact"
+"""Name of the instrument that is 1 in all frames in contact."""
 FROM = {"stays": "from {} on", "rises": "from {} on, more and more", "fades": "at {}, and it fades"}
+"""Phrase of an event, by the shape of the departure."""
 
 
 @dataclass(frozen=True)
 class Contrast:
-    """A component, or a parameter, that differs along a covariate, a label or from an event on.
+    """A component or parameter that differs along a covariate, between levels of a label, or from an event on.
 
     Parameters
     ----------
     what : str
-        A component, a way of trajectories (`Residuals.ways`) or a parameter.
+        The component, direction (`Residuals.ways`) or parameter that differs.
     along : str
-        The covariate, label or event; ``"in contact"`` where it differs all along.
+        The covariate, label or event; ``"in contact"`` where it differs in all frames in contact.
     size, half_width : float
-        Times the noise for components; for parameters a share of the value where it has one, else in its unit.
+        Size and half width of its 95 % interval: times the noise for components; for parameters a share of the value
+        where it is known, else in the parameter's unit.
     value : float
-        ``size`` over its standard deviation by noise and simulation: as a standard normal value.
+        ``size`` over its standard deviation by noise and errors of the simulation, a standard normal value.
     p : float
-        For all contrasts together, by Bonferroni.
+        p-value over all contrasts, by Bonferroni.
     shares : dict, component -> float
-        Where its energy is, beside all that is refitted; they sum to 1.
+        Share of the contrast's energy in each component after the refit; they sum to 1.
     words : str
-    alike : names of covariates that cannot be told from this one in these data
-    near : names of others along which it is told nearly as well
+        The contrast as a clause.
+    alike : tuple of str
+        Covariates and labels that are collinear with this one in these data.
+    alternatives : tuple of str
+        Further covariates, labels and events whose likelihood is at most 20 times smaller.
     """
 
     what: str
@@ -74,18 +83,21 @@ class Contrast:
     shares: Mapping[str, float]
     words: str
     alike: tuple[str, ...]
-    near: tuple[str, ...]
+    alternatives: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Instruments:
-    """Columns (n, c) along which something may differ, 0 before contact.
+    """The c instruments along which components and parameters may differ; all are 0 outside contact.
 
     Parameters
     ----------
     columns : (n, c)
-    names : covariate, label or event of each
-    places : what to say of each
+        Value of each instrument in each frame.
+    names : tuple of c str
+        Covariate, label or event of each instrument.
+    places : tuple of c str
+        Phrase of each instrument for sentences, such as ``"between depth 0.2 mm and 1.1 mm"``.
     """
 
     columns: Array
@@ -95,16 +107,20 @@ class Instruments:
 
 @dataclass(frozen=True)
 class Sizes:
-    """Of all contrasts of one direction that can be told, by the place of their instrument.
+    """Sizes of all testable contrasts of one component or parameter.
 
     Parameters
     ----------
     what : str
+        Name of the component, direction or parameter.
     direction : (n, k)
-        Change by a size of 1.
+        Change of the whitened residual by a contrast of size 1.
     places : (c,)
-    size, variance : (c,)
-        Of the noise alone.
+        Index of each contrast's instrument in `Instruments`.
+    size : (c,)
+        Size of each contrast.
+    variance : (c,)
+        Variance of each size by noise alone.
     """
 
     what: str
@@ -117,55 +133,69 @@ class Sizes:
 def contrasts(
     projection: ProjectedResiduals, errors: Mapping[str, float], inflation: float = 1.0
 ) -> tuple[Contrast, ...]:
-    """The strongest contrast, then the strongest that is certain with the first one fitted, and so on; at most three.
+    """The strongest contrast, then those that are certain with all stronger ones fitted; at most three.
 
     Parameters
     ----------
-    errors : dict, name -> standard deviation
-        By how much the simulation's own errors let each component, way and parameter differ, in the unit of `Contrast`;
-        what has none is not asked.
+    projection : ProjectedResiduals
+        Residuals of n frames after the refit.
+    errors : dict, name -> float
+        Standard deviation that errors of the simulation cause in contrasts of each component, direction and parameter,
+        in the unit of `Contrast.size`. What has no entry is not tested.
     inflation : float
-        Of the variance of sums over neighbouring frames, by the noise's memory.
+        Factor on the variance of sums over neighbouring frames, because their noise is correlated.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals = projection.residuals
     residuals.need_units("contrasts")
     instruments = instruments_of(residuals)
     alike = look_alikes(residuals)
-    found: list[Contrast] = []
+    listed: list[Contrast] = []
     fields: dict[str, Array] = {}
-    now = projection
-    while len(found) < MOST:
-        strongest = _strongest(now, instruments, errors, inflation, alike)
-        if strongest is None or (found and strongest[0].p > LEVEL):
+    refitted = projection
+    while len(listed) < MOST:
+        strongest = _strongest(refitted, instruments, errors, inflation, alike)
+        if strongest is None or (listed and strongest[0].p > LEVEL):
             break
-        found.append(strongest[0])
+        listed.append(strongest[0])
         if strongest[0].p > LEVEL:
             break
-        fields[f"contrast {len(found)}"] = strongest[1]
-        now = project(residuals.with_fields(fields))
-    return tuple(found)
+        fields[f"contrast {len(listed)}"] = strongest[1]
+        refitted = project(residuals.with_fields(fields))
+    return tuple(listed)
 
 
 def sizes_of(
-    projection: ProjectedResiduals, instruments: Instruments, asked: Mapping[str, float], inflation: float = 1.0
+    projection: ProjectedResiduals, instruments: Instruments, tested: Mapping[str, float], inflation: float = 1.0
 ) -> Iterator[Sizes]:
-    """Sizes of all contrasts of what is asked, and how noise lets them scatter."""
+    """Sizes of all contrasts of the tested components and parameters, with their variance by noise alone.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals of n frames after the refit.
+    instruments : Instruments
+        Along what components and parameters may differ.
+    tested : dict
+        Names of the components, directions and parameters that are tested; the values are not used.
+    inflation : float
+        Factor on the variance, because the noise of neighbouring frames is correlated.
+    """
     for what, direction in _directions(projection.residuals):
-        if what not in asked:
+        if what not in tested:
             continue
-        found = along(projection, direction, instruments.columns)
+        scores = along(projection, direction, instruments.columns)
         alone = np.einsum("nk,nc->c", direction**2, instruments.columns**2)
-        places = np.flatnonzero(found.is_testable & (found.information > DISTINCT * alone))
-        yield Sizes(what, direction, places, found.size[places], inflation / found.information[places])
+        places = np.flatnonzero(scores.is_testable & (scores.information > DISTINCT * alone))
+        yield Sizes(what, direction, places, scores.size[places], inflation / scores.information[places])
 
 
 def instruments_of(residuals: Residuals) -> Instruments:
-    """All along, the slope over each covariate, each level of a label, three shapes from each event on."""
+    """All instruments: contact, the slope over each covariate, each level of a label, three shapes after each event."""
     touches = in_contact(residuals).astype(float)
     columns, names, places = [touches[:, None]], [IN_CONTACT], [IN_CONTACT]
     for name, covariate in residuals.covariates.items():
@@ -186,12 +216,12 @@ def instruments_of(residuals: Residuals) -> Instruments:
 
 
 def _directions(residuals: Residuals) -> Iterator[tuple[str, Array]]:
-    """Names and directions (n, k) of components, ways and parameters, in the unit of a contrast's size."""
+    """Names and directions (n, k) of components, ways and tested parameters, in the unit of a contrast's size."""
     yield from directions_of(residuals)
-    for place, one in enumerate(residuals.parameters):
-        if one.is_tested:
-            scale = one.value if np.isfinite(one.value) else 1.0
-            yield one.name, residuals.slopes[:, :, place] * scale
+    for place, parameter in enumerate(residuals.parameters):
+        if parameter.is_tested:
+            scale = parameter.value if np.isfinite(parameter.value) else 1.0
+            yield parameter.name, residuals.slopes[:, :, place] * scale
 
 
 def _strongest(
@@ -201,12 +231,27 @@ def _strongest(
     inflation: float,
     alike: Mapping[str, tuple[str, ...]],
 ) -> tuple[Contrast, Array] | None:
-    """It, and its field (n, k)."""
+    """The contrast with the largest standard normal value and its field (n, k); ``None`` where none is testable.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit, with the contrasts found before as parameters.
+    instruments : Instruments
+        Along what components and parameters may differ.
+    errors : dict, name -> float
+        Standard deviation by errors of the simulation, as in `contrasts`.
+    inflation : float
+        Factor on the variance by noise.
+    alike : dict, name -> names
+        Collinear covariates and labels, as from `look_alikes`.
+    """
+    # the largest value over all directions and instruments
     best: tuple[float, Sizes, Array] | None = None
-    asked = 0
-    relative = {one.name for one in projection.residuals.parameters if np.isfinite(one.value)}
+    tests = 0
+    relative = {parameter.name for parameter in projection.residuals.parameters if np.isfinite(parameter.value)}
     for sizes in sizes_of(projection, instruments, errors, inflation):
-        asked += len(sizes.places)
+        tests += len(sizes.places)
         values = np.abs(sizes.size) / np.sqrt(sizes.variance + errors[sizes.what] ** 2)
         if sizes.what in relative:
             values = np.where(np.abs(sizes.size) > MOST_CHANGE, 0.0, values)
@@ -214,48 +259,50 @@ def _strongest(
             best = float(values.max()), sizes, values
     if best is None:
         return None
+    # its p-value, interval, shares and sentence
     value, sizes, values = best
     number = int(values.argmax())
     place = int(sizes.places[number])
     field = sizes.direction * instruments.columns[:, place, None]
-    p = float(min(1.0, 2.0 * asked * norm.sf(value)))
+    p = float(min(1.0, 2.0 * tests * norm.sf(value)))
     half_width = float(norm.ppf(0.975) * np.sqrt(sizes.variance[number] + errors[sizes.what] ** 2))
     name, size = instruments.names[place], float(sizes.size[number])
     shares, same = _shares(projection, field), alike.get(name, ())
-    near = _near(instruments, sizes, values, {name, *same})
-    words = f"{_said(projection.residuals, sizes.what, size, half_width)} {instruments.places[place]} ({p_words(p)})"
+    alternatives = _alternatives(instruments, sizes, values, {name, *same})
+    words = f"{_clause(projection.residuals, sizes.what, size, half_width)} {instruments.places[place]} ({p_words(p)})"
     if sizes.what not in shares:
-        words += f"; it shows in {joined_names([one for one, share in shares.items() if share > SHOWS])}"
+        words += f"; it shows in {joined_names([component for component, share in shares.items() if share > SHOWS])}"
     words += alike_words(name, same)
-    if near:
-        words += f"; it is told nearly as well by {joined_names(near)}"
+    if alternatives:
+        words += f"; also explained by {joined_names(alternatives)}"
     signed = float(np.copysign(value, size))
-    return Contrast(sizes.what, name, size, half_width, signed, p, shares, words, same, near), field
+    return Contrast(sizes.what, name, size, half_width, signed, p, shares, words, same, alternatives), field
 
 
-def _near(instruments: Instruments, sizes: Sizes, values: Array, known: set[str]) -> tuple[str, ...]:
-    """Names along which the same direction is told nearly as well, the best first."""
+def _alternatives(instruments: Instruments, sizes: Sizes, values: Array, known: set[str]) -> tuple[str, ...]:
+    """Names of instruments, beside the known ones, that fit the same direction nearly as well, the best first."""
     order = np.argsort(-values)
-    enough = order[values[order] ** 2 >= values.max() ** 2 - NEARLY]
-    names = dict.fromkeys(instruments.names[int(place)] for place in sizes.places[enough])
+    close = order[values[order] ** 2 >= values.max() ** 2 - MOST_DEFICIT]
+    names = dict.fromkeys(instruments.names[int(place)] for place in sizes.places[close])
     return tuple(name for name in names if name not in known)
 
 
 def _shares(projection: ProjectedResiduals, field: Array) -> dict[str, float]:
-    """Of the energy of a field (n, k) beside all that is refitted, in each component."""
+    """Share of the energy of a field (n, k) in each component, after all parameters are refitted."""
     left = projection.orthogonal(field[:, :, None])
     energy = np.maximum((left * projection.weigh(left)).sum(axis=(0, 2)), 0.0)
     return {
-        name: float(one / max(energy.sum(), 1e-300))
-        for name, one in zip(projection.residuals.components, energy, strict=True)
+        name: float(part / max(energy.sum(), 1e-300))
+        for name, part in zip(projection.residuals.components, energy, strict=True)
     }
 
 
-def _said(residuals: Residuals, what: str, size: float, half_width: float) -> str:
-    of_parameter = {one.name: one for one in residuals.parameters}
-    if what not in of_parameter:
+def _clause(residuals: Residuals, what: str, size: float, half_width: float) -> str:
+    """A clause on the size of a contrast: a departure of a component, or a change of a parameter."""
+    parameters = {parameter.name: parameter for parameter in residuals.parameters}
+    if what not in parameters:
         return departs(what, size, half_width, residuals.scale)
-    one = of_parameter[what]
-    if np.isfinite(one.value):
+    parameter = parameters[what]
+    if np.isfinite(parameter.value):
         return signed_change(what, 100.0 * size, 100.0 * half_width, "%")
-    return signed_change(what, size, half_width, one.unit)
+    return signed_change(what, size, half_width, parameter.unit)

@@ -1,10 +1,10 @@
-"""Parameters that are no constants: what drifts with depth, rate, load, time, place or indenter.
+"""Parameters that are not constant: they drift with depth, rate, load, time, place or indenter.
 
-A calibration that has absorbed an effect leaves parameters that would take other values in other parts of the data. The
-score of a parameter, summed over frames above a value of a covariate or along it, tells so without a refit (Nyblom
-1989; Hansen 1992; Zeileis and Hornik 2007); the largest over all values is its statistic. Whole trajectories are the
-units: their signs are thrown anew (Cameron, Gelbach and Miller 2008), the same throw for all pairs of parameter and
-covariate, whose maximum controls the error of the whole family (Westfall and Young 1993).
+Where a calibration has absorbed an effect, parameters would take different values in different parts of the data. A
+score test shows this without a refit: the parameter's score is summed over the frames above a value of a covariate, or
+weighted by the covariate (Nyblom 1989; Hansen 1992; Zeileis and Hornik 2007). The statistic is the largest over all
+values. Its p-value comes from random signs of whole trajectories (Cameron, Gelbach and Miller 2008), the same for all
+pairs of parameter and covariate, so that the maximum controls the family-wise error (Westfall and Young 1993).
 """
 
 from __future__ import annotations
@@ -26,29 +26,34 @@ from tactiledata.diagnose.residuals.slopes import Change, change, over
 from tactiledata.diagnose.residuals.wording import p_words, quantity
 
 ALIKE = 0.9
-"""Rank correlation from which on two covariates tell the same story."""
+"""Rank correlation above which two covariates count as collinear."""
 ALL_ALONG = "all along"
+"""Value of `Drift.at` for a slope over the whole range of a covariate."""
 TRAJECTORIES_A_LEVEL = 3
-"""At least, for a label to be one: names of single trajectories decide everything."""
+"""Fewest trajectories for each level of a label that is checked for collinearity: a label with a level for each
+trajectory would determine every covariate."""
 
 
 @dataclass(frozen=True)
 class Drift:
-    """One pair of parameter and covariate.
+    """The change of one parameter along one covariate or label, with its p-value.
 
     Parameters
     ----------
     parameter, covariate : str
+        Names of the parameter and of the covariate or label.
     statistic : float
-        Largest of the studentised scores over the slope and all cuts, or over all levels.
+        Largest studentised score over the slope and all steps of a covariate, or over all levels of a label.
     p : float
-        For all pairs together.
+        Family-wise p-value over all pairs.
     at : str
         Where the score is largest: a value of the covariate, "all along" for a slope, or a level of the label.
     change : Change
-        Between the 5 % and 95 % quantiles of the covariate, or at the level against all others.
+        Change between the 5 % and 95 % quantiles of the covariate, or at the level against all others.
     words : str
-    alike : names of covariates that cannot be told from this one in these data
+        The change as a clause.
+    alike : tuple of str
+        Covariates and labels that are collinear with this one in these data.
     """
 
     parameter: str
@@ -63,9 +68,14 @@ class Drift:
 
 @dataclass(frozen=True)
 class _Pair:
+    """A parameter (by its index in `Residuals.shared`) and a covariate or label, with the scores of all instruments.
+
+    ``at`` names the place of each instrument, as in `Drift.at`.
+    """
+
     place: int
     covariate: str
-    found: Contributions
+    scores: Contributions
     at: tuple[str, ...]
     is_label: bool
 
@@ -73,26 +83,32 @@ class _Pair:
 def parameter_drifts(
     projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS, tested: int | None = None
 ) -> tuple[Drift, ...]:
-    """Every pair of shared parameter and covariate or label, the strongest first.
+    """The drift of every tested parameter along every covariate and label, the strongest first.
 
     Parameters
     ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    seed : int
+        Random seed of the sign flips.
+    draws : int
+        Number of sign flips.
     tested : int, optional
-        Only the first so many of the shared parameters.
+        Number of tested parameters that are considered, from the first one on; ``None``: all.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals = projection.residuals
     residuals.need_units("tests of drifting parameters")
     pairs = _pairs(projection, tested)
     if not pairs:
         return ()
-    thrown = signs(residuals.unit_count, draws, seed)
-    observed = np.array([np.abs(pair.found.statistic).max() for pair in pairs])
-    drawn = np.stack([np.abs(pair.found.flipped(thrown)).max(axis=1) for pair in pairs], axis=1)
+    flips = signs(residuals.unit_count, draws, seed)
+    observed = np.array([np.abs(pair.scores.statistic).max() for pair in pairs])
+    drawn = np.stack([np.abs(pair.scores.flipped(flips)).max(axis=1) for pair in pairs], axis=1)
     p_values = family_wise(observed, drawn)
     alike = look_alikes(residuals)
     drifts = [
@@ -104,6 +120,7 @@ def parameter_drifts(
 
 
 def _pairs(projection: ProjectedResiduals, tested: int | None) -> list[_Pair]:
+    """All pairs of parameter and covariate or label with at least one testable instrument."""
     residuals, pairs = projection.residuals, []
     for place in range(len(residuals.tested))[:tested]:
         weights = projection.information(place)
@@ -111,72 +128,91 @@ def _pairs(projection: ProjectedResiduals, tested: int | None) -> list[_Pair]:
             places = cuts(covariate.values, weights)
             if len(places):
                 instruments = np.column_stack([steps(covariate.values, places), slope(covariate.values, weights)[0]])
-                found = contributions(projection, place, instruments)
+                scores = contributions(projection, place, instruments)
                 at = (*(f"{cut:.6g}" for cut in places), ALL_ALONG)
-                pairs.append(_Pair(place, name, found, at, False))
+                pairs.append(_Pair(place, name, scores, at, False))
         for name, texts in residuals.labels.items():
             names, instruments = levels(texts)
             if names:
                 pairs.append(_Pair(place, name, contributions(projection, place, instruments), tuple(names), True))
-    return [pair for pair in pairs if pair.found.is_testable.any()]
+    return [pair for pair in pairs if pair.scores.is_testable.any()]
 
 
 def _drift(
     projection: ProjectedResiduals, pair: _Pair, statistic: float, p: float, alike: Mapping[str, tuple[str, ...]]
 ) -> Drift:
+    """The drift of one pair, with its refitted change and its clause.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    pair : _Pair
+        Parameter and covariate or label, with their scores.
+    statistic : float
+        Largest absolute statistic of the pair.
+    p : float
+        Family-wise p-value.
+    alike : dict, name -> names
+        Collinear covariates and labels, as from `look_alikes`.
+    """
     residuals = projection.residuals
     parameter = residuals.parameters[residuals.shared[pair.place]].name
-    at = pair.at[int(np.abs(pair.found.statistic).argmax())]
+    at = pair.at[int(np.abs(pair.scores.statistic).argmax())]
+    # size of the change: at a level against the others, or over the range of the covariate
     if pair.is_label:
-        moved = change(projection, pair.place, (residuals.labels[pair.covariate] == at).astype(np.float64))
+        shift = change(projection, pair.place, (residuals.labels[pair.covariate] == at).astype(np.float64))
         where = f"at {pair.covariate} {at}, against all others"
     else:
         covariate = residuals.covariates[pair.covariate]
         instrument, low, high = slope(covariate.values, projection.information(pair.place))
-        moved = change(projection, pair.place, instrument[:, 0])
+        shift = change(projection, pair.place, instrument[:, 0])
         where = over(pair.covariate, low, high, covariate.unit)
-    said = f"{moved.words} {where}"
-    if at != ALL_ALONG and not pair.is_label and moved.sharpness <= 1.0:
-        # the score is large at a cut, and the slope is not told from none: no number of it is news
-        said = f"{parameter} differs below and above {pair.covariate} {quantity(float(at), covariate.unit)}"
-        said += ", without a steady trend"
-    words = f"{said} ({p_words(p)})"
+    clause = f"{shift.words} {where}"
+    if at != ALL_ALONG and not pair.is_label and shift.sharpness <= 1.0:
+        # the score is large at a step, but the interval of the slope includes 0: its number would mislead
+        clause = f"{parameter} differs below and above {pair.covariate} {quantity(float(at), covariate.unit)}"
+        clause += ", without a steady trend"
+    words = f"{clause} ({p_words(p)})"
     same = alike[pair.covariate]
     words += alike_words(pair.covariate, same)
-    return Drift(parameter, pair.covariate, statistic, p, at, moved, words, same)
+    return Drift(parameter, pair.covariate, statistic, p, at, shift, words, same)
 
 
 def alike_words(name: str, same: tuple[str, ...]) -> str:
-    """What a sentence on a covariate or label ends with where others tell the same story; empty where none does."""
-    return f"; in these data {name} cannot be told from {joined_names(same)}" if same else ""
+    """The end of a sentence on a covariate or label that names its collinear ones; empty where there are none."""
+    return f"; these data cannot separate {name} from {joined_names(same)}" if same else ""
 
 
 def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
-    """For each covariate and label those that tell the same story.
+    """For each covariate and label, the names of those that are collinear with it in these data.
 
-    Covariates whose ranks go together, or against one another; and a label that alone decides a covariate, as where
-    indenters were mounted one after the other.
+    Two covariates are collinear where their rank correlation exceeds `ALIKE` in absolute value. A label and a covariate
+    are, where the label explains the covariate's ranks as well: for example time, where indenters were mounted one
+    after the other.
     """
-    ranks = {name: about_mean(rankdata(one.values)) for name, one in residuals.covariates.items()}
+    # pairs of covariates
+    ranks = {name: about_mean(rankdata(covariate.values)) for name, covariate in residuals.covariates.items()}
     alike: dict[str, list[str]] = {name: [] for name in (*residuals.covariates, *residuals.labels)}
     for first, second in combinations(ranks, 2):
         if abs(float(ranks[first] @ ranks[second])) > ALIKE:
             alike[first].append(second)
             alike[second].append(first)
+    # pairs of a label and a covariate: share of the ranks' variance that lies between levels
     for label, texts in residuals.labels.items():
         names, level = np.unique(texts, return_inverse=True)
         if not 2 <= len(names) <= len(residuals.starts) // TRAJECTORIES_A_LEVEL:
             continue
         counts = np.bincount(level)
-        for name, one in ranks.items():
-            decided = float((np.bincount(level, weights=one) ** 2 / counts).sum())
-            if decided > ALIKE**2:
+        for name, covariate_ranks in ranks.items():
+            explained = float((np.bincount(level, weights=covariate_ranks) ** 2 / counts).sum())
+            if explained > ALIKE**2:
                 alike[label].append(name)
                 alike[name].append(label)
     return {name: tuple(others) for name, others in alike.items()}
 
 
 def about_mean(values: Array) -> Array:
-    """Values (n,) about their mean, of unit length."""
+    """Values (n,) minus their mean, scaled to unit length; all 0 where they are constant."""
     centred = values - values.mean()
     return centred / max(float(np.linalg.norm(centred)), 1e-300)

@@ -1,4 +1,4 @@
-"""Drifts that remain once stronger ones are allowed for: what is said first, without its echoes."""
+"""Drifts that remain certain after all stronger ones are fitted: those that no stronger drift explains."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from tactiledata.diagnose.residuals.projection import ProjectedResiduals, projec
 from tactiledata.diagnose.residuals.sign_flips import DRAWS
 
 LEVEL = 0.05
+"""Largest p-value of a certain drift."""
 MOST = 3
+"""Most drifts that are listed."""
 
 
 def leading_drifts(
@@ -24,35 +26,50 @@ def leading_drifts(
     draws: int = DRAWS,
     errors: Mapping[str, float] | None = None,
 ) -> tuple[Drift, ...]:
-    """The strongest drift, then the strongest that is certain with the first one fitted, and so on; at most three.
+    """The strongest drift, then those that are certain with all stronger ones fitted; at most three.
 
-    A scale that drifts with speed makes the offset drift with speed, too, and everything that goes with speed: those
-    echoes are gone once the scale may follow the speed; what is imitated by those before ends the list. With
-    ``errors`` each is beyond those (`beyond_errors`).
+    A scale that drifts with speed makes the offset drift with speed, too, and with all that correlates with speed.
+    These secondary drifts vanish once the scale may follow the speed.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    drifts : sequence of Drift
+        All drifts of this projection, the strongest first.
+    seed : int
+        Random seed of the first round; later rounds use the numbers after it.
+    draws : int
+        Number of sign flips.
+    errors : dict, name -> float, optional
+        Standard deviation that errors of the simulation cause in each parameter, as in `LocateOptions.errors`;
+        p-values allow for it (`beyond_errors`).
     """
     tested = len(projection.residuals.tested)
-    found: list[Drift] = []
+    listed: list[Drift] = []
     fields = {}
-    left = drifts
-    while len(found) < MOST and (first := _strongest(left, bool(found))) is not None:
-        found.append(first)
-        fields[f"{first.parameter} over {first.covariate}, {len(found)}"] = _field(projection, first)
+    remaining = drifts
+    while len(listed) < MOST and (strongest := _strongest(remaining, bool(listed))) is not None:
+        listed.append(strongest)
+        fields[f"{strongest.parameter} over {strongest.covariate}, {len(listed)}"] = _field(projection, strongest)
         refitted = project(projection.residuals.with_fields(fields))
-        left = beyond_errors(parameter_drifts(refitted, seed + len(found), draws, tested), errors)
-    return tuple(found)
+        remaining = beyond_errors(parameter_drifts(refitted, seed + len(listed), draws, tested), errors)
+    return tuple(listed)
 
 
 def _strongest(drifts: Sequence[Drift], is_followed: bool) -> Drift | None:
-    """Of those that are certain, the first whose slope is told from none; without such a one, and none said yet, the
-    first: fitting a slope that is none would leave it as it is.
+    """The first certain drift whose interval excludes 0, or ``None``.
+
+    Without such a drift the first round (``is_followed`` is False) takes the first certain one. Later rounds end, as
+    fitting a slope of about 0 would change nothing.
     """
-    certain = [one for one in drifts if one.p <= LEVEL and np.isfinite(one.change.half_width)]
-    steady = [one for one in certain if one.change.sharpness > 1.0]
+    certain = [drift for drift in drifts if drift.p <= LEVEL and np.isfinite(drift.change.half_width)]
+    steady = [drift for drift in certain if drift.change.sharpness > 1.0]
     return next(iter(steady or ([] if is_followed else certain)), None)
 
 
 def _field(projection: ProjectedResiduals, drift: Drift) -> NDArray[np.float64]:
-    """The field (n, k) of a drift with coefficient 1: a slope over a covariate, or a level of a label."""
+    """The whitened field (n, k) of a drift of size 1: a slope over a covariate, or an indicator of a label's level."""
     residuals = projection.residuals
     place = [residuals.parameters[number].name for number in residuals.shared].index(drift.parameter)
     if drift.covariate in residuals.labels:

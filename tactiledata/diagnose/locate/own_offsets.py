@@ -1,10 +1,9 @@
-"""What the trajectories' own parameters follow: contact offsets that go with the place, the indenter or the time.
+"""What the trajectories' own parameters follow: contact offsets that depend on the place, the indenter or the time.
 
-A parameter that each trajectory has for itself takes a mismatch up that differs from trajectory to trajectory: under a
-surface that is no plane contact offsets go with the distance from the middle, under a badly mounted indenter with its
-name, and nothing is left of either in the residual. Where they follow nothing, any trajectory might have had the value
-of any other: values are exchanged, the largest correlation over all covariates is the statistic (Westfall and Young
-1993).
+A parameter that each trajectory has for itself absorbs any mismatch that differs between trajectories, so that nothing
+of it remains in the residual. On a curved surface contact offsets depend on the distance from the centre, with a badly
+mounted indenter on its name. If the values follow nothing, they can be permuted among trajectories; the statistic is
+the largest correlation over all covariates (Westfall and Young 1993).
 """
 
 from __future__ import annotations
@@ -28,12 +27,24 @@ from tactiledata.diagnose.residuals.slopes import Change, over
 from tactiledata.diagnose.residuals.wording import p_words
 
 BETWEEN = 0.8
-"""Share of a covariate's variance that must lie between units of exchange: others tell of frames, not of units."""
+"""Least share of a covariate's variance between units of exchange: a covariate with less varies within trajectories."""
 
 
 @dataclass(frozen=True)
 class _Fact:
-    """A covariate or a level of a label, as one number (u,) of each unit of exchange."""
+    """A covariate or a level of a label, as one number for each unit of exchange.
+
+    Parameters
+    ----------
+    name : str
+        Name of the covariate or label.
+    at : str
+        ``"all along"`` for a covariate, else the level.
+    values : (u,)
+        Mean of the instrument over the frames in contact of each unit.
+    where : str
+        Phrase for sentences, such as ``"between x 1 mm and 5 mm"``.
+    """
 
     name: str
     at: str
@@ -42,12 +53,21 @@ class _Fact:
 
 
 def own_drifts(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS) -> tuple[Drift, ...]:
-    """Every pair of own parameter and covariate or level, the most certain first.
+    """The dependence of every own parameter on every covariate and level of a label, the most certain first.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit, with own parameters marginalised.
+    seed : int
+        Random seed of the permutations.
+    draws : int
+        Number of permutations.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals = projection.residuals
     residuals.need_units("what own parameters follow")
@@ -55,39 +75,42 @@ def own_drifts(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS
     values = own_values(projection)
     if not facts or not values:
         return ()
-    told = np.column_stack([about_mean(one.values) for one in facts])
-    exchanged = _exchanged(residuals.unit_count, draws, seed)
+    # correlation of each own parameter with each fact, also after permutations that all pairs share
+    fact_columns = np.column_stack([about_mean(fact.values) for fact in facts])
+    orders = _exchanged(residuals.unit_count, draws, seed)
     observed, drawn = [], []
     for own in values.values():
-        alone = about_mean(own)
-        observed.append(np.abs(told.T @ alone))
-        drawn.append(np.abs(alone[exchanged] @ told))
+        centred = about_mean(own)
+        observed.append(np.abs(fact_columns.T @ centred))
+        drawn.append(np.abs(centred[orders] @ fact_columns))
     p_values = family_wise(np.concatenate(observed), np.concatenate(drawn, axis=1))
     alike = look_alikes(residuals)
     pairs = [(name, fact) for name in values for fact in facts]
-    found = [
+    drifts = [
         _drift(residuals, name, values[name], fact, float(p), alike.get(fact.name, ()))
         for (name, fact), p in zip(pairs, p_values, strict=True)
     ]
-    return tuple(sorted(found, key=lambda one: (one.p, -abs(one.statistic))))
+    return tuple(sorted(drifts, key=lambda drift: (drift.p, -abs(drift.statistic))))
 
 
 def own_values(projection: ProjectedResiduals) -> dict[str, Array]:
-    """Most likely values (u,) of the own parameters that are asked, in the mean of each unit of exchange.
+    """Most likely values (u,) of the tested own parameters, by name: means over each unit's trajectories.
 
-    Under its prior N(0, v) a parameter with sensitivities s stands at ``v sᵀ V⁻¹ r`` for a residual r of covariance V.
+    With the prior N(0, v) and sensitivities s, the most likely value of a parameter is ``v sᵀ V⁻¹ r`` for a residual r
+    with covariance V.
     """
     residuals = projection.residuals
     count = np.bincount(residuals.unit_of_trajectory, minlength=residuals.unit_count)
     values = {}
-    for place, one in enumerate(residuals.parameters):
-        if one.own_deviation is not None and np.isfinite(one.own_deviation) and one.is_tested:
-            told = residuals.by_unit(np.einsum("nk,nk->n", residuals.slopes[:, :, place], projection.score))
-            values[one.name] = one.own_deviation**2 * told / count
+    for place, parameter in enumerate(residuals.parameters):
+        if parameter.own_deviation is not None and np.isfinite(parameter.own_deviation) and parameter.is_tested:
+            products = residuals.by_unit(np.einsum("nk,nk->n", residuals.slopes[:, :, place], projection.score))
+            values[parameter.name] = parameter.own_deviation**2 * products / count
     return values
 
 
 def _facts(residuals: Residuals, touched: NDArray[np.bool_]) -> Iterator[_Fact]:
+    """Covariates that vary mainly between units, and levels that hold for whole units; ``touched`` (n,) is contact."""
     weights = touched.astype(float)
     frames = np.maximum(residuals.by_unit(weights), 1.0)
     unit = residuals.unit_of_trajectory[residuals.trajectory]
@@ -107,12 +130,29 @@ def _facts(residuals: Residuals, touched: NDArray[np.bool_]) -> Iterator[_Fact]:
 
 
 def _drift(residuals: Residuals, name: str, own: Array, fact: _Fact, p: float, same: tuple[str, ...]) -> Drift:
-    (parameter,) = (one for one in residuals.parameters if one.name == name)
-    told = fact.values - fact.values.mean()
-    size = float(told @ own) / float(told @ told)
-    left = own - own.mean() - size * told
+    """The least-squares slope of an own parameter over a fact, as a drift with its clause.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Holds the parameter with its unit.
+    name : str
+        Name of the parameter.
+    own : (u,)
+        Value of the parameter for each unit of exchange.
+    fact : _Fact
+        What the values may follow.
+    p : float
+        Family-wise p-value.
+    same : tuple of str
+        Covariates and labels that are collinear with the fact.
+    """
+    (parameter,) = (parameter for parameter in residuals.parameters if parameter.name == name)
+    centred = fact.values - fact.values.mean()
+    size = float(centred @ own) / float(centred @ centred)
+    left = own - own.mean() - size * centred
     freedom = len(own) - 2
-    error = float(np.sqrt(left @ left / freedom / (told @ told)))
+    error = float(np.sqrt(left @ left / freedom / (centred @ centred)))
     moved = Change(parameter, size, float(student.ppf(0.975, freedom)) * error)
     words = f"each trajectory's own {moved.words} {fact.where} ({p_words(p)})"
     words += alike_words(fact.name, same)
@@ -120,6 +160,6 @@ def _drift(residuals: Residuals, name: str, own: Array, fact: _Fact, p: float, s
 
 
 def _exchanged(units: int, draws: int, seed: int) -> NDArray[np.int64]:
-    """Orders (draws, u) of the units."""
+    """Random permutations (draws, u) of the units of exchange."""
     rng = np.random.default_rng(seed)
     return rng.permuted(np.tile(np.arange(units), (draws, 1)), axis=1)

@@ -48,7 +48,7 @@ class Change:
         return signed_change(self.parameter.name, *self._displayed)
 
     @property
-    def standing(self) -> str:
+    def offset_words(self) -> str:
         """A clause such as ``"E is 11 ± 2 % too high"``, for a change that holds in all frames."""
         if self._is_uncertain:
             return f"{self.parameter.name} is off by an amount that these data do not determine"

@@ -91,11 +91,11 @@ def test_a_covariate_that_tells_it_nearly_as_well_is_named_beside_it():
     world = dataclasses.replace(world, covariates={**world.covariates, "bent": bent, "turned": turned})
     first = contrasts(project(world), EXACT)[0]
     assert first.what == "E"
-    assert {"depth", "bent"} <= {first.along, *first.alike, *first.near}
-    assert {"minutes", "turned"}.isdisjoint(first.near)
-    assert first.along not in first.near
-    if first.near:
-        assert f"told nearly as well by {first.near[0]}" in first.words
+    assert {"depth", "bent"} <= {first.along, *first.alike, *first.alternatives}
+    assert {"minutes", "turned"}.isdisjoint(first.alternatives)
+    assert first.along not in first.alternatives
+    if first.alternatives:
+        assert f"also explained by {first.alternatives[0]}" in first.words
 
 
 def test_no_parameter_changes_its_sign(monkeypatch):
