@@ -1,45 +1,46 @@
-"""The diagnosis of a store: what was asked, what was found, and the verdict."""
+"""The diagnosis of a store: options, results of every step, and the verdict."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import Explanation
 from tactiledata.diagnose.naming.name_effects import NamingResult
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.next_trial.propose import Proposal
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.touches.store_touches import StoreTouches
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
+from tactiledata.diagnose.verdict import Verdict
 from tactiledata.diagnose.zeros.causes import ZeroCause
-
-Verdict = Literal["nothing found", "explained", "partly explained", "not explained"]
 
 
 @dataclass(frozen=True)
 class StoreDiagnosis:
-    """What a store's recordings say of their simulation.
+    """Everything that the diagnosis of a store found.
 
     Parameters
     ----------
-    store : str, digest of the store
+    store : str
+        Digest of the store.
     options : DiagnosisOptions
     played : StoreTouches
+        The touches that took part, and what was left out.
     naming : NamingResult
+        Which known effect the simulation lacks.
     shown : HeldOutComparison
+        Errors on held-out data, and what locators find.
     formula : Explanation, optional
-        By a formula, of what no known effect explains.
+        A formula for what no known effect explains.
     proposals : list of Proposal
-        What to record next.
+        Trials to record next, the best first.
     limits : list of str
-        What these recordings cannot tell, and which would.
+        Sentences on what these recordings cannot show, and which recordings would.
     zeros : list of ZeroCause
-        What the force sensor's zero follows.
+        What the force sensor's zero follows in free air.
     simulated : SimulatedCount
-        Of the trajectories that were played.
+        How many of the played trajectories are of simulated recordings.
     """
 
     store: str
@@ -55,7 +56,7 @@ class StoreDiagnosis:
 
     @property
     def answer(self) -> Answer:
-        """What is said."""
+        """What the simulation lacks, by the known effects alone."""
         return Answer(self.naming)
 
     @property
@@ -65,11 +66,11 @@ class StoreDiagnosis:
 
     @property
     def verdict(self) -> Verdict:
-        """In two words, the same as a table's."""
-        if not self.is_missing:
-            return "nothing found"
-        if self.answer.names or not self.answer.is_missing:
-            decision = self.naming.decision
-            is_left = decision.is_more_left or decision.left.is_in_few(DEFAULT_THRESHOLDS)
-            return "partly explained" if is_left else "explained"
-        return "not explained"
+        """The verdict on the store: that of the known effects, of a formula where these fail, or of the zeros alone."""
+        if not self.is_missing or self.answer.names:
+            return self.answer.verdict
+        if not self.answer.is_missing:
+            # the zeros are explained; the contact may hold more
+            return self.answer.explained_verdict
+        by_formula = None if self.formula is None else self.formula.answer
+        return by_formula if by_formula in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED) else self.answer.verdict

@@ -1,4 +1,4 @@
-"""The diagnosis of a table as a document: ``diagnosis.json`` (schemas/diagnosis.json)."""
+"""The diagnoses of tables and stores as documents (schemas/diagnosis.json), and the files that are written."""
 
 from __future__ import annotations
 
@@ -33,7 +33,19 @@ FORMAT = "tactiledata-diagnosis/1"
 
 
 def table_document(table: Table, explanation: Explanation, digest: str, seed: int) -> dict[str, Any]:
-    """The same for the same table and seed."""
+    """Return the diagnosis of a table as a document; the same table and seed give the same document.
+
+    Parameters
+    ----------
+    table : Table
+        The table as it was read.
+    explanation : Explanation
+        Its diagnosis.
+    digest : str
+        Digest of the table's file, for provenance.
+    seed : int
+        The seed of the diagnosis, for provenance.
+    """
     residuals = table.residuals
     deviations = np.ones(len(residuals.components)) if residuals.deviations is None else residuals.deviations
     document = {
@@ -43,11 +55,11 @@ def table_document(table: Table, explanation: Explanation, digest: str, seed: in
             "groups": residuals.unit_count,
             "rows": len(residuals.values),
             "components": [
-                {"name": name, "unit": unit, "noise": float(each) if table.is_noise_known else None}
-                for name, unit, each in zip(residuals.components, residuals.units, deviations, strict=True)
+                {"name": name, "unit": unit, "noise": float(size) if table.is_noise_known else None}
+                for name, unit, size in zip(residuals.components, residuals.units, deviations, strict=True)
             ],
         },
-        "answer": explanation.answer,
+        "answer": explanation.answer.value,
         "sentences": explanation.sentences(),
         "located": located_document(explanation.located),
         "left_over": None if explanation.left_over is None else located_document(explanation.left_over),
@@ -70,22 +82,25 @@ def table_document(table: Table, explanation: Explanation, digest: str, seed: in
 
 
 def errors(table: Table, explanation: Explanation) -> list[dict[str, Any]]:
-    """Root mean squares of each component in its unit, on groups that had no part in the formula."""
+    """Return the root mean square of each component, in its unit, on groups that had no part in the formula.
+
+    Empty where there is no formula, or the size of the noise is not known.
+    """
     held, residuals = explanation.held, table.residuals
     if held is None or residuals.deviations is None:
         return []
     listed = []
     for place, name in enumerate(residuals.components):
         before, after = (
-            float(residuals.deviations[place] * np.sqrt(np.mean(one[:, place] ** 2)))
-            for one in (held.before, held.after)
+            float(residuals.deviations[place] * np.sqrt(np.mean(left[:, place] ** 2)))
+            for left in (held.before, held.after)
         )
         listed.append({"component": name, "unit": residuals.units[place], "before": before, "after": after})
     return listed
 
 
 def form_document(explanation: Explanation) -> dict[str, Any] | None:
-    """The part ``open_form``; ``None`` where nothing was found to be explained."""
+    """Return the part ``open_form``; ``None`` where the locators find no structure."""
     form = explanation.form
     if form is None:
         return None
@@ -95,12 +110,13 @@ def form_document(explanation: Explanation) -> dict[str, Any] | None:
         "candidates": form.candidates,
         "false_terms_bound": form.false_terms,
         "terms": [{**vars(term), "alike": list(term.alike)} for term in form.terms],
-        "behaves_like": [vars(one) for one in form.behaves_like],
-        "beside": [{"parameter": one.parameter.name, "change": change_document(one)} for one in form.beside],
+        "behaves_like": [vars(effect) for effect in form.behaves_like],
+        "beside": [{"parameter": change.parameter.name, "change": change_document(change)} for change in form.beside],
     }
 
 
 def _gap_of_formula(explanation: Explanation) -> dict[str, Any] | None:
+    """Return the part ``gap``; ``None`` without a formula."""
     gap = explanation.gap
     if gap is None:
         return None
@@ -115,16 +131,20 @@ def _gap_of_formula(explanation: Explanation) -> dict[str, Any] | None:
 
 
 def _number(value: float) -> float | None:
+    """Return a number as JSON can hold it: ``None`` where it is not finite."""
     return float(value) if math.isfinite(value) else None
 
 
 def naming_document(naming: NamingResult, located: LocatorResults, shown: HeldOutComparison) -> dict[str, Any]:
-    """The parts ``located``, ``left_over``, ``naming`` and ``shown``.
+    """Return the parts ``located``, ``left_over``, ``naming`` and ``shown``.
 
     Parameters
     ----------
+    naming : NamingResult
     located : LocatorResults
-        Of the plain simulation.
+        Results of the locators on the plain simulation.
+    shown : HeldOutComparison
+        Errors on held-out data.
     """
     return {
         "located": located_document(located),
@@ -135,13 +155,13 @@ def naming_document(naming: NamingResult, located: LocatorResults, shown: HeldOu
 
 
 def shown_document(naming: NamingResult, shown: HeldOutComparison) -> dict[str, Any]:
-    """How much better the simulation is on what it has not seen."""
+    """Return the part ``shown``: how much better the simulation is on held-out data."""
     cases = naming.whitened.touch_set.touches
     return {
         "effects": list(shown.names),
         "tried": list(shown.tried),
         "sentences": shown_sentences(shown),
-        "held_out": [_errors(one, bool(shown.names)) for one in shown.errors],
+        "held_out": [_held_out(errors, bool(shown.names)) for errors in shown.errors],
         "dependence": None if shown.flattened is None else _dependence(*shown.flattened),
         "black_box": {"explained": shown.ceiling.explained, "force": shown.ceiling_force},
         "worst": [cases[number].name for number in shown.worst()],
@@ -149,18 +169,20 @@ def shown_document(naming: NamingResult, shown: HeldOutComparison) -> dict[str, 
     }
 
 
-def _errors(one: HeldOutErrors, is_claimed: bool) -> dict[str, Any]:
-    before, after, floor = one.paper
+def _held_out(errors: HeldOutErrors, is_claimed: bool) -> dict[str, Any]:
+    """Return the errors on one kind of held-out data as schemas/diagnosis.json has them (``shown.held_out``)."""
+    before, after, floor = errors.paper
     return {
-        "unseen": one.unseen,
-        "groups": one.groups,
-        "force": _gap(one.force, "N", is_claimed and one.has_gap),
-        "torque": _gap(one.torque, "N mm", is_claimed and one.has_torque_gap),
+        "unseen": errors.unseen,
+        "groups": errors.groups,
+        "force": _gap(errors.force, "N", is_claimed and errors.has_gap),
+        "torque": _gap(errors.torque, "N mm", is_claimed and errors.has_torque_gap),
         "paper_loss": {"unit": "N", "before": before, "after": after, "floor": floor},
     }
 
 
 def _gap(gap: Gap, unit: str, has_gap: bool) -> dict[str, Any]:
+    """Return an error before and after as schemas/diagnosis.json has it (``error``)."""
     is_known = has_gap and math.isfinite(gap.closed)
     return {
         "unit": unit,
@@ -173,6 +195,7 @@ def _gap(gap: Gap, unit: str, has_gap: bool) -> dict[str, Any]:
 
 
 def _dependence(before: Drift, after: Drift) -> dict[str, Any]:
+    """Return the part ``shown.dependence``: a drift before and after."""
     return {
         "parameter": before.parameter,
         "covariate": before.covariate,
@@ -182,48 +205,55 @@ def _dependence(before: Drift, after: Drift) -> dict[str, Any]:
 
 
 MOST_TRIALS = 3
+"""Most sentences about trials to record next."""
 
 
 def sentences_of(done: StoreDiagnosis) -> list[str]:
-    """For people, the plainest first."""
-    said = [*_of_zeros(done), *naming_sentences(done.naming, done.shown.located, done.shown), *_further(done)]
-    return [*said, *filter(None, [done.simulated.sentence])]
+    """Return the sentences of a store's diagnosis, the answer first."""
+    sentences = [*_zero_sentences(done), *naming_sentences(done.naming, done.shown.located, done.shown)]
+    return [*sentences, *_further(done), *filter(None, [done.simulated.sentence])]
 
 
-def _of_zeros(done: StoreDiagnosis) -> list[str]:
+def _zero_sentences(done: StoreDiagnosis) -> list[str]:
+    """Return a sentence for each cause that the force sensor's zero follows."""
     return [cause.words for cause in done.zeros]
 
 
 def _further(done: StoreDiagnosis) -> list[str]:
+    """Return sentences on a formula, on limits of the recordings, and on trials to record next."""
     form = None if done.formula is None else done.formula.form
-    said = [f"A formula for it: {form.words}."] if form is not None and form.terms else []
-    return [*said, *done.limits, *next_trial_sentences(done.proposals, _is_more_left(done))[:MOST_TRIALS]]
+    formula = [f"A formula for what is missing: {form.words}."] if form is not None and form.terms else []
+    return [*formula, *done.limits, *next_trial_sentences(done.proposals, _is_more_left(done))[:MOST_TRIALS]]
 
 
 def _is_more_left(done: StoreDiagnosis) -> bool:
+    """Whether the best explanation leaves structure, by the decision or by the locators."""
     left_over = done.shown.left_over
     return done.naming.decision.is_more_left or (left_over is not None and left_over.is_structured)
 
 
 def notes_of(done: StoreDiagnosis) -> list[str]:
-    """What was left out, and why."""
+    """Return notes on trajectories, frames and effects that took no part, and why."""
+    # trajectories and frames
     played = done.played
-    noted = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
+    notes = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
     if played.frames_lost:
-        noted.append(f"{played.frames_lost} frames without pose or wrench, or too deep for the gel, take no part")
+        notes.append(f"{played.frames_lost} frames without pose or wrench, or too deep for the gel, take no part")
+    # effects that were not tried, by reason
     by_reason: dict[str, list[str]] = {}
-    asked = done.options.effects
+    chosen = done.options.effects
     for name, reason in played.not_played.items():
-        if asked and name not in asked:
+        if chosen and name not in chosen:
             continue
         by_reason.setdefault(reason, []).append(EFFECTS[name]().title)
     for name in done.naming.not_tried:
-        needed = " and ".join(_TOLD.get(each, each) for each in EFFECTS[name].needs)
-        by_reason.setdefault(f"the recordings do not tell {needed}", []).append(EFFECTS[name]().title)
-    return noted + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
+        needed = " and ".join(_NEEDS.get(need, need) for need in EFFECTS[name].needs)
+        by_reason.setdefault(f"the recordings do not state {needed}", []).append(EFFECTS[name]().title)
+    return notes + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
 
 
-_TOLD = {
+# what recordings must state for an effect to be tried, in words
+_NEEDS = {
     "joints": "the joints' angles",
     "gravity": "how the sensor is turned",
     "powered": "when the sensor was switched on (power_on_ns in log.yaml)",
@@ -234,7 +264,7 @@ _TOLD = {
 
 
 def store_document(done: StoreDiagnosis) -> dict[str, Any]:
-    """``diagnosis.json`` (schemas/diagnosis.json); the same for the same store, options and seed."""
+    """Return the diagnosis of a store as a document; the same store, options and seed give the same document."""
     white = done.naming.whitened
     noise = done.played.touch_set.touches[0].noise.deviations * TO_UNIT
     formula = done.formula
@@ -249,7 +279,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
                 for name, unit, size in zip(COMPONENTS, UNITS, noise, strict=True)
             ],
         },
-        "answer": done.verdict,
+        "answer": done.verdict.value,
         "sentences": sentences_of(done),
         "open_form": None if formula is None else form_document(formula),
         "ceiling": {"explained": done.shown.ceiling.explained},
@@ -265,7 +295,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
 
 
 def effects_file(done: StoreDiagnosis, document: dict[str, Any]) -> dict[str, Any] | None:
-    """``effects.json`` (schemas/effect.json), for a replay with what is claimed; ``None`` where nothing is."""
+    """Return ``effects.json`` (schemas/effect.json) for a replay with the claimed effects; ``None`` without a claim."""
     best = done.naming.decision.best
     if document["naming"]["effects"] is None or best is None:
         return None
@@ -276,13 +306,26 @@ def effects_file(done: StoreDiagnosis, document: dict[str, Any]) -> dict[str, An
 
 
 def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, document: dict[str, Any]) -> list[Path]:
-    """``report.html``, ``diagnosis.json``, ``effects.json`` where any is claimed, and the scenarios of next trials."""
+    """Write page, document, claimed effects and the scenarios of next trials into a folder, and return their paths.
+
+    Parameters
+    ----------
+    folder : Path
+        Is made where it does not exist. It receives ``report.html``, ``diagnosis.json``, ``effects.json`` where an
+        effect is claimed, and ``next/*.yaml``.
+    name : str
+        Name of the store, for the title of the page.
+    done : StoreDiagnosis
+    document : dict
+        As `store_document` returns it.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     written = [folder / "report.html", folder / "diagnosis.json"]
     effects = effects_file(done, document)
     if effects is not None:
         written.append(folder / "effects.json")
         write_json_atomic(written[-1], effects)
+    # a scenario for each trial
     trials = []
     for proposal in document["next_trials"]["proposals"]:
         path = folder / "next" / f"{proposal['trial']}.yaml"
@@ -290,12 +333,13 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
         write_atomic(path, yaml.safe_dump(proposal["scenario"], sort_keys=False).encode())
         written.append(path)
         trials.append((proposal["title"], f"next/{path.name}"))
+    # page and document last: where they are, everything is
     footer = f"{document['source']['groups']} trajectories, {document['source']['rows']} frames"
     title = f"Diagnosis of {name}"
     shown = done.shown
     page = naming_page(
-        title, done.naming, shown.located, shown, trials, document["notes"], footer, _further(done), _of_zeros(done),
-        done.simulated,
+        title, done.naming, shown.located, shown, trials, document["notes"], footer,
+        further=_further(done), first=_zero_sentences(done), simulated=done.simulated,
     )  # fmt: skip
     write_atomic(written[0], page.encode())
     write_json_atomic(written[1], document)

@@ -1,4 +1,4 @@
-"""A diagnosis as a page to read: sentences first, then what they rest on."""
+"""The page of a table's diagnosis: sentences first, then the tables and pictures behind them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tactiledata.diagnose.answer.glossary import with_explanations
 from tactiledata.diagnose.answer.locator_rows import (
     dependence_panel,
     event_picture,
@@ -25,26 +26,33 @@ from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 
 MOST_PANELS = 6
+"""Most dependences, and most events, that are drawn."""
 REFITTED = "scale and offset refitted"
 
 
 def explanation_page(
     title: str, explanation: Explanation, errors: Sequence[dict[str, Any]], notes: Sequence[str], footer: str
 ) -> str:
-    """The page as HTML.
+    """Return the page of a diagnosis as HTML.
 
     Parameters
     ----------
-    errors : rows of ``component, unit, before, after``
-    notes : what was left out
+    title : str
+    explanation : Explanation
+    errors : sequence of dict
+        ``component``, ``unit``, ``before`` and ``after`` of each component, on held-out groups.
+    notes : sequence of str
+        What was left out, and why.
+    footer : str
     """
     sections = [locators_section(explanation.located), *_formula(explanation, errors), *_pictures(explanation)]
     if notes:
         sections.append(Section("What was left out", [("warning", note) for note in notes]))
-    return render_page(title, explanation.sentences(), sections, footer)
+    return render_page(title, with_explanations(explanation.sentences()), sections, footer)
 
 
 def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list[Section]:
+    """Return the sections with the formula and its errors on held-out groups; nothing where none was sought."""
     form = explanation.form
     if form is None:
         return []
@@ -60,29 +68,31 @@ def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list
         for term in form.terms
     ]
     text = (
-        f"{form.candidates} terms without dimension were tried. Halves of the groups chose these again and again: "
-        f"where nothing is to be found, at most {rounded(form.false_terms)} terms are, and each was tested after that."
+        f"{form.candidates} dimensionless terms were tried. Random halves of the groups chose these again and again. "
+        f"Where there is nothing to find, at most {rounded(form.false_terms)} terms are chosen so often. Each term was "
+        "then tested against all candidates (p)."
     )
     columns = ("term", "coefficient", "chosen by", "p", "cannot be told from")
-    said = [
+    sentences = [
         ("", form.words),
         *(("", line) for line in corrected_words(form, residuals.components, residuals.units)),
         *(("", f"Here {line}.") for line in form.definitions),
         ("info", text),
     ]
-    sections = [Section("As a formula", said, columns, rows)]
+    sections = [Section("As a formula", sentences, columns, rows)]
     if errors:
-        cells = [(one["component"], one["unit"], rounded(one["before"], 3), rounded(one["after"], 3)) for one in errors]
+        cells = [(row["component"], row["unit"], rounded(row["before"], 3), rounded(row["after"], 3)) for row in errors]
         headings = ("", "unit", REFITTED, "with the formula")
         text = (
-            "Root mean squares on groups that had no part in choosing or fitting the formula. Before it, scale and "
-            "offset of each prediction are refitted already: a common factor is no formula."
+            "Root mean squares on groups that had no part in choosing or fitting the formula. Scale and offset of each "
+            "prediction are refitted without the formula, too: a common factor is no formula."
         )
         sections.append(Section("How much better", [("info", text)], headings, cells, _bars(explanation)))
     return sections
 
 
 def _bars(explanation: Explanation) -> list[Picture]:
+    """Return the picture of errors before and after, of the black box and of the floor; nothing without a gap."""
     gap, ceiling = explanation.gap, explanation.ceiling
     if gap is None:
         return []
@@ -91,34 +101,40 @@ def _bars(explanation: Explanation) -> list[Picture]:
     names = [REFITTED, "with the formula", "black box", f"floor: {explanation.floor_is}"]
     scale = explanation.located.projection.residuals.scale
     drawn = draw_errors(names, [gap.before, gap.after, black_box, gap.floor], scale)
-    return [Picture(png_bytes(drawn), "Errors of groups that had no part in formula or black box, and the floor.")]
+    return [Picture(png_bytes(drawn), "Errors of groups that had no part in formula or black box.")]
 
 
 def _pictures(explanation: Explanation) -> list[Section]:
+    """Return the sections with dependences, events, shares of the residual and the map."""
     located, form = explanation.located, explanation.form
     after = None
     if form is not None and form.terms:
         after = project(located.projection.residuals.with_fields(form.fields))
+    # dependences on covariates
     sections = []
     panels = [dependence_panel(located.projection, after, drift) for drift in _drawn(located)]
     if panels:
-        picture = Picture(png_bytes(draw_dependences(panels)), "What each part of the data alone says of a parameter.")
+        picture = Picture(
+            png_bytes(draw_dependences(panels)), "Departure of a parameter by each part of the data alone."
+        )
         sections.append(Section("Dependences", pictures=[picture]))
+    # mean residuals about events
     components, scale = located.projection.residuals.components, located.projection.residuals.scale
-    pictures = [event_picture(one, components, scale=scale) for one in located.events[:MOST_PANELS]]
+    pictures = [event_picture(event, components, scale=scale) for event in located.events[:MOST_PANELS]]
     if pictures:
-        picture = Picture(png_bytes(draw_events(pictures)), "Means over groups, the mean before the event taken off.")
+        picture = Picture(png_bytes(draw_events(pictures)), "Means over groups, less the mean before the event.")
         sections.append(Section("About events", pictures=[picture]))
+    # where the residual is largest, and over which places it departs
     shares = shares_section(located)
     sections += [shares] if shares is not None else []
     if located.maps:
         first = located.maps[0]
-        picture = Picture(png_bytes(draw_map(map_picture(first))), "Dots: outside the band of chance.")
+        picture = Picture(png_bytes(draw_map(map_picture(first))), "Dots mark places outside the band of chance.")
         sections.append(Section("Map", [("", first.words)], pictures=[picture]))
     return sections
 
 
 def _drawn(located: LocatorResults) -> list[Drift]:
-    """The drifts over covariates, the strongest first, those over labels left out."""
+    """Return at most `MOST_PANELS` drifts over covariates, the strongest first; labels cannot be drawn as an axis."""
     covariates = located.projection.residuals.covariates
     return [drift for drift in located.drifts if drift.covariate in covariates][:MOST_PANELS]

@@ -1,4 +1,4 @@
-"""What locators found as rows: for documents, tables and pages alike."""
+"""Results of the locators as rows of documents, tables and pictures."""
 
 from __future__ import annotations
 
@@ -22,19 +22,20 @@ from tactiledata.report.page import Picture, Section
 from tactiledata.report.plots import png_bytes
 
 MOST_CELLS = 40
+"""Most cells of the residual's squares in a document."""
 
 
 def findings(located: LocatorResults, most: int = 10) -> list[dict[str, Any]]:
-    """The certain findings of each locator that is certain among all, at most so many of each."""
+    """Return the certain findings of each certain locator, at most ``most`` of each, as rows of a document."""
     rows: list[dict[str, Any]] = []
     for locator, listed in _by_locator(located):
         if located.is_certain(locator):
-            rows += [{"locator": locator, **one} for one in listed if one["p"] <= LEVEL][:most]
+            rows += [{"locator": locator, **finding} for finding in listed if finding["p"] <= LEVEL][:most]
     return rows
 
 
 def located_document(located: LocatorResults) -> dict[str, Any]:
-    """As in schemas/diagnosis.json."""
+    """Return the results of the locators as schemas/diagnosis.json has them (``located``)."""
     return {
         "is_structured": located.is_structured,
         "p": located.p,
@@ -51,21 +52,27 @@ def located_document(located: LocatorResults) -> dict[str, Any]:
 
 
 def change_document(change: Change) -> dict[str, Any]:
-    """A change of a parameter."""
+    """Return a change of a parameter as schemas/diagnosis.json has it (``change``)."""
     share = change.value / abs(change.parameter.value) if change.is_relative else None
     width = change.half_width if np.isfinite(change.half_width) else None
     return {"value": change.value, "half_width": width, "unit": change.parameter.unit, "share": share}
 
 
 def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield the name of each locator with all its findings as rows."""
     if located.gate is not None:
         yield "size of the residual", [{"p": located.gate.p, "words": located.gate.words}]
     yield "free air", [{"p": located.free_air.p, "words": located.free_air.words}]
     yield (
         "a common offset",
         [
-            {"p": one.p, "words": one.words, "parameter": one.parameter, "change": change_document(one.change)}
-            for one in located.overall
+            {
+                "p": offset.p,
+                "words": offset.words,
+                "parameter": offset.parameter,
+                "change": change_document(offset.change),
+            }
+            for offset in located.overall
         ],
     )
     for locator, drifts in (("drifting parameters", located.drifts), ("trajectories' own parameters", located.own)):
@@ -73,67 +80,69 @@ def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, A
             locator,
             [
                 {
-                    "p": one.p,
-                    "words": one.words,
-                    "parameter": one.parameter,
-                    "covariate": one.covariate,
-                    "change": change_document(one.change),
+                    "p": drift.p,
+                    "words": drift.words,
+                    "parameter": drift.parameter,
+                    "covariate": drift.covariate,
+                    "change": change_document(drift.change),
                 }
-                for one in drifts
+                for drift in drifts
             ],
         )
     yield (
         "events",
         [
-            {"p": one.p, "words": one.words, "event": one.event, "component": one.clusters[0].component}
-            for one in located.events
-            if one.clusters
+            {"p": event.p, "words": event.words, "event": event.event, "component": event.clusters[0].component}
+            for event in located.events
+            if event.clusters
         ],
     )
     yield (
         "departures from events on",
         [
-            {"p": one.p, "words": one.words, "event": one.event, "component": one.component}
-            for one in located.departures
+            {"p": effect.p, "words": effect.words, "event": effect.event, "component": effect.component}
+            for effect in located.departures
         ],
     )
-    parameters = {one.name for one in located.projection.residuals.parameters}
+    # a contrast is of a parameter or of a component
+    parameters = {parameter.name for parameter in located.projection.residuals.parameters}
     yield (
         "contrasts",
         [
             {
-                "p": one.p,
-                "words": one.words,
-                "parameter" if one.what in parameters else "component": one.what,
-                "covariate": one.along,
+                "p": contrast.p,
+                "words": contrast.words,
+                "parameter" if contrast.what in parameters else "component": contrast.what,
+                "covariate": contrast.along,
             }
-            for one in located.contrasts
+            for contrast in located.contrasts
         ],
     )
     yield (
         "steps",
         [
-            {"p": one.p, "words": one.words, "parameter": one.parameter, "change": change_document(one.change)}
-            for one in located.steps
+            {"p": step.p, "words": step.words, "parameter": step.parameter, "change": change_document(step.change)}
+            for step in located.steps
         ],
     )
-    yield "the map", [{"p": one.p, "words": one.words, "parameter": one.parameter} for one in located.maps]
-    yield "the tree", [{"p": one.p, "words": one.words, "component": one.component} for one in located.leaves]
+    yield "the map", [{"p": region.p, "words": region.words, "parameter": region.parameter} for region in located.maps]
+    yield "the tree", [{"p": leaf.p, "words": leaf.words, "component": leaf.component} for leaf in located.leaves]
 
 
 BINS = 7
+"""Bins of a covariate, of equal information."""
 
 
 @dataclass(frozen=True)
 class Binned:
-    """Departures of one parameter.
+    """Departures of one parameter in b bins of a covariate.
 
     Parameters
     ----------
     places : (b,)
-        Weighed means of the covariate.
+        Weighted means of the covariate in the bins.
     departures, errors : (b,)
-        In the parameter's unit; standard errors over the units of exchange.
+        Departures of the parameter, in its unit, with standard errors over the units of exchange.
     """
 
     places: Array
@@ -142,16 +151,25 @@ class Binned:
 
 
 def dependence(projection: ProjectedResiduals, parameter: str, covariate: str) -> Binned:
-    """What each bin alone says of a shared parameter, by its name."""
+    """Return the departure of a shared parameter that the data of each bin alone imply.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+    parameter, covariate : str
+        Names of the parameter and of the covariate.
+    """
     residuals = projection.residuals
     names = [residuals.parameters[place].name for place in residuals.shared]
     place = names.index(parameter)
     values, weights = residuals.covariates[covariate].values, projection.information(place)
+    # bins of equal information
     borders = np.unique(weighed_quantiles(values, weights, np.arange(1, BINS) / BINS))
     bins = (np.digitize(values, borders)[:, None] == np.arange(len(borders) + 1)).astype(np.float64)
     score = np.einsum("nk,nk->n", projection.directions[:, :, place], projection.score)
     information = residuals.by_unit(bins * weights[:, None])
     scores = residuals.by_unit(bins * score[:, None])
+    # departures, and standard errors from what the units disagree on
     total = information.sum(axis=0)
     kept = total > 0
     total = total[kept]
@@ -162,65 +180,88 @@ def dependence(projection: ProjectedResiduals, parameter: str, covariate: str) -
 
 
 MOST_BARS = 24
+"""Most bars in the picture of the residual's squares."""
 
 
 def locators_section(located: LocatorResults, most: int = 10) -> Section:
-    """p-values of all locators, and at most so many findings of each."""
+    """Return the section with the p-values of all locators, and at most ``most`` findings of each."""
     rows = [(name, p_text(p), "yes" if p <= LEVEL else "no") for name, p in located.p.items()]
-    said = [("", f"{one['locator']}: {one['words']}") for one in findings(located, most)]
+    sentences = [("", f"{finding['locator']}: {finding['words']}") for finding in findings(located, most)]
     text = (
-        "p-values of the table hold for all locators together: where nothing is missing, one page in twenty says yes "
-        "anywhere. Those of single findings hold within their locator; a finding may be the echo of another, which the "
-        "sentences at the top leave out."
+        "A locator is a test that asks where predictions and measurements differ; p is the probability of a result at "
+        "least as strong where nothing is missing. The p-values of the table hold for all locators together: where "
+        "nothing is missing, one page in twenty says yes anywhere. The p-value of a finding holds within its locator. "
+        "A finding may repeat another one; the sentences at the top leave out such repeats."
     )
-    return Section("Where they differ", [("info", text), *said], ("locator", "p", "certain"), rows)
+    return Section("Where they differ", [("info", text), *sentences], ("locator", "p", "certain"), rows)
 
 
 def shares_section(located: LocatorResults) -> Section | None:
-    """Where the squares of the residual sit; ``None`` where there is no excess."""
+    """Return the section on where the residual's squares are found; ``None`` where there is no excess."""
     cells = sorted(located.energy.cells, key=lambda cell: cell.of_values - cell.share)[:MOST_BARS]
     if not cells:
         return None
     drawn = draw_shares([c.words for c in cells], [min(c.share, 1.0) for c in cells], [c.of_values for c in cells])
     picture = Picture(png_bytes(drawn), "Shares of the squared residual; ticks show an even spread.")
-    return Section("Where the squares sit", [("", located.energy.words)], pictures=[picture])
+    return Section("Where the residual is largest", [("", located.energy.words)], pictures=[picture])
 
 
 def dependence_panel(projection: ProjectedResiduals, after: ProjectedResiduals | None, drift: Drift) -> Dependence:
-    """Bins of a drift's covariate before and, where it is known, after."""
+    """Return the panel of a drift: departures in bins of its covariate before and, where given, after.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals before.
+    after : ProjectedResiduals, optional
+        Residuals with an effect or a formula.
+    drift : Drift
+        Its parameter and covariate are drawn.
+    """
     residuals = projection.residuals
     covariate = residuals.covariates[drift.covariate]
     scale, unit = 1.0, drift.change.parameter.unit
     if drift.change.is_relative:
         scale, unit = 100.0 / abs(drift.change.parameter.value), "%"
-    one = dependence(projection, drift.parameter, drift.covariate)
+    before = dependence(projection, drift.parameter, drift.covariate)
     other = None if after is None else dependence(after, drift.parameter, drift.covariate)
     return Dependence(
         drift.parameter if unit in ("", "1") else f"{drift.parameter}, {unit}",
         drift.covariate if covariate.unit in ("", "1") else f"{drift.covariate}, {covariate.unit}",
         is_logarithmic(covariate.values),
-        one.places,
-        scale * one.departures,
-        scale * one.errors,
-        # its bins are its own: drawn where those before are
-        None if other is None else scale * np.interp(one.places, other.places, other.departures),
-        None if other is None else scale * np.interp(one.places, other.places, other.errors),
+        before.places,
+        scale * before.departures,
+        scale * before.errors,
+        # bins after differ from those before: they are drawn at the places of those before
+        None if other is None else scale * np.interp(before.places, other.places, other.departures),
+        None if other is None else scale * np.interp(before.places, other.places, other.errors),
     )
 
 
 def event_picture(
-    one: EventLocked, components: tuple[str, ...], note: str = "", scale: str = "times the noise"
+    event: EventLocked, components: tuple[str, ...], note: str = "", scale: str = "times the noise"
 ) -> EventPicture:
-    """Means about an event."""
-    return EventPicture(f"{one.event}{note}", one.frames, one.mean, one.deviation, components, scale)
+    """Return the picture of the mean residual about an event.
+
+    Parameters
+    ----------
+    event : EventLocked
+    components : tuple of str
+        Names of the residual's components.
+    note : str
+        Follows the name of the event in the title.
+    scale : str
+        Unit of the residual, for the axis.
+    """
+    return EventPicture(f"{event.event}{note}", event.frames, event.mean, event.deviation, components, scale)
 
 
-def map_picture(one: RegionMap, note: str = "") -> MapPicture:
-    """A map; departures in per cent where the parameter's value is known."""
-    parameter, scale, unit = one.change.parameter, 1.0, one.change.parameter.unit
-    if one.change.is_relative:
+def map_picture(region: RegionMap, note: str = "") -> MapPicture:
+    """Return the picture of a map; departures are in per cent where the parameter's value is known."""
+    parameter, scale, unit = region.change.parameter, 1.0, region.change.parameter.unit
+    if region.change.is_relative:
         scale, unit = 100.0 / abs(parameter.value), "%"
     return MapPicture(
-        f"{one.parameter}{note}", f"x, {one.unit}", f"y, {one.unit}", unit, one.x, one.y, scale * one.departure,
-        np.abs(one.statistic) > one.band,
+        f"{region.parameter}{note}", f"x, {region.unit}", f"y, {region.unit}", unit, region.x, region.y,
+        scale * region.departure, np.abs(region.statistic) > region.band,
     )  # fmt: skip

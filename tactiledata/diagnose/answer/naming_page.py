@@ -1,4 +1,4 @@
-"""The diagnosis of recordings as a page to read: sentences first, then where, what, how, and how much better."""
+"""The page of a store's diagnosis: sentences first, then where, what, how, and how much better."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
+from tactiledata.diagnose.answer.glossary import STORE_TERMS, with_explanations
 from tactiledata.diagnose.answer.locator_rows import locators_section, shares_section
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.answer.unseen_page import better_section, comparison_sections, doubts, shown_sentences
@@ -22,10 +23,13 @@ from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import png_bytes
 
 MOST_FIRST = 3
-"""Sentences of the locators that stand at the top, and findings of each in their section."""
+"""Most sentences of the locators at the top, and most findings of each locator in its section."""
 MOST_CANDIDATES = 12
+"""Most candidates in the table."""
 LEAST_PROBABILITY = 0.005
+"""Smallest probability that is listed."""
 OTHERS = {"none": "nothing", "other": "something outside the catalogue"}
+"""Names of the two probabilities that belong to no candidate."""
 
 
 def naming_page(
@@ -36,22 +40,30 @@ def naming_page(
     trials: Sequence[tuple[str, str]] = (),
     notes: Sequence[str] = (),
     footer: str = "",
+    *,
     further: Sequence[str] = (),
     first: Sequence[str] = (),
     simulated: SimulatedCount = NOTHING_STATED,
 ) -> str:
-    """The page as HTML.
+    """Return the page of a diagnosis as HTML.
 
     Parameters
     ----------
+    title : str
+    naming : NamingResult
     located : LocatorResults
-        Of the plain simulation.
-    trials : sequence of (words, file)
+        Results of the locators on the plain simulation.
+    shown : HeldOutComparison
+        Errors on held-out data.
+    trials : sequence of (title, file)
         What to record next.
-    notes : what was left out
-    further, first : sentences that follow those of `naming_sentences`, and that go before them
+    notes : sequence of str
+        What was left out, and why.
+    footer : str
+    further, first : sequence of str
+        Sentences after those of `naming_sentences`, and before them.
     simulated : SimulatedCount
-        Of the trajectories that were diagnosed.
+        How many of the trajectories are of simulated recordings.
     """
     answer = Answer(naming)
     sentences = [*first, *naming_sentences(naming, located, shown), *further]
@@ -69,124 +81,151 @@ def naming_page(
         sections.append(Section("What to record next", columns=("trial", "file"), rows=list(trials)))
     if notes:
         sections.append(Section("What was left out", [("warning", note) for note in notes]))
-    return render_page(title, sentences, sections, footer, simulated)
+    return render_page(title, with_explanations(sentences, STORE_TERMS), sections, footer, simulated)
 
 
 def naming_sentences(naming: NamingResult, located: LocatorResults, shown: HeldOutComparison) -> list[str]:
-    """What is missing, where it shows, how the simulation behaves with it, and how much better it then fits."""
+    """Return sentences on what is missing, where it shows, how the simulation behaves with it, and how much it helps.
+
+    Parameters
+    ----------
+    naming : NamingResult
+    located : LocatorResults
+        Results of the locators on the plain simulation.
+    shown : HeldOutComparison
+        Errors on held-out data.
+    """
     answer = Answer(naming)
     where = located.sentences()[:MOST_FIRST]
     if located.is_structured and not answer.is_missing:
-        where.insert(
-            0, "Some structure stands out all the same, less than any effect that could be claimed would make:"
-        )
+        where.insert(0, "Locators find structure all the same; it is weaker than any effect that could be claimed:")
     parts = {"Where": where, "How": answer.how, "How much better": shown_sentences(shown)}
     claim, *more = answer.what
     return [
         claim,
         *doubts(shown),
         *more,
-        *(sentence for title, said in parts.items() for sentence in _titled(title, said)),
+        *(sentence for title, sentences in parts.items() for sentence in _titled(title, sentences)),
     ]
 
 
-def _titled(title: str, said: Sequence[str]) -> list[str]:
-    return [f"{title}: {said[0]}", *said[1:]] if said else []
+def _titled(title: str, sentences: Sequence[str]) -> list[str]:
+    """Return sentences, the first one after a title and a colon."""
+    return [f"{title}: {sentences[0]}", *sentences[1:]] if sentences else []
 
 
 def title_of(names: Sequence[str]) -> str:
-    """Titles of effects, as ``"arm compliance + time lag"``."""
+    """Return the titles of effects, as ``"arm compliance + time lag"``."""
     return " + ".join(EFFECTS[name]().title for name in names)
 
 
 def _what(naming: NamingResult) -> Section:
-    ranked = sorted(naming.scored, key=lambda one: -one.evidence)[:MOST_CANDIDATES]
+    """Return the section with the candidates, those with most evidence first, and their probabilities."""
+    ranked = sorted(naming.scored, key=lambda candidate: -candidate.evidence)[:MOST_CANDIDATES]
     if not ranked:
-        return Section("What is missing", [("", "No effect of the catalogue promises anything: none was refitted.")])
+        return Section("What is missing", [("", "No effect of the catalogue looks promising: none was refitted.")])
     text = (
-        "Evidence is the logarithm of the Bayes factor against the plain simulation (what is left without the two "
-        "trajectories that bring most). Gains are those of the log-likelihood where a candidate was not fitted, with "
-        "their standard errors; agreement is that of trajectories before and after, in standard errors. Simulators "
-        "that differ bring evidence, too: probabilities follow it on a scale that was fitted to worlds of known truth, "
-        "far more slowly than a Bayes factor would have it."
+        "Evidence is the logarithm of the Bayes factor against the plain simulation: how much more likely the data are "
+        "with the candidate. In brackets: without the two trajectories that bring most of it. Gain is the rise of the "
+        "log-likelihood on held-out trajectories, gain on indenters that on held-out indenters, each with its standard "
+        "error. Agreement is how clearly trajectories agree on the candidate before and after the refit, in standard "
+        "errors. An objection says why a candidate is not claimed."
     )
-    said = [("info", text), ("info", _probabilities(naming))]
+    scale = (
+        "Probabilities were fitted to simulated worlds of known truth. They grow far more slowly than a Bayes factor, "
+        "as differences between two simulators bring evidence as well."
+    )
+    sentences = [("info", text), ("info", scale), ("info", _probabilities(naming))]
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")
     drawn = draw_ladder(
-        [title_of(one.names) for one in ranked], [one.gain for one in ranked], [one.gain_error for one in ranked],
+        [title_of(candidate.names) for candidate in ranked],
+        [candidate.gain for candidate in ranked],
+        [candidate.gain_error for candidate in ranked],
         DEFAULT_THRESHOLDS.claim_gain,
-    )  # fmt: skip
-    picture = Picture(png_bytes(drawn), "Candidates on trajectories that were held out; bars are two standard errors.")
-    return Section("What is missing", said, columns, [_candidate(one) for one in ranked], [picture])
+    )
+    picture = Picture(png_bytes(drawn), "Gains of candidates on held-out trajectories; bars are two standard errors.")
+    return Section("What is missing", sentences, columns, [_cells(candidate) for candidate in ranked], [picture])
 
 
-def _candidate(one: ScoredCandidate) -> tuple[str, ...]:
-    alone = one.indenter_gain != one.indenter_gain
+def _cells(candidate: ScoredCandidate) -> tuple[str, ...]:
+    """Return the cells of a candidate's row."""
+    # NaN where there is one indenter only: nothing could be held out
+    is_alone = candidate.indenter_gain != candidate.indenter_gain
     return (
-        title_of(one.names),
-        _unbroken(f"{one.evidence:.0f} ({one.evidence_without_best_two:.0f})"),
-        _unbroken(with_interval(one.gain, one.gain_error, "1")),
-        "-" if alone else _unbroken(with_interval(one.indenter_gain, one.indenter_error, "1")),
-        _unbroken(f"{one.signature_before:.1f} → {one.signature_after:.1f}"),
-        "; ".join(one.objections(DEFAULT_THRESHOLDS)) or "none",
+        title_of(candidate.names),
+        _unbroken(f"{candidate.evidence:.0f} ({candidate.evidence_without_best_two:.0f})"),
+        _unbroken(with_interval(candidate.gain, candidate.gain_error, "1")),
+        "-" if is_alone else _unbroken(with_interval(candidate.indenter_gain, candidate.indenter_error, "1")),
+        _unbroken(f"{candidate.signature_before:.1f} → {candidate.signature_after:.1f}"),
+        "; ".join(candidate.objections(DEFAULT_THRESHOLDS)) or "none",
     )
 
 
 def _unbroken(text: str) -> str:
+    """Return a text that stays on one line."""
     return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _probabilities(naming: NamingResult) -> str:
-    chances = sorted(naming.decision.probabilities.items(), key=lambda one: -one[1])
+    """Return a sentence with the probabilities of all candidates, of nothing and of something else, largest first."""
+    ranked = sorted(naming.decision.probabilities.items(), key=lambda item: -item[1])
     listed = [
-        f"{OTHERS.get(label) or title_of(label.split(' + '))} {percent(chance)}"
-        for label, chance in chances
-        if chance >= LEAST_PROBABILITY
+        f"{OTHERS.get(label) or title_of(label.split(' + '))} {percent(probability)}"
+        for label, probability in ranked
+        if probability >= LEAST_PROBABILITY
     ]
     return f"Probabilities: {', '.join(listed)}."
 
 
 def _how(naming: NamingResult, is_claimed: bool) -> Section:
+    """Return the section with E, nu, mu and the effects' numbers, plain and with the claimed effect."""
+    # rows of the table
     before, after = naming.intervals_before, naming.intervals if is_claimed else ()
     rows = []
-    for place, one in enumerate(after or before):
-        plain = _said(before[place]) if place < len(before) else ("-", "-")
-        rows.append((_with_unit(one), *plain, *(_said(one) if is_claimed else ())))
+    for place, number in enumerate(after or before):
+        plain = _value_and_interval(before[place]) if place < len(before) else ("-", "-")
+        rows.append((_with_unit(number), *plain, *(_value_and_interval(number) if is_claimed else ())))
     columns = ("", "plain", "95 % interval", *(("with it", "95 % interval") if is_claimed else ()))
+    # the picture
     moved = [
         Moved(_with_unit(old), _ends(old), _ends(after[place]) if is_claimed else None)
         for place, old in enumerate(before)
     ]
-    caption = "E, nu and mu of the plain simulation, and with the effect; bars are 95 % intervals."
+    caption = "E, nu and mu of the plain simulation and with the effect; bars are 95 % intervals."
     picture = Picture(png_bytes(draw_movement(moved)), caption if is_claimed else "Bars are 95 % intervals.")
     return Section("How the simulation behaves", (), columns, rows, [picture])
 
 
-def _scale(one: ProfiledInterval) -> float:
-    return 1e-3 if one.unit == "Pa" else 1.0
+def _scale(number: ProfiledInterval) -> float:
+    """Return the factor from SI to the unit on the page: kPa for Pa."""
+    return 1e-3 if number.unit == "Pa" else 1.0
 
 
-def _with_unit(one: ProfiledInterval) -> str:
-    unit = {"Pa": "kPa", "1": ""}.get(one.unit, one.unit)
-    name = one.name.replace("_", " ")
+def _with_unit(number: ProfiledInterval) -> str:
+    """Return the name of a number with its unit on the page."""
+    unit = {"Pa": "kPa", "1": ""}.get(number.unit, number.unit)
+    name = number.name.replace("_", " ")
     return f"{name}, {unit}" if unit else name
 
 
-def _ends(one: ProfiledInterval) -> tuple[float, float, float]:
-    return one.low * _scale(one), one.value * _scale(one), one.high * _scale(one)
+def _ends(number: ProfiledInterval) -> tuple[float, float, float]:
+    """Return low end, value and high end of a number in its unit on the page."""
+    return number.low * _scale(number), number.value * _scale(number), number.high * _scale(number)
 
 
-def _said(one: ProfiledInterval) -> tuple[str, str]:
-    ends = _ends(one)
+def _value_and_interval(number: ProfiledInterval) -> tuple[str, str]:
+    """Return value and interval as texts, with the digits that the interval allows; an end at a bound says so."""
+    ends = _ends(number)
     half = (ends[2] - ends[0]) / 2
     places = min(max(0, 1 - math.floor(math.log10(half))), 6) if half > 0 else 3
     low, value, high = (f"{end:.{places}f}" for end in ends)
-    pinned = [" (bound)" if is_bound else "" for is_bound in (one.low_is_bound, one.high_is_bound)]
+    pinned = [" (bound)" if is_bound else "" for is_bound in (number.low_is_bound, number.high_is_bound)]
     return value, f"{low}{pinned[0]} to {high}{pinned[1]}"
 
 
 def _seen_at_all(naming: NamingResult) -> list[Section]:
-    """What these trajectories could tell, whatever the measured forces are."""
+    """Return the sections on what these trajectories can show at all, whatever the measured forces are."""
+    # the number of each effect that could be seen best
     known = naming.identifiable
     order = sorted(range(len(known.effects)), key=lambda place: -known.reach[place])
     most = {known.effects[place]: place for place in reversed(order)}
@@ -201,19 +240,25 @@ def _seen_at_all(naming: NamingResult) -> list[Section]:
         if most[known.effects[place]] == place
     ]
     text = (
-        "The number of each effect that can be seen best. What it changes, and E, nu, mu, offsets and errors of the "
-        "simulation imitate, is hidden. Reach is the signal over noise of what is left, at the end of the plausible "
-        f"range; from {rounded(DEFAULT_THRESHOLDS.visible)} on it can be claimed."
+        "Each row is the number of an effect that these recordings show best. Hidden is the share of its change that "
+        "E, nu, mu, offsets and errors of the simulation can imitate. Reach is the ratio of signal to noise of the "
+        "rest, at the end of the plausible range; from "
+        f"{rounded(DEFAULT_THRESHOLDS.visible)} on the effect can be claimed."
     )
-    said = [("info", text)]
+    sentences = [("info", text)]
     if known.undetectable:
-        said.append(("", f"Could be there and not show: {', '.join(title_of([name]) for name in known.undetectable)}."))
+        names = ", ".join(title_of([name]) for name in known.undetectable)
+        sentences.append(("", f"Not detectable in these recordings: {names}."))
     if naming.not_tried:
         names = ", ".join(title_of([name]) for name in naming.not_tried)
-        said.append(("", f"Not asked, as the recordings do not tell what they depend on: {names}."))
-    sections = [Section("What could be seen at all", said, ("effect", "number", "hidden", "reach"), rows)]
+        sentences.append(("", f"Not tried, as the recordings do not state what these effects depend on: {names}."))
+    sections = [Section("What could be seen at all", sentences, ("effect", "number", "hidden", "reach"), rows)]
+    # pairs that these trajectories cannot tell apart
     alike = [(title_of([first]), title_of([second]), rounded(size)) for first, second, size in known.look_alikes()]
     if alike:
-        text = "Their traces, beyond what is hidden, have a cosine of at least 0.95 in these trajectories."
+        text = (
+            "Beyond what is hidden, the two effects of a row change the wrench almost alike (cosine of at least 0.95): "
+            "these trajectories cannot tell them apart."
+        )
         sections.append(Section("Look-alikes", [("info", text)], ("effect", "effect", "cosine"), alike))
     return sections

@@ -1,4 +1,4 @@
-"""Proposed trials in plain words, and as a document."""
+"""Proposed trials in sentences, and as a document."""
 
 from __future__ import annotations
 
@@ -15,44 +15,48 @@ from tactiledata.diagnose.residuals.wording import rounded
 from tactiledata.effects import EFFECTS
 
 LEAST_CHANCE = 1e-3
-"""No smaller chance is said: no rig is as well known as that."""
+"""Smallest probability that is stated: no rig is known better."""
 FARTHEST = 10.0
-"""Standard deviations; larger distances are not told apart in words."""
+"""Largest distance that is stated as a number, in standard deviations."""
 MOST = 5
+"""Most trials in a document."""
 WORTH = 0.01
-"""Fall of a chance below which a trial is not worth a word."""
+"""Smallest fall of a probability for which a trial is proposed."""
 
 
 def next_trial_sentences(proposals: Sequence[Proposal], is_more_left: bool = False) -> list[str]:
-    """What to record next, and what no trial would tell; the most telling first.
+    """Return sentences on what to record next, the best trial first, and on pairs that no trial would separate.
 
     Parameters
     ----------
+    proposals : sequence of Proposal
+        The best first.
     is_more_left : bool
-        Whether the best explanation leaves structure, which no trial between explanations is about.
+        Whether the best explanation leaves structure, which a trial that compares explanations is not about.
     """
     if not proposals:
         return ["No two explanations are left that a further trial could tell apart."]
-    found: dict[str, list[str]] = {}
+    # each pair that is not separated yet, with the first trial that would separate it
+    by_trial: dict[str, list[str]] = {}
     hopeless = []
     for place, first in enumerate(proposals[0].separations):
         if first.error_before < SEPARATED:
             continue
-        best = min(proposals, key=lambda one: one.separations[place].error_after)
+        best = min(proposals, key=lambda proposal: proposal.separations[place].error_after)
         if best.separations[place].error_after < SEPARATED:
-            # the first of the list serves where it serves as well
-            serving = next(one for one in proposals if one.separations[place].error_after < SEPARATED)
-            found.setdefault(serving.trial.title, []).append(_apart(serving.separations[place]))
+            # an earlier trial is preferred: it separates other pairs better
+            chosen = next(trial for trial in proposals if trial.separations[place].error_after < SEPARATED)
+            by_trial.setdefault(chosen.trial.title, []).append(_apart(chosen.separations[place]))
         else:
             hopeless.append(_hopeless(best.separations[place], best.trial.title))
-    said = [f"{title}: {'; '.join(parts)}." for title, parts in found.items()] + hopeless
-    if not said and is_more_left:
-        return ["What was recorded tells the explanations that were tried apart; what is left is none of them."]
-    if not said:
-        return ["What was recorded tells the explanations that are left apart; no further trial is needed for that."]
+    sentences = [f"{title}: {'; '.join(parts)}." for title, parts in by_trial.items()] + hopeless
+    if not sentences and is_more_left:
+        return ["The recordings separate the explanations that were tried; what is left is none of them."]
+    if not sentences:
+        return ["The recordings separate the explanations that are left; no further trial is needed for that."]
     if proposals[0].bench.base is closed_form:
-        said.append("These are estimates in closed form, made before anything is recorded.")
-    return said
+        sentences.append("These are estimates in closed form, made before anything is recorded.")
+    return sentences
 
 
 def next_trials_document(
@@ -61,69 +65,76 @@ def next_trials_document(
     indenters: Entries | None = None,
     is_more_left: bool = False,
 ) -> dict[str, Any]:
-    """The part ``next_trials`` of ``schemas/diagnosis.json``; what changes nothing is left out.
+    """Return the part ``next_trials`` of ``schemas/diagnosis.json``, without trials that change hardly anything.
 
     Parameters
     ----------
-    sensors, indenters : entries of a scenario, optional
-        As `trial_scenario` takes them.
+    proposals : sequence of Proposal
+        The best first.
+    sensors, indenters : dict, name -> entry of a scenario, optional
+        Entries of one's own for the scenarios, as `trial_scenario` takes them.
     is_more_left : bool
-        As in `next_trial_sentences`.
+        Whether the best explanation leaves structure.
     """
-    worth = [one for one in proposals if one.gain >= WORTH or one.separates][:MOST]
+    worth = [proposal for proposal in proposals if proposal.gain >= WORTH or proposal.separates][:MOST]
     return {
         "sentences": next_trial_sentences(proposals, is_more_left),
         "in_closed_form": bool(proposals) and proposals[0].bench.base is closed_form,
-        "proposals": [_document(one, sensors, indenters) for one in worth],
+        "proposals": [_proposal_document(proposal, sensors, indenters) for proposal in worth],
     }
 
 
-def _document(one: Proposal, sensors: Entries | None, indenters: Entries | None) -> dict[str, Any]:
-    used = dict.fromkeys(touch.indenter for touch in one.trial.touches)
+def _proposal_document(proposal: Proposal, sensors: Entries | None, indenters: Entries | None) -> dict[str, Any]:
+    """Return a proposal as schemas/diagnosis.json has it (``next_trials.proposals``)."""
+    used = dict.fromkeys(touch.indenter for touch in proposal.trial.touches)
     return {
-        "trial": one.trial.name,
-        "title": one.trial.title,
-        "minutes": round(duration(one.trial) / 60.0, 2),
-        "gain": one.gain,
+        "trial": proposal.trial.name,
+        "title": proposal.trial.title,
+        "minutes": round(duration(proposal.trial) / 60.0, 2),
+        "gain": proposal.gain,
         "pairs": [
             {
-                "first": each.first,
-                "second": each.second,
-                "apart": [each.before, each.after],
-                "error": [each.error_before, each.error_after],
+                "first": pair.first,
+                "second": pair.second,
+                "apart": [pair.before, pair.after],
+                "error": [pair.error_before, pair.error_after],
             }
-            for each in one.separations
+            for pair in proposal.separations
         ],
-        "new_indenters": [name for name in used if name not in one.bench.indenters],
-        "caveat": one.trial.caveat,
-        "scenario": trial_scenario(one.trial, one.bench, sensors, indenters),
+        "new_indenters": [name for name in used if name not in proposal.bench.indenters],
+        "caveat": proposal.trial.caveat,
+        "scenario": trial_scenario(proposal.trial, proposal.bench, sensors, indenters),
     }
 
 
 def _title(name: str) -> str:
+    """Return the titles of an explanation's effects in words."""
     return joined_names([EFFECTS[part]().title for part in name.split(" + ")])
 
 
-def _apart(one: Separation) -> str:
-    size = f"more than {FARTHEST:g}" if one.after > FARTHEST else rounded(one.after)
-    if one.second == NOTHING:
+def _apart(pair: Separation) -> str:
+    """Return how far a trial separates two explanations."""
+    size = f"more than {FARTHEST:g}" if pair.after > FARTHEST else rounded(pair.after)
+    if pair.second == NOTHING:
         return (
-            f"{_title(one.first)} as strong as it may be would stand out by {size} standard deviations"
-            f" (so far {rounded(one.before)})"
+            f"{_title(pair.first)} at its strongest would stand out by {size} standard deviations"
+            f" (so far {rounded(pair.before)})"
         )
     return (
-        f"{_title(one.first)} and {_title(one.second)} then differ by {size} standard deviations (so far"
-        f" {rounded(one.before)}); the chance to take one for the other falls from {_chance(one.error_before)} to"
-        f" {_chance(one.error_after)}"
+        f"{_title(pair.first)} and {_title(pair.second)} then differ by {size} standard deviations (so far"
+        f" {rounded(pair.before)}); the chance to take one for the other falls from {_chance(pair.error_before)} to"
+        f" {_chance(pair.error_after)}"
     )
 
 
-def _hopeless(one: Separation, title: str) -> str:
-    stays = f"at best ({title}) the chance of a wrong answer is {_chance(one.error_after)}"
-    if one.second == NOTHING:
-        return f"None of the trials would show {_title(one.first)}: {stays}."
-    return f"None of the trials tells {_title(one.first)} from {_title(one.second)}: {stays}."
+def _hopeless(pair: Separation, title: str) -> str:
+    """Return that no trial separates two explanations, with the best trial."""
+    stays = f"at best ({title}) the chance of a wrong answer is {_chance(pair.error_after)}"
+    if pair.second == NOTHING:
+        return f"None of the trials would show {_title(pair.first)}: {stays}."
+    return f"None of the trials tells {_title(pair.first)} from {_title(pair.second)}: {stays}."
 
 
 def _chance(value: float) -> str:
+    """Return a probability in per cent; nothing smaller than `LEAST_CHANCE` is stated."""
     return "less than 0.1 %" if value < LEAST_CHANCE else f"{rounded(100 * value)} %"

@@ -1,4 +1,4 @@
-"""The numbers of an answer in sentences: those of effects, where E, nu and mu move to, and of what they then are."""
+"""What a simulation lacks, in sentences: the effect, what cannot be told from it, and its numbers."""
 
 from __future__ import annotations
 
@@ -15,78 +15,87 @@ from tactiledata.diagnose.naming.simulator_share import simulator_share, simulat
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import rounded, with_interval
+from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting, effects_document
 
 MOST_NUMBERS = 6
-"""Of a fit, that are all told; of more only those that are not nothing."""
+"""Most numbers of a fit that are all stated; of more, only those that differ from 0."""
 NEAR_BOUND = 0.01
-"""Of the interval, within which a value at its end is at the bound."""
+"""Share of an interval within which a value counts as at its bound."""
+# from SI into the units of sentences
 _SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
 
 
-def numbers_told(found: Sequence[ProfiledInterval]) -> list[str]:
-    """Of the effects, after E, nu and mu; of many only those that are not nothing."""
-    fitted = found[3:]
-    shown = [one for one in fitted if not one.low <= 0.0 <= one.high] if len(fitted) > MOST_NUMBERS else fitted
+def effect_numbers(intervals: Sequence[ProfiledInterval]) -> list[str]:
+    """Return the numbers of the effects in a sentence, or nothing; E, nu and mu come first in ``intervals``."""
+    fitted = intervals[3:]
+    is_many = len(fitted) > MOST_NUMBERS
+    shown = [number for number in fitted if not number.low <= 0.0 <= number.high] if is_many else fitted
     shown = shown or fitted
     numbers = [
-        f"{one.name} = {rounded(one.value)} ({rounded(one.low)} to {rounded(one.high)}"
-        f"){'' if one.unit == '1' else ' ' + one.unit}"
-        for one in shown
+        f"{number.name} = {rounded(number.value)} ({rounded(number.low)} to {rounded(number.high)}"
+        f"){'' if number.unit == '1' else ' ' + number.unit}"
+        for number in shown
     ]
     left = len(fitted) - len(shown)
-    others = f"; the other {left} numbers may be nothing." if left else "."
+    others = f"; the other {left} numbers may be 0." if left else "."
     return [f"{joined_names(numbers)}, as fitted, with 95 % intervals{others}"] if numbers else []
 
 
 def material_moved(before: Sequence[ProfiledInterval], after: Sequence[ProfiledInterval]) -> list[str]:
-    """E, nu and mu without effects and with them."""
-    said = []
+    """Return in a sentence how E, nu and mu move from the plain fit to the fit with effects."""
+    moves = []
     for old, new in zip(before, after[:3], strict=True):
         scale, unit = _SCALES[old.name]
-        pinned = [" (at its bound)" if _is_at_bound(one) else "" for one in (old, new)]
+        pinned = [" (at its bound)" if _is_at_bound(number) else "" for number in (old, new)]
         ends = f"{rounded(new.low * scale, 3)} to {rounded(new.high * scale, 3)}"
         shown = "" if unit == "1" else f" {unit}"
-        values = [f"{rounded(one.value * scale, 3)}{note}" for one, note in zip((old, new), pinned, strict=True)]
-        said.append(f"{old.name} {values[0]} → {values[1]}{shown} ({ends})")
-    return [f"With it, {'; '.join(said)}."]
+        values = [f"{rounded(number.value * scale, 3)}{note}" for number, note in zip((old, new), pinned, strict=True)]
+        moves.append(f"{old.name} {values[0]} → {values[1]}{shown} ({ends})")
+    return [f"Without and with the effect: {'; '.join(moves)}."]
 
 
 def material_is_of(settings: Sequence[EffectSetting]) -> list[str]:
-    """Of what E, nu and mu are with these effects, where they depend on something."""
-    told: dict[str, list[str]] = {}
+    """Return sentences on the state that E, nu and mu belong to, where an effect makes them depend on something."""
+    states: dict[str, list[str]] = {}
     for setting in settings:
         values = setting.member.complete(setting.values)
-        for name, what in setting.member.material_of(values).items():
-            if what not in told.setdefault(name, []):
-                told[name].append(what)
-    shared = {tuple(what): joined_names([name for name in told if told[name] == what]) for what in told.values()}
+        for name, state in setting.member.material_of(values).items():
+            if state not in states.setdefault(name, []):
+                states[name].append(state)
+    # numbers that belong to the same state share a sentence
+    shared = {
+        tuple(state): joined_names([name for name in states if states[name] == state]) for state in states.values()
+    }
     return [
-        f"{names} {'are then those' if ' and ' in names else 'is then that'} of {joined_names(what)}."
-        for what, names in shared.items()
+        f"{names} {'are then those' if ' and ' in names else 'is then that'} of {joined_names(state)}."
+        for state, names in shared.items()
     ]
 
 
-def _is_at_bound(one: ProfiledInterval) -> bool:
-    near = NEAR_BOUND * (one.high - one.low)
-    return (one.low_is_bound and one.value - one.low <= near) or (one.high_is_bound and one.high - one.value <= near)
+def _is_at_bound(number: ProfiledInterval) -> bool:
+    """Whether a number lies at an end of its interval that is a bound of the fit."""
+    near = NEAR_BOUND * (number.high - number.low)
+    is_low = number.low_is_bound and number.value - number.low <= near
+    return is_low or (number.high_is_bound and number.high - number.value <= near)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a simulation lacks.
+    """The answer to which known effect a simulation lacks.
 
     Parameters
     ----------
     naming : NamingResult
+        Fits, candidates and the decision.
     """
 
     naming: NamingResult
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the effects that are claimed; empty where none is."""
+        """Names of the effects that are claimed; empty where none is."""
         decision = self.naming.decision
         return (
             decision.best.names if decision.best is not None and decision.verdict in ("named", "one of a set") else ()
@@ -94,77 +103,99 @@ class Answer:
 
     @property
     def candidates(self) -> tuple[str, ...]:
-        """The same, and whatever cannot be told from them."""
+        """Names of the effects that are claimed, and of those that these data cannot tell from them."""
         ties = self.naming.decision.ties if self.names else ()
         return (*self.names, *(tie.name for tie in ties))
 
     @property
+    def verdict(self) -> Verdict:
+        """The verdict by the known effects alone."""
+        return self.explained_verdict if self.names else WITHOUT_CLAIM[self.naming.decision.verdict]
+
+    @property
+    def explained_verdict(self) -> Verdict:
+        """The verdict where something is explained: wholly, or partly where structure is left."""
+        decision = self.naming.decision
+        is_left = decision.is_more_left or decision.left.is_in_few(DEFAULT_THRESHOLDS)
+        return Verdict.PARTLY_EXPLAINED if is_left else Verdict.EXPLAINED
+
+    @property
     def is_missing(self) -> bool:
         """Whether physics is missing, named or not."""
-        return self.naming.decision.verdict not in ("nothing is missing", "below detection")
+        return self.verdict not in (Verdict.NOTHING_FOUND, Verdict.BELOW_DETECTION)
 
     @property
     def sentences(self) -> list[str]:
-        """For people, the plainest first."""
+        """The answer in sentences: what is missing, then how the simulation behaves with it."""
         return [*self.what, *self.how]
 
     @property
     def how(self) -> list[str]:
-        """How the simulation behaves with what is claimed; empty where nothing is."""
+        """Sentences on the numbers of the simulation with the claimed effects; empty where none is claimed."""
         decision = self.naming.decision
         if decision.best is None or not self.names:
             return []
-        said = [
-            *numbers_told(self.naming.intervals),
+        numbers = [
+            *effect_numbers(self.naming.intervals),
             *material_moved(self.naming.intervals_before, self.naming.intervals),
         ]
-        blamed = simulator_share_words(simulator_share(self.naming.whitened, decision.best.fit))
-        return [*said, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best), *blamed]
+        errors = simulator_share_words(simulator_share(self.naming.whitened, decision.best.fit))
+        return [*numbers, *material_is_of(decision.best.fit.model.settings), *_alarms(decision.best), *errors]
 
     @property
     def what(self) -> list[str]:
-        """What is missing, and what cannot be told from it."""
+        """Sentences on what is missing, what these data cannot tell from it, and what they cannot show at all."""
         decision = self.naming.decision
         best = decision.best
+        # a claim, with its rivals and its limits
         if best is not None and self.names:
-            said = [_claim(best, self._probability_of(best)), *(_tie(best, tie) for tie in decision.ties)]
+            sentences = [_claim(best, self._probability_of(best)), *(_tie(tie) for tie in decision.ties)]
             if decision.is_more_left:
-                said.append("What it leaves still has structure: more is missing than the catalogue can say.")
-            return [*said, *_odd(decision.left), _of_the_known(best, self.naming)]
-        if decision.verdict == "none of the known effects":
-            said = ["What is left has structure, and none of the known effects explains it."]
-        elif decision.verdict == "below detection" and best is not None:
-            said = [
-                f"There is a trace that looks like {_titles(best.names)}, too faint, or of too few touches, to be more"
-                " than errors of the simulation: below what such data can tell.",
-                *(_tie(best, tie) for tie in decision.ties),
+                sentences.append("The residual still has structure that no effect of the catalogue explains.")
+            return [*sentences, *_worst_two(decision.left), _of_the_known(best, self.naming)]
+        # no claim: the verdict
+        if self.verdict is Verdict.NOT_EXPLAINED:
+            sentences = ["Not explained: the residual has structure, and no effect of the catalogue explains it."]
+        elif self.verdict is Verdict.BELOW_DETECTION and best is not None:
+            sentences = [
+                f"Below detection: a trace looks like {_titles(best.names)}, but it is too small, or rests on too few"
+                " touches, to be told from an error of the simulation.",
+                *(_tie(tie) for tie in decision.ties),
             ]
         else:
-            said = ["Nothing is missing: noise, contact offsets and errors of the simulation explain what is left."]
-        said += _odd(decision.left)
+            sentences = [
+                "Nothing found: noise, contact offsets and known errors of the simulation account for all differences."
+            ]
+        sentences += _worst_two(decision.left)
+        # why the nearest candidate is not claimed, and what could not have been seen
         if best is not None and decision.objections:
-            said.append(f"Nearest was {_titles(best.names)}; against it: {'; '.join(decision.objections)}.")
-        unseen = self.naming.identifiable.undetectable
-        if unseen:
-            said.append(f"These could be there and not show in these trajectories: {_titles(unseen)}.")
+            objections = "; ".join(decision.objections)
+            sentences.append(f"The nearest candidate is {_titles(best.names)}. Against it: {objections}.")
+        undetectable = self.naming.identifiable.undetectable
+        if undetectable:
+            sentences.append(f"Not detectable in these recordings: {_titles(undetectable)}.")
         numbers = self.naming.identifiable.undetectable_numbers
         if numbers:
-            listed = joined_names([f"{one.name} ({EFFECTS[one.effect]().title})" for one in numbers])
-            said.append(f"Of effects that would show, these numbers could still be off, and not show: {listed}.")
-        return said
+            listed = joined_names([f"{number.name} ({EFFECTS[number.effect]().title})" for number in numbers])
+            sentences.append(f"Of the other effects, these numbers are not detectable in these recordings: {listed}.")
+        return sentences
 
     def _probability_of(self, best: ScoredCandidate) -> float:
-        """That what is named is missing, alone or with another effect."""
-        chances = self.naming.decision.probabilities
-        return sum(chances.get(one.label, 0.0) for one in self.naming.scored if set(best.names) <= set(one.names))
+        """Return the probability that the named effects are missing, alone or with another effect."""
+        probabilities = self.naming.decision.probabilities
+        return sum(
+            probabilities.get(candidate.label, 0.0)
+            for candidate in self.naming.scored
+            if set(best.names) <= set(candidate.names)
+        )
 
     @property
     def document(self) -> dict[str, Any]:
-        """The ``naming`` part of ``schemas/diagnosis.json``."""
+        """The part ``naming`` of ``schemas/diagnosis.json``."""
         decision, naming = self.naming.decision, self.naming
         best = decision.best
         return {
-            "verdict": decision.verdict,
+            "verdict": self.verdict.value,
             "names": list(self.names),
             "sentences": self.sentences,
             "probabilities": decision.probabilities,
@@ -181,93 +212,116 @@ class Answer:
             "objections": list(decision.objections),
             "dispersion": decision.left.dispersion,
             "at_large": decision.left.without_worst_two,
-            "before": [_interval(one) for one in naming.intervals_before],
-            "after": [_interval(one) for one in naming.intervals],
+            "before": [_interval(number) for number in naming.intervals_before],
+            "after": [_interval(number) for number in naming.intervals],
             "effects": effects_document(best.fit.model.settings, best.fit.model.material)
             if best is not None and self.names
             else None,
             "simulation_errors": [
-                {"of": one.what, "deviations": one.deviations, "share": one.share}
-                for one in simulator_share(
+                {"of": error.what, "deviations": error.deviations, "share": error.share}
+                for error in simulator_share(
                     naming.whitened, best.fit if best is not None and self.names else naming.base
                 )
             ],
-            "screen": [{"effect": one.effect, "score": one.score, "evidence": one.evidence} for one in naming.screened],
-            "candidates": [_judged(one) for one in sorted(naming.scored, key=lambda each: -each.gain)],
+            "screen": [
+                {"effect": effect.effect, "score": effect.score, "evidence": effect.evidence}
+                for effect in naming.screened
+            ],
+            "candidates": [
+                _candidate_row(candidate) for candidate in sorted(naming.scored, key=lambda scored: -scored.gain)
+            ],
             "identifiability": naming.identifiable.document,
             "undetectable": list(naming.identifiable.undetectable),
             "not_tried": list(naming.not_tried),
         }
 
 
+WITHOUT_CLAIM = {
+    "nothing is missing": Verdict.NOTHING_FOUND,
+    "below detection": Verdict.BELOW_DETECTION,
+    "none of the known effects": Verdict.NOT_EXPLAINED,
+}
+"""Verdict of a decision that claims no effect."""
+
+
 def _titles(names: Sequence[str]) -> str:
+    """Return the titles of effects in words, with "and" before the last."""
     return joined_names([EFFECTS[name]().title for name in names])
 
 
 def _claim(best: ScoredCandidate, probability: float) -> str:
+    """Return the claim; no probability above 0.99 is stated."""
     return f"The simulation lacks {_titles(best.names)} (probability {rounded(min(probability, 0.99))})."
 
 
-def _tie(best: ScoredCandidate, tie: Tie) -> str:
+def _tie(tie: Tie) -> str:
+    """Return why these data cannot tell two effects apart, and the trial that would."""
     first, second = EFFECTS[tie.instead_of](), EFFECTS[tie.name]()
     alike = (
-        "what it changes the other can change, too"
+        "the second can change what the first changes"
         if tie.cosine > DEFAULT_THRESHOLDS.tie
-        else "what they change differs, yet each explains the data as well"
+        else "they change different things, yet each explains the data as well"
     )
-    this = "It" if len(best.names) == 1 else f"Of the two, {first.title}"
-    said = f"{this} cannot be told from {second.title} in these data: {alike} (cosine {rounded(tie.cosine)})"
-    said += f", and held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}."
-    return f"{said} {first.distinguishing_trial}"
+    gains = f"their held-out gains differ by {with_interval(tie.gain_apart, tie.error, '1')}"
+    return (
+        f"These data cannot tell {first.title} from {second.title}: {alike} (cosine {rounded(tie.cosine)}), and"
+        f" {gains}. {first.distinguishing_trial}"
+    )
 
 
-def _odd(left: RemainingStructure) -> list[str]:
+def _worst_two(left: RemainingStructure) -> list[str]:
+    """Return a sentence on two touches that keep nearly all of the residual; nothing where others keep it, too."""
     if not left.is_in_few(DEFAULT_THRESHOLDS):
         return []
     return [
-        f"What is left beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two touches."
+        f"The residual beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two touches."
         " Missing physics would show in the others, too."
     ]
 
 
 def _alarms(best: ScoredCandidate) -> list[str]:
+    """Return a warning where numbers of the best candidate end at a bound of the fit."""
     if not best.at_bounds:
         return []
-    return [
-        f"At the end of what was tried with it: {joined_names(best.at_bounds)}. Something else may still be absorbed."
-    ]
+    return [f"At the end of the range that was tried: {joined_names(best.at_bounds)}. More may be missing."]
 
 
 def _of_the_known(best: ScoredCandidate, naming: NamingResult) -> str:
+    """Return the warning that an effect outside the catalogue may be given the name of its nearest one."""
     tried = {*naming.identifiable.effects, *naming.identifiable.without_trace}
-    said = "this is" if len(best.names) == 1 else "these two are"
-    said = f"Of {len(tried)} effects that were tried, {said} the nearest: what acts alike and is not among them"
-    return f"{said} would go by the same name."
+    nearest = "this is the nearest" if len(best.names) == 1 else "these two are the nearest"
+    return (
+        f"Of {len(tried)} effects that were tried, {nearest}. An effect outside the catalogue that acts alike would be"
+        " given the same name."
+    )
 
 
-def _interval(one: ProfiledInterval) -> dict[str, Any]:
+def _interval(number: ProfiledInterval) -> dict[str, Any]:
+    """Return a number with its interval as schemas/diagnosis.json has it (``estimate``)."""
     return {
-        "name": one.name,
-        "unit": one.unit,
-        "value": one.value,
-        "interval": [one.low, one.high],
-        "at_bound": [one.low_is_bound, one.high_is_bound],
+        "name": number.name,
+        "unit": number.unit,
+        "value": number.value,
+        "interval": [number.low, number.high],
+        "at_bound": [number.low_is_bound, number.high_is_bound],
     }
 
 
-def _judged(one: ScoredCandidate) -> dict[str, Any]:
-    alone = one.indenter_gain != one.indenter_gain
+def _candidate_row(candidate: ScoredCandidate) -> dict[str, Any]:
+    """Return a candidate as schemas/diagnosis.json has it (``naming.candidates``)."""
+    # NaN where there is one indenter only: nothing could be held out
+    is_alone = candidate.indenter_gain != candidate.indenter_gain
     return {
-        "effects": list(one.names),
-        "gain": one.gain,
-        "gain_error": one.gain_error,
-        "gain_of_others": one.gain_without_best_two,
-        "evidence": one.evidence,
-        "evidence_of_others": one.evidence_without_best_two,
-        "indenter_gain": None if alone else one.indenter_gain,
-        "indenter_error": None if alone else one.indenter_error,
-        "excess_share": one.excess_share,
-        "signature": [one.signature_before, one.signature_after],
-        "implausible": list(one.implausible),
-        "at_bounds": list(one.at_bounds),
+        "effects": list(candidate.names),
+        "gain": candidate.gain,
+        "gain_error": candidate.gain_error,
+        "gain_of_others": candidate.gain_without_best_two,
+        "evidence": candidate.evidence,
+        "evidence_of_others": candidate.evidence_without_best_two,
+        "indenter_gain": None if is_alone else candidate.indenter_gain,
+        "indenter_error": None if is_alone else candidate.indenter_error,
+        "excess_share": candidate.excess_share,
+        "signature": [candidate.signature_before, candidate.signature_after],
+        "implausible": list(candidate.implausible),
+        "at_bounds": list(candidate.at_bounds),
     }

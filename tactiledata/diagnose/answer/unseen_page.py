@@ -1,4 +1,4 @@
-"""What an effect does for unseen data, in plain sentences."""
+"""How much better the simulation is on held-out data, in sentences, tables and pictures."""
 
 from __future__ import annotations
 
@@ -28,127 +28,138 @@ from tactiledata.report.page import Picture, Section
 from tactiledata.report.plots import png_bytes
 
 FEW = 3
-"""Groups; of two, each is predicted by one alone."""
+"""Fewest groups whose rise of the error counts as it is: of two, each is predicted from one alone."""
 
 
 def shown_sentences(shown: HeldOutComparison) -> list[str]:
-    """What is gained, where it is gained, and what is left; without a claim, that none would help."""
-    said = _gained(shown) if shown.names else _unclaimed(shown)
+    """Return sentences on held-out errors, on dependences before and after, on what is left and on the black box."""
+    sentences = _gained(shown) if shown.names else _unclaimed(shown)
     if shown.flattened is not None:
-        said.append(_flattened(shown))
+        sentences.append(_flattened(shown))
     if shown.left_over is not None:
-        said.append(_left_over(shown))
-    said.append(_ceiling(shown))
+        sentences.append(_left_over(shown))
+    sentences.append(_ceiling(shown))
     if shown.stretched:
         listed = [f"{name} by {rounded(abs(size))}" for name, size in shown.stretched.items()]
-        said.append(
-            "The plain fit blames the simulation itself beyond what it is known to err, in standard deviations: "
-            f"{joined_names(listed)}. A wrong radius, a wrong thickness or an effect may hide there."
+        sentences.append(
+            "The plain fit needs unusually large errors of the simulation itself, in standard deviations: "
+            f"{joined_names(listed)}. A wrong radius, a wrong thickness or an effect may be the cause."
         )
-    return said
+    return sentences
 
 
 def same_digits(*values: float, digits: int = 2) -> tuple[str, ...]:
-    """Numbers with as many decimals as the smallest needs."""
+    """Return numbers as texts, all with as many decimals as the smallest needs for ``digits`` significant ones."""
     least = min((abs(value) for value in values if value), default=1.0)
     places = min(max(0, digits - 1 - math.floor(math.log10(least))), 4)
     return tuple(f"{value:.{places}f}" for value in values)
 
 
 def _gained(shown: HeldOutComparison) -> list[str]:
+    """Return sentences on the errors that the claimed effects change."""
+    # trajectories, beside the noise
     first = shown.of_trajectories
-    said = [f"On {first.unseen} that it has not seen the force error {_changes(first)}"]
-    noise = f"noise alone gives {same_digits(first.force.floor, digits=3)[0]} N"
-    said[0] += f"; {noise}" + (
-        f": {change_words(first.force)}." if first.has_gap else ", so that there was hardly a gap to close."
-    )
-    if first.has_gap and first.force.interval[0] > 1.0:
-        said[0] += " Less is left than free air tells of the noise."
+    noise = f"Noise alone leaves {same_digits(first.force.floor, digits=3)[0]} N"
+    closes = f": {change_words(first.force)}" if first.has_gap else ", so there was hardly a gap to close"
+    below = " The error is then below the noise that free air shows."
+    is_below = first.has_gap and first.force.interval[0] > 1.0
+    sentences = [
+        f"On held-out {first.unseen} the force error {_changes(first)}. {noise}{closes}.{below if is_below else ''}"
+    ]
+    # the hardest of what was held out
     hardest = shown.hardest
     if hardest is not first:
-        by = "" if hardest.groups >= FEW else ", each told by the other alone,"
+        by = "" if hardest.groups >= FEW else ", each predicted from the other alone,"
         closes = f": {change_words(hardest.force)}" if hardest.has_gap else ""
-        said.append(f"On {hardest.groups} {hardest.unseen} that it has not seen{by} it {_changes(hardest)}{closes}.")
-    if any(_rises(one) for one in (first, hardest)):
-        said.append("That it rises speaks against the claim.")
-    return said
+        sentences.append(f"On {hardest.groups} held-out {hardest.unseen}{by} the error {_changes(hardest)}{closes}.")
+    if any(_rises(errors) for errors in (first, hardest)):
+        sentences.append("An error that rises speaks against the claim.")
+    return sentences
 
 
 def doubts(shown: HeldOutComparison) -> list[str]:
-    """What speaks against taking a claim as it is, in a sentence beside the claim; nothing where nothing does."""
+    """Return a sentence on what speaks against a claim; nothing where nothing does, or nothing is claimed."""
     if not shown.names:
         return []
-    against = [f"the error rises on {one.unseen} that were held out" for one in shown.errors if _rises(one)]
+    against = [f"the error rises on held-out {errors.unseen}" for errors in shown.errors if _rises(errors)]
     if shown.left_over is not None and shown.left_over.is_structured:
-        against.append("structure is left with it")
-    return [f"Take it with care: {joined_names(against)}."] if against else []
+        against.append("structure is left")
+    return [f"Take this claim with care: {joined_names(against)}."] if against else []
 
 
 def _rises(errors: HeldOutErrors) -> bool:
-    """Of few groups only where trajectories drawn anew agree on it."""
+    """Whether the force error rises; with few groups, only where its bootstrap interval excludes a fall."""
     return errors.change > 0 and (errors.groups >= FEW or (errors.has_gap and errors.force.interval[1] < 0))
 
 
 def _changes(errors: HeldOutErrors) -> str:
+    """Return the change of the force error, as ``"falls from 0.128 to 0.092 N"``."""
     before, after = same_digits(errors.force.before, errors.force.after, digits=3)
     return f"{'rises' if errors.change > 0 else 'falls'} from {before} to {after} N"
 
 
 def _unclaimed(shown: HeldOutComparison) -> list[str]:
+    """Return sentences on the error of the plain simulation, and on what the nearest candidate would change."""
     errors = shown.of_trajectories
     before, floor = same_digits(errors.force.before, errors.force.floor)
-    said = [
-        f"On trajectories that it has not seen the plain simulation errs by {before} N; noise alone gives {floor} N."
+    sentences = [
+        f"On held-out trajectories the force error of the plain simulation is {before} N. Noise alone leaves {floor} N."
     ]
     if shown.tried:
         titles = joined_names([EFFECTS[name]().title for name in shown.tried])
-        changes = [f"{_signed(one.change)} on {one.unseen}" for one in shown.errors]
-        said.append(f"The nearest candidate, {titles}, would change that error by {joined_names(changes)}.")
-    return said
+        changes = [f"{_signed_percent(errors.change)} on {errors.unseen}" for errors in shown.errors]
+        sentences.append(f"The nearest candidate, {titles}, would change this error by {joined_names(changes)}.")
+    return sentences
 
 
-def _signed(share: float) -> str:
+def _signed_percent(share: float) -> str:
+    """Return a share in per cent with its sign, as ``"+1.2 %"``."""
     return f"{100 * share:+.1f} %".replace("-", "−")
 
 
 def _flattened(shown: HeldOutComparison) -> str:
+    """Return the strongest dependence of the plain simulation, and what the effect leaves of it."""
     assert shown.flattened is not None
     before, after = shown.flattened
     first = before.words.split(" (p ")[0]
-    now = after.change.words.removeprefix(f"{after.parameter} ")
-    begin = "Once sloped, now flat" if after.p > LEVEL else "Sloped still"
-    return f"{begin}: in the plain simulation {first}; with the effect it {now} ({p_words(after.p)})."
+    begin = "A dependence is gone" if after.p > LEVEL else "A dependence remains"
+    return f"{begin}: in the plain simulation {first}; with the effect {after.change.words} ({p_words(after.p)})."
 
 
 def _left_over(shown: HeldOutComparison) -> str:
+    """Return whether locators still find structure with the effect, and the plainest finding."""
     assert shown.left_over is not None
     if not shown.left_over.is_structured:
-        return "With it no locator finds structure any more."
-    return f"Structure is left with it. {shown.left_over.sentences()[0]}"
+        return "With the effect no locator finds structure any more."
+    return f"With the effect structure is left. {shown.left_over.sentences()[0]}"
 
 
 def _ceiling(shown: HeldOutComparison) -> str:
+    """Return the force error that a black box reaches, beside that of the effect."""
     errors = shown.of_trajectories
     if shown.ceiling_force >= errors.force.before:
-        return "A black box, boosted trees on all covariates, finds nothing that helps on trajectories held out."
+        return "A black box, boosted trees on all covariates, improves nothing on held-out trajectories."
     reached, after = same_digits(shown.ceiling_force, errors.force.after)
-    said = f"A black box, boosted trees on all covariates, reaches {reached} N on trajectories held out"
-    return f"{said}, where the effect reaches {after} N." if shown.names else f"{said}."
+    box = f"A black box, boosted trees on all covariates, reaches {reached} N on held-out trajectories"
+    return f"{box}; the effect reaches {after} N." if shown.names else f"{box}."
 
 
 MOST_PANELS = 6
+"""Most dependences that are drawn."""
 MOST_EVENTS = 3
+"""Most events that are drawn."""
 PLAIN, BLACK_BOX = "plain", "black box"
 
 
 def better_section(shown: HeldOutComparison) -> Section:
-    """Errors on what was held out, with noise and black box."""
+    """Return the section with the held-out errors beside noise and black box."""
     columns = ("unseen", "error", PLAIN, _after(shown), "noise alone", "gap closed")
-    rows = [row for one in shown.errors for row in _rows(one, bool(shown.names))]
+    rows = [row for errors in shown.errors for row in _rows(errors, bool(shown.names))]
     text = (
-        "Each is predicted by numbers fitted to the others; contact offset and zero are the trajectory's own. Force "
-        "and torque: root mean square of a component, torque about the gel's origin. Paper's loss: the mean of the "
-        "difference between the norms of measured and simulated force."
+        "Each group is predicted by numbers that were fitted to the others; contact offset and zero are the "
+        "trajectory's own. Force and torque are root mean squares of a component, torque about the gel's origin. "
+        "The paper's loss is the mean difference between the norms of measured and simulated force. Noise alone gives "
+        "the noise floor: the error that noise leaves to a perfect simulation. The gap is the plain error less this."
     )
     picture = Picture(png_bytes(draw_held_out(_panels(shown))), "Errors on what was held out.")
     return Section("How much better", [("info", text)], columns, rows, [picture])
@@ -157,43 +168,46 @@ def better_section(shown: HeldOutComparison) -> Section:
 def comparison_sections(
     naming: NamingResult, located: LocatorResults, shown: HeldOutComparison, heading: str = ""
 ) -> list[Section]:
-    """Dependences, events, map and trajectories of a diagnosis, before and after.
+    """Return the sections with dependences, events, map and trajectories, before and after.
 
     Parameters
     ----------
     naming : NamingResult
     located : LocatorResults
-        Of the plain simulation.
+        Results of the locators on the plain simulation.
     shown : HeldOutComparison
     heading : str
-        Above the picture of trajectories: what kind of recordings they are.
+        Stands above the picture of trajectories: what kind of recordings they are.
     """
-    found = [
+    sections = [
         _dependences(located, shown),
         _events(located, shown),
         _map(located, shown),
         _overlays(naming, shown, heading),
     ]
-    return [section for section in found if section is not None]
+    return [section for section in sections if section is not None]
 
 
 def _after(shown: HeldOutComparison) -> str:
+    """Return what the simulation with effects is called in tables and pictures."""
     return "with it" if shown.names else "nearest candidate"
 
 
-def _rows(one: HeldOutErrors, is_claimed: bool) -> list[tuple[str, ...]]:
-    unseen = f"{one.groups} {one.unseen}"
-    force = same_digits(one.force.before, one.force.after, one.force.floor)
-    torque = same_digits(one.torque.before, one.torque.after, one.torque.floor)
+def _rows(errors: HeldOutErrors, is_claimed: bool) -> list[tuple[str, ...]]:
+    """Return the rows of force, torque and the paper's loss for one kind of held-out data."""
+    unseen = f"{errors.groups} {errors.unseen}"
+    force = same_digits(errors.force.before, errors.force.after, errors.force.floor)
+    torque = same_digits(errors.torque.before, errors.torque.after, errors.torque.floor)
     return [
-        (unseen, "force, N", *force, gap_words(one.force, is_claimed and one.has_gap)),
-        ("", "torque, N mm", *torque, gap_words(one.torque, is_claimed and one.has_torque_gap)),
-        ("", "paper's loss, N", *same_digits(*one.paper), ""),
+        (unseen, "force, N", *force, gap_words(errors.force, is_claimed and errors.has_gap)),
+        ("", "torque, N mm", *torque, gap_words(errors.torque, is_claimed and errors.has_torque_gap)),
+        ("", "paper's loss, N", *same_digits(*errors.paper), ""),
     ]
 
 
 def _panels(shown: HeldOutComparison) -> list[ErrorPanel]:
-    names = [one.unseen for one in shown.errors]
+    """Return the panels of force, torque and the paper's loss; a black box is shown on held-out trajectories only."""
+    names = [errors.unseen for errors in shown.errors]
     nothing = [float("nan")] * len(names)
     after = _after(shown)
 
@@ -201,8 +215,8 @@ def _panels(shown: HeldOutComparison) -> list[ErrorPanel]:
         tried = {after: with_it} if shown.tried else {}
         return {PLAIN: before, **tried, BLACK_BOX: box}
 
-    force, torque = [one.force for one in shown.errors], [one.torque for one in shown.errors]
-    paper = [one.paper for one in shown.errors]
+    force, torque = [errors.force for errors in shown.errors], [errors.torque for errors in shown.errors]
+    paper = [errors.paper for errors in shown.errors]
     box = [shown.ceiling_force, *nothing[1:]]
     return [
         ErrorPanel("force, N", names, bars([g.before for g in force], [g.after for g in force], box),
@@ -215,50 +229,55 @@ def _panels(shown: HeldOutComparison) -> list[ErrorPanel]:
 
 
 def _dependences(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
+    """Return the section with the certain dependences on covariates, without those that repeat another."""
     covariates = located.projection.residuals.covariates
-    drifts: list[Drift] = [shown.flattened[0]] if shown.flattened is not None else []
-    for one in located.drifts:
-        told = {(drift.parameter, name) for drift in drifts for name in (drift.covariate, *drift.alike)}
-        if one.covariate in covariates and one.p <= LEVEL and (one.parameter, one.covariate) not in told:
-            drifts.append(one)
-    if not drifts:
+    drawn_drifts: list[Drift] = [shown.flattened[0]] if shown.flattened is not None else []
+    for drift in located.drifts:
+        drawn_pairs = {(drawn.parameter, name) for drawn in drawn_drifts for name in (drawn.covariate, *drawn.alike)}
+        is_new = (drift.parameter, drift.covariate) not in drawn_pairs
+        if drift.covariate in covariates and drift.p <= LEVEL and is_new:
+            drawn_drifts.append(drift)
+    if not drawn_drifts:
         return None
     after = None if shown.left_over is None else shown.left_over.projection
-    panels = [dependence_panel(located.projection, after, drift) for drift in drifts[:MOST_PANELS]]
+    panels = [dependence_panel(located.projection, after, drift) for drift in drawn_drifts[:MOST_PANELS]]
     drawn = draw_dependences(panels, (PLAIN, _after(shown)))
-    caption = "What each part of the data alone says of a parameter; bars are standard errors over trajectories."
-    return Section("On what it depends", pictures=[Picture(png_bytes(drawn), caption)])
+    caption = "Departure of a parameter by each part of the data alone; bars are standard errors over trajectories."
+    return Section("On what the difference depends", pictures=[Picture(png_bytes(drawn), caption)])
 
 
 def _events(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
-    certain = sorted((one for one in located.events if one.p <= LEVEL), key=lambda one: one.p)[:MOST_EVENTS]
+    """Return the section with the mean residual about the most certain events."""
+    certain = sorted((event for event in located.events if event.p <= LEVEL), key=lambda event: event.p)[:MOST_EVENTS]
     if not certain:
         return None
-    left = {one.event: one for one in shown.left_over.events} if shown.left_over is not None else {}
+    left = {event.event: event for event in shown.left_over.events} if shown.left_over is not None else {}
     pairs = [
         (
-            event_picture(one, COMPONENTS, f", {PLAIN}"),
-            event_picture(left[one.event], COMPONENTS, f", {_after(shown)}") if one.event in left else None,
+            event_picture(event, COMPONENTS, f", {PLAIN}"),
+            event_picture(left[event.event], COMPONENTS, f", {_after(shown)}") if event.event in left else None,
         )
-        for one in certain
+        for event in certain
     ]
-    caption = "Means over trajectories, the mean before the event taken off; bands are two standard errors."
+    caption = "Means over trajectories, less the mean before the event; bands are two standard errors."
     return Section("About events", pictures=[Picture(png_bytes(draw_event_pairs(pairs)), caption)])
 
 
 def _map(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
+    """Return the section with the map of departures over the gel; ``None`` where it is not certain."""
     if not located.maps or located.maps[0].p > LEVEL:
         return None
     first = located.maps[0]
     pictures = [map_picture(first, f", {PLAIN}")]
     if shown.left_over is not None:
-        same = [one for one in shown.left_over.maps if one.parameter == first.parameter]
-        pictures += [map_picture(one, f", {_after(shown)}") for one in same]
-    caption = "Departures over the gel; dots: outside the band of chance."
+        same = [region for region in shown.left_over.maps if region.parameter == first.parameter]
+        pictures += [map_picture(region, f", {_after(shown)}") for region in same]
+    caption = "Departures over the gel; dots mark places outside the band of chance."
     return Section("Over the gel", [("", first.words)], pictures=[Picture(png_bytes(draw_map_pair(pictures)), caption)])
 
 
 def _overlays(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Section:
+    """Return the section with the measured and simulated forces of the worst trajectories."""
     white, errors = naming.whitened, shown.of_trajectories
     pictures = []
     for number in shown.worst():
@@ -270,6 +289,6 @@ def _overlays(naming: NamingResult, shown: HeldOutComparison, heading: str) -> S
         title = f"{name}, {white.touch_set.indenters[number]}: {errors.by_trajectory[number]:.2f} N"
         seconds = case.touch.seconds - case.touch.seconds[0]
         pictures.append(OverlayPicture(title, seconds, case.measured[:, FORCE], simulated))
-    caption = "Gel frame; each trajectory predicted by numbers that were fitted to others."
+    caption = "Gel frame; each trajectory is predicted by numbers that were fitted to others."
     picture = Picture(png_bytes(draw_overlays(pictures), heading=heading), caption)
-    return Section("Trajectories that the plain simulation tells worst", pictures=[picture])
+    return Section("Trajectories with the largest errors of the plain simulation", pictures=[picture])
