@@ -1,4 +1,4 @@
-"""Which Young's modulus, Poisson's ratio and friction does the gel have, and can measured wrenches fix them?
+"""Calibration: which E, nu and mu (friction) a gel has by measured wrenches, and how well they are known.
 
 Read in this order:
 

@@ -25,6 +25,13 @@ class LossValues:
 
     The vector loss is a root mean square of the whitened residual, about 1 where only noise is left; the norm loss is
     in newtons.
+
+    Parameters
+    ----------
+    start, fitted : float
+        On the fitted trajectories, at the start and at the optimum.
+    held_out_start, held_out : float
+        On the trajectories held out, at the start and at the optimum.
     """
 
     start: float

@@ -112,6 +112,7 @@ def _end(
     moved = curvature.covariance[:, k] / max(curvature.covariance[k, k], 1e-300)
 
     def deviance(distance: float) -> float:
+        """Rise of the profile at a distance from the optimum, in shares of the box, minus ``RISE`` as inflated."""
         start = best.shares + moved * direction * distance
         start[k] = best.shares[k] + direction * distance
         return polish(loss, bounds, start, held=k).cost - best.cost - rise

@@ -102,6 +102,7 @@ class VectorLoss:
 
     @cached_property
     def _white_measured(self) -> Array:
+        """Measured wrenches (n, 6), whitened."""
         return self._white(self.measured)
 
     def _profiled(self, series: OffsetSeries) -> tuple[Array, Array]:
@@ -112,6 +113,7 @@ class VectorLoss:
 
     @property
     def _shapes(self) -> Indices:
+        """Number (t,) of each trajectory's indenter; 0 for all by default."""
         return np.zeros(len(self.response.starts), dtype=np.int64) if self.shapes is None else self.shapes
 
     def _by_row(self, factors: Array) -> Array:

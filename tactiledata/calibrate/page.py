@@ -83,11 +83,13 @@ def _result(calibration: Calibration) -> Section:
 
 
 def _losses(calibration: Calibration) -> Section:
+    """Section with the table of losses."""
     columns = ("loss", "start", "fitted", "held out, start", "held out")
     return Section("Losses", (), columns, loss_rows(calibration))
 
 
 def _remarks(calibration: Calibration) -> Section:
+    """Section with the findings, or a sentence that there are none."""
     sentences = [(finding.severity, f"{finding.message} [{finding.code}]") for finding in calibration.findings]
     return Section("What to know", sentences or [("", "Nothing stands out.")])
 
@@ -137,6 +139,7 @@ def _surfaces(calibration: Calibration) -> Section:
 
 
 def _residuals(calibration: Calibration) -> Section:
+    """Section with the residual forces of all frames."""
     measured = calibration.experiment.measured
     figure = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("fx", "fy", "fz"))
     png = png_bytes(figure, heading=calibration.simulated.heading)

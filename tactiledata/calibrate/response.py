@@ -73,10 +73,12 @@ class Response:
 
     @cached_property
     def _level_over_mu(self) -> PchipInterpolator:
+        """Interpolation of ``level`` over mu."""
         return PchipInterpolator(self.plan.frictions, self.level, axis=1)
 
     @cached_property
     def _offset_over_mu(self) -> PchipInterpolator:
+        """Interpolation of ``by_friction`` over mu."""
         return PchipInterpolator(self.plan.frictions, self.by_friction, axis=0)
 
     @property

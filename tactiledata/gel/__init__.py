@@ -1,4 +1,4 @@
-"""Which wrench and which deformation does a soft pad answer with, when an indenter moves through given poses?
+"""Soft pad: with which wrench and deformation it answers an indenter that moves through given poses.
 
 Read in this order:
 

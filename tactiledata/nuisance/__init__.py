@@ -1,4 +1,4 @@
-"""Which differences between measured and simulated wrenches are no physics of the gel?
+"""Nuisances: which differences between measured and simulated wrenches are no physics of the gel.
 
 Every fit must allow for them. Each module answers for one cause; the order is that of a reading:
 

@@ -49,6 +49,7 @@ class WrenchNoise:
 
     @cached_property
     def _whitening(self) -> Array:
+        """Matrix (6, 6) by which wrenches are multiplied from the right."""
         return np.linalg.inv(np.linalg.cholesky(self.covariance * self.inflation)).T
 
 

@@ -1,4 +1,4 @@
-"""The gel's outer surface as optics needs it: nodes and triangles, without the volume below."""
+"""Outer surface of the gel: nodes and triangles, without the volume below."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from tactiledata.store.read.meshes import PadArrays
 
 @dataclass(frozen=True)
 class GelSurface:
-    """The undeformed surface; ``triangles`` number the rows of a batch of displacements.
+    """Undeformed outer surface of a gel; its nodes are the rows of a displacement.
 
     Parameters
     ----------
     places : (k, 3)
         Resting places of the nodes that displacements belong to, m, gel frame.
     triangles : (t, 3)
-        The outer surface, rows of ``places``.
+        Corners of each triangle, as rows of ``places``.
     """
 
     places: NDArray[np.float64]
@@ -28,12 +28,12 @@ class GelSurface:
 
     @classmethod
     def of_pad(cls, pad: PadArrays, number: int = 0) -> GelSurface:
-        """The surface of one of a stored mesh's pads, over the nodes that the store keeps.
+        """Return the surface of one of a stored mesh's pads, over the nodes that the store keeps.
 
         Raises
         ------
         UsageError
-            No such pad, or nodes of the surface were not kept.
+            The mesh has no pad of this number, or the store does not keep all nodes of the surface.
         """
         if not 0 <= number < len(pad.vertices):
             raise UsageError(f"pad {number}", f"0 to {len(pad.vertices) - 1}", "")
@@ -49,20 +49,20 @@ class GelSurface:
         return cls(np.asarray(pad.vertices[number][pad.kept], np.float64), triangles)
 
     def deformed(self, displacement: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Places (k, 3) of the nodes after a displacement (k, 3), m.
+        """Return the places (k, 3), m, of the nodes after a displacement (k, 3), m.
 
         Raises
         ------
         UsageError
-            Another number of nodes, or NaN.
+            The displacement has another number of nodes, or holds NaN.
         """
-        moved = np.asarray(displacement, np.float64)
-        if moved.shape != self.places.shape:
+        values = np.asarray(displacement, np.float64)
+        if values.shape != self.places.shape:
             raise UsageError(
-                f"a displacement of shape {moved.shape}",
+                f"a displacement of shape {values.shape}",
                 f"{self.places.shape}, as this surface has nodes",
                 "Was the model made for another mesh?",
             )
-        if not np.isfinite(moved).all():
+        if not np.isfinite(values).all():
             raise UsageError("a displacement with NaN: this frame has no mesh", "finite numbers", "Leave it out.")
-        return self.places + moved
+        return self.places + values

@@ -1,4 +1,4 @@
-"""Taxim's table: the change of colour at a pixel, as a quadratic of its place, by the slope of the gel there."""
+"""Taxim's table: change of colour at a pixel, as a quadratic of its place for each slope of the gel there."""
 
 from __future__ import annotations
 
@@ -14,26 +14,29 @@ from tactiledata.arrays import Array
 from tactiledata.errors import MissingFile, SchemaError, UsageError
 
 TERMS = 6
-"""u², v², u v, u, v, 1."""
+"""Number of terms of a quadratic: u², v², u v, u, v, 1."""
 
 
 @dataclass(frozen=True)
 class TaximTable:
-    """Colour by slope and place (Si and Yuan, Taxim, 2022, section III-B).
+    """Change of colour by slope and place (Si and Yuan, Taxim, 2022, section III-B).
 
-    The slope's angle against the flat gel, 0 to pi/2, and its direction, -pi to pi, each fall into equal bins. Each
+    The slope's angle against the flat gel, 0 to pi/2, and its direction, -pi to pi, are divided into equal bins. Each
     bin has, for each channel, a quadratic of the pixel's place: ``a u² + b v² + c u v + d u + e v + f``, in grey
-    levels. Here u and v run from -1 to 1 over the picture, along columns and rows: one table serves pictures of any
-    size.
-
-    Flat gel, the first bin of the angle, changes nothing, whatever the table says of it.
+    levels. Here u and v run from -1 to 1 over the picture, along columns and rows, so that one table serves pictures
+    of any size. Flat gel, the first bin of the angle, never changes the colour, whatever its coefficients.
 
     Parameters
     ----------
     coefficients : (angles, directions, 3, 6)
-        RGB.
+        Coefficients a to f of each bin, for R, G and B.
     origin : str
-        Where it comes from, for tables and reports.
+        Source of the table, for tables and reports.
+
+    Raises
+    ------
+    UsageError
+        Another shape, or coefficients that are not finite.
     """
 
     coefficients: Array
@@ -52,9 +55,9 @@ class TaximTable:
         return self.coefficients.shape[0], self.coefficients.shape[1]
 
     def change(self, slopes: Any) -> NDArray[np.float32]:
-        """Change of colour (rows, columns, 3), grey levels, that slopes (rows, columns, 2) cause.
+        """Return the change of colour (rows, columns, 3), grey levels, that slopes (rows, columns, 2) cause.
 
-        ``slopes`` are those of the indentation along columns and rows, m/m, as ``height_map.slopes`` gives them.
+        ``slopes`` are those of the indentation to the next column and row, m/m, as ``height_map.slopes`` returns.
         """
         angle, direction = slope_bins(slopes, self.bins)
         change = np.zeros((*angle.shape, 3), np.float32)
@@ -65,28 +68,32 @@ class TaximTable:
 
     @cached_property
     def _single(self) -> NDArray[np.float32]:
+        """Coefficients in single precision."""
         return self.coefficients.astype(np.float32)
 
     def save(self, path: Path) -> None:
-        """Write the table (.npz)."""
+        """Write the table to an .npz file."""
         np.savez_compressed(path, coefficients=self.coefficients.astype(np.float32), origin=np.array(self.origin))
 
     @classmethod
     def load(cls, path: Path) -> TaximTable:
-        """A table that ``save`` wrote.
+        """Read a table that ``save`` wrote.
 
         Raises
         ------
-        MissingFile, SchemaError
+        MissingFile
+            The file does not exist.
+        SchemaError
+            The file holds no table.
         """
         arrays = _arrays(Path(path), ("coefficients", "origin"))
         return cls(arrays["coefficients"].astype(np.float64), str(arrays["origin"]))
 
 
 def slope_bins(slopes: Any, bins: tuple[int, int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Bin of the angle and of the direction of slopes (..., 2).
+    """Return the bins (...) of the angle and of the direction of slopes (..., 2), m/m.
 
-    As in the published tables the last bin of each holds only the end of its range: n bins of width range / (n - 1).
+    As in the published tables the last bin holds only the end of its range: n bins have the width range / (n - 1).
     """
     along, down = np.moveaxis(np.asarray(slopes, np.float32), -1, 0)
     angle = np.arctan(np.hypot(along, down)) / (np.pi / 2) * (bins[0] - 1)
@@ -96,28 +103,32 @@ def slope_bins(slopes: Any, bins: tuple[int, int]) -> tuple[NDArray[np.intp], ND
 
 
 def place_terms(shape: tuple[int, int]) -> NDArray[np.float32]:
-    """The six terms (rows, columns, 6) of every pixel's place."""
+    """Return the six terms u², v², u v, u, v, 1 (rows, columns, 6) of every pixel's place."""
     v, u = np.meshgrid(*((np.arange(size) + 0.5) / size * 2 - 1 for size in shape), indexing="ij")
     return np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=-1).astype(np.float32)
 
 
 PUBLISHED_SHAPE = (480, 640)
-"""Rows and columns of the pictures from which the published DIGIT table was made: lying on their side."""
+"""Rows and columns of the pictures, turned on their side, from which the published DIGIT table was made."""
 
 
 def published_digit_table(path: Path | None = None) -> TaximTable:
-    """The DIGIT table that was published with Taxim, for upright pictures; bundled (``taxim_digit/NOTICE.md``).
+    """Return the DIGIT table published with Taxim, turned to upright pictures.
+
+    The package holds the file (``taxim_digit/NOTICE.md``).
 
     The file counts places and directions in pictures that lie on their side (480 x 640: an upright picture turned
     clockwise). Turning back is exact: a quadratic stays one under a change of coordinates, and a quarter turn is a
-    whole number of bins. Its ``grad_r`` is the first channel of a BGR picture: only so are balls orange above and blue
-    below, as in real DIGIT contacts. What it says of a flat gel, up to 116 grey levels in the corners, is taken off,
-    so that a background stays what it is where nothing touches.
+    whole number of bins. Its ``grad_r`` is the first channel of a BGR picture: only then are balls orange above and
+    blue below, as in real DIGIT contacts. Its coefficients of a flat gel, up to 116 grey levels in the corners, are
+    subtracted, so that a picture without contact is the background.
 
     Raises
     ------
-    MissingFile, SchemaError
-        No such file, or another content.
+    MissingFile
+        The file does not exist.
+    SchemaError
+        The file holds no such table.
     """
     path = Path(__file__).parent / "taxim_digit" / "polycalib.npz" if path is None else Path(path)
     arrays = _arrays(path, ("bins", "grad_r", "grad_g", "grad_b"))
@@ -144,11 +155,15 @@ def published_digit_table(path: Path | None = None) -> TaximTable:
 
 
 def _substituted(coefficients: Array, x: tuple[float, float, float], y: tuple[float, float, float]) -> Array:
-    """Quadratics of (x, y), rewritten for x = x0 u + x1 v + x2 and y alike."""
+    """Coefficients of quadratics of (x, y), rewritten as quadratics of (u, v).
+
+    x = x0 u + x1 v + x2, and y likewise.
+    """
     terms = np.zeros((TERMS, TERMS))  # old terms as sums of new ones
 
-    def product(one: tuple[float, float, float], other: tuple[float, float, float]) -> list[float]:
-        (a, b, c), (d, e, f) = one, other
+    # squares and product of x and y, without the constant's row above
+    def product(first: tuple[float, float, float], second: tuple[float, float, float]) -> list[float]:
+        (a, b, c), (d, e, f) = first, second
         return [a * d, b * e, a * e + b * d, a * f + c * d, b * f + c * e, c * f]
 
     terms[0], terms[1], terms[2] = product(x, x), product(y, y), product(x, y)
@@ -157,6 +172,7 @@ def _substituted(coefficients: Array, x: tuple[float, float, float], y: tuple[fl
 
 
 def _arrays(path: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """Read arrays from an .npz file; refuse a file that is missing or lacks one of them."""
     if not path.is_file():
         raise MissingFile(f"no table at {path}", "an .npz with a Taxim table", "", path=str(path))
     try:

@@ -1,4 +1,4 @@
-"""Which point of the gel each pixel of a picture sees."""
+"""Camera behind the gel: the map between pixels of a picture and points of the gel."""
 
 from __future__ import annotations
 
@@ -19,10 +19,15 @@ class View:
     Parameters
     ----------
     shape : (rows, columns)
-        Of the picture.
+        Size of the picture.
     gel_from_pixel : (3, 3)
         ``[w x, w y, w] = gel_from_pixel @ [column, row, 1]``: metres, gel frame; pixel centres are whole numbers. An
         affine camera has ``[0, 0, 1]`` as its last row.
+
+    Raises
+    ------
+    UsageError
+        A matrix that is not invertible.
     """
 
     shape: tuple[int, int]
@@ -36,17 +41,17 @@ class View:
 
     @classmethod
     def nominal(cls, sensor: Sensor, shape: tuple[int, int] | None = None, mirrored: bool = True) -> View:
-        """The view that the sensor model states: centred, upright.
+        """Return the view that a sensor model states: centred and upright.
 
         Parameters
         ----------
         sensor : Sensor
-            A tactile one.
+            A tactile sensor with a camera.
         shape : (rows, columns), optional
-            Of the picture; the sensor's own unless stated.
+            Size of the picture; by default that of the sensor.
         mirrored : bool
-            Columns run along gel x: the camera stands behind the gel, so that its picture is the mirror image of what
-            one sees from outside, where columns run against x. Rows run along gel y in both.
+            Columns run along gel x, as the camera behind the gel sees it; otherwise against gel x, as an observer in
+            front sees it. Rows run along gel y in both.
 
         Raises
         ------
@@ -71,31 +76,31 @@ class View:
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether the picture is seen from behind the gel: columns and rows turn like gel x and y."""
+        """Whether the picture is seen from behind the gel, so that columns and rows have the sense of gel x and y."""
         return bool(np.linalg.det(self.gel_from_pixel[:2, :2]) > 0)
 
     @property
     def pitches(self) -> tuple[float, float]:
-        """Metres on the gel from a pixel in the middle to the next column, and to the next row."""
+        """Distances on the gel, m, from the picture's middle to the next column and to the next row."""
         middle = np.array([(self.shape[1] - 1) / 2, (self.shape[0] - 1) / 2])
-        here, across, down = self.points_at(middle + np.array([[0, 0], [1, 0], [0, 1]]))
-        return float(np.linalg.norm(across - here)), float(np.linalg.norm(down - here))
+        centre, across, down = self.points_at(middle + np.array([[0, 0], [1, 0], [0, 1]]))
+        return float(np.linalg.norm(across - centre)), float(np.linalg.norm(down - centre))
 
     def points_at(self, pixels: NDArray[np.floating]) -> Array:
-        """Gel points (..., 2), metres, that pixels (..., 2) see; a pixel is (column, row)."""
+        """Return the gel points (..., 2), m, that pixels (..., 2) see; a pixel is (column, row)."""
         return _mapped(self.gel_from_pixel, pixels)
 
     def pixels_at(self, points: NDArray[np.floating]) -> Array:
-        """Pixels (..., 2), (column, row), that see gel points (..., 2)."""
+        """Return the pixels (..., 2), (column, row), that see gel points (..., 2), m."""
         return _mapped(np.linalg.inv(self.gel_from_pixel), points)
 
     def points(self) -> Array:
-        """Gel point (rows, columns, 2) of every pixel."""
+        """Return the gel point (rows, columns, 2), m, of every pixel."""
         columns, rows = np.meshgrid(np.arange(self.shape[1]), np.arange(self.shape[0]))
         return self.points_at(np.stack([columns, rows], axis=-1).astype(np.float64))
 
     def scaled(self, shape: tuple[int, int]) -> View:
-        """The same camera with pictures of another size; the edges of the picture stay where they are."""
+        """Return the same camera with pictures of another size; the picture's edges keep their places on the gel."""
         if tuple(shape) == self.shape:
             return self
         across, down = self.shape[1] / shape[1], self.shape[0] / shape[0]
@@ -104,6 +109,7 @@ class View:
 
 
 def _mapped(matrix: NDArray[np.floating], places: NDArray[np.floating]) -> Array:
+    """Places (..., 2) under a projective map (3, 3)."""
     mapped = np.asarray(places, np.float64) @ matrix[:, :2].T + matrix[:, 2]
     result: Array = mapped[..., :2] / mapped[..., 2:]
     return result

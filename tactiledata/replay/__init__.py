@@ -1,4 +1,4 @@
-"""Which mesh, contact and wrench does the simulated gel have at every frame of a store's recorded trajectories?
+"""Replay: which mesh, contact and wrench the simulated gel has at every frame of a store's trajectories.
 
 Read in this order:
 

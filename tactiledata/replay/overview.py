@@ -25,7 +25,17 @@ IN_CONTACT = HAS_MESH[0]
 
 
 def write_replay_page(store: Store, name: str, out: Path) -> Path:
-    """Write the page ``replay-<name>.html`` of a mesh to a folder, which is made if needed; return its path."""
+    """Write the page ``replay-<name>.html`` of a mesh, and return its path.
+
+    Parameters
+    ----------
+    store : Store
+        A store with meshes.
+    name : str
+        Name of the mesh.
+    out : Path
+        Folder of the page; it is made if needed.
+    """
     path = out / f"replay-{name}.html"
     footer = f"tactiledata {__version__}; store digest {store.digest}; mesh digest {store.mesh(name).facts['digest']}"
     sections = [mesh_section(store, name)]
@@ -114,7 +124,17 @@ def _chosen(store: Store, mesh: StoredMesh) -> list[int]:
 
 
 def replayed_touch(store: Store, mesh: StoredMesh, row: int) -> ReplayedTouch:
-    """Return what is drawn of the trajectory in a row of the store's table: forces over time, and the deformed pad."""
+    """Return what is drawn of one trajectory: forces over time, and the deformed pad.
+
+    Parameters
+    ----------
+    store : Store
+        Gives times and measured forces.
+    mesh : StoredMesh
+        Gives simulated forces and displacements.
+    row : int
+        Row of the trajectory in the store's table.
+    """
     facts = store.trajectories().slice(row, 1).to_pylist()[0]
     frames = np.arange(facts["frame_start"], facts["frame_stop"])
     seconds = (store.frames(["t_ns"])["t_ns"].to_numpy()[frames] - facts["start_ns"]) / 1e9

@@ -1,4 +1,4 @@
-"""Where does an indenter press the gel at each pose of its path, and with which forces?
+"""Contact: where an indenter presses the gel at each pose of its path, and with which forces.
 
 Contact is unilateral with Coulomb friction, so each frame depends on those before it. Read in this order:
 

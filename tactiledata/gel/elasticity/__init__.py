@@ -1,4 +1,4 @@
-"""Which forces does a deformation of the pad need, and how does its surface move under loads?
+"""Elasticity: which forces a deformation of the pad needs, and how its surface moves under loads.
 
 Read in this order:
 

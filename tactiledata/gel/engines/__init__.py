@@ -1,4 +1,4 @@
-"""How is a whole trajectory solved on a finite-element pad?
+"""Finite-element engines: how whole trajectories are solved on a pad.
 
 Read in this order:
 

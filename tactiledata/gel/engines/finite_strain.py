@@ -109,6 +109,7 @@ class LoadStepSolve:
             self._mix(displacement, forces)
 
     def _accept_step(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
+        """Take an equilibrium, record the frame that it completes, and start the next step."""
         before = self.trajectory.path.state
         self._stride = (displacement - before.displacement, forces - before.forces)
         self.trajectory.path.accept_step(displacement, forces, gaps)
@@ -127,6 +128,7 @@ class LoadStepSolve:
         self.forces = mixed[size:].reshape(forces.shape)
 
     def _forget(self) -> None:
+        """Drop what the acceleration and the extrapolation remember of earlier steps."""
         self._mixer.forget()
         self._stride = None
 
@@ -188,6 +190,7 @@ class FiniteStrainSolver:
 
         # contact forces at the present displacements, taken off the unbalanced forces
         def press(row: int) -> tuple[Array, Array]:
+            """Patch forces (m, 3), m^2, and gaps (m,), m, of one trajectory."""
             forces, gaps = active[row].trajectory.path.press(
                 displacement[row], active[row].forces, SWEEPS, FORCE_TOLERANCE / 10
             )
@@ -200,6 +203,7 @@ class FiniteStrainSolver:
         image = displacement - self._pad.solve_roughly(unbalanced, threads)
 
         def judge(row: int) -> None:
+            """Give one trajectory the result of the iteration."""
             forces, gaps = pressed[row]
             largest = float(np.abs(forces).max())
             residual = float(np.abs(unbalanced[row]).max()) / largest if largest > 0 else 0.0

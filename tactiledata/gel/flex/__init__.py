@@ -1,4 +1,4 @@
-"""What does another solver, MuJoCo's soft body, answer for the same pad and touches?
+"""MuJoCo's soft body: what another solver answers for the same pad and touches.
 
 It is an independent check of ``gel.engines``, too stiff to work with. Read in this order:
 

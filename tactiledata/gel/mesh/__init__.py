@@ -1,4 +1,4 @@
-"""Of which cells does the pad consist, and which of its surface can be touched?
+"""Mesh: of which cells a pad consists, and which part of its surface can be touched.
 
 Read in this order:
 

@@ -109,6 +109,7 @@ def _graded(half: float, count: int, spacing: float, uniform: float) -> Array:
 
     # the intervals grow by a constant ratio, such that the last one ends at the rim
     def excess(ratio: float) -> float:
+        """Distance, m, by which the last interval ends beyond the rim."""
         return float(start + spacing * sum(ratio**k for k in range(1, outer + 1)) - half)
 
     ratio = brentq(excess, 1.0, 10.0)

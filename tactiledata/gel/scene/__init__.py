@@ -1,4 +1,4 @@
-"""What does one moment of a touch look like, with arm, sensor, gel and indenter in their places?
+"""Scene: what one moment of a touch looks like, with arm, sensor, gel and indenter in their places.
 
 Read in this order:
 

@@ -79,6 +79,7 @@ class GelScene:
 
     @cached_property
     def _compiled(self) -> tuple[Any, Any]:
+        """MuJoCo's model and data, with the bodies placed."""
         mujoco = load_mujoco("the scene")
         model = mujoco.MjModel.from_xml_string(self.mjcf)
         data = mujoco.MjData(model)
