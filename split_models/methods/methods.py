@@ -162,7 +162,7 @@ def nosplit_mesh(recipe_run: RecipeRun) -> ImageToMesh:
 
 
 def split_mesh(recipe_run: RecipeRun) -> ImageToMesh:
-    """SPLIT: the background's latent vector is subtracted from the picture's, and the result is projected onto the mesh's."""
+    """SPLIT: the picture's latent vector minus the background's is projected onto the mesh's."""
     return _image_to_mesh(recipe_run, is_split=True)
 
 

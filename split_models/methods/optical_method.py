@@ -61,7 +61,7 @@ class OpticalMethod:
         return pictures
 
     def steps(self, background: NDArray[np.uint8]) -> list[tuple[str, Callable[[Any], Any]]]:
-        """The steps of `predict` for one displacement (1, k, 3) as named functions; the gel at rest is rendered once."""
+        """The steps of `predict` for one displacement (1, k, 3) as named functions; the gel at rest is drawn once."""
         view = self.view.scaled((background.shape[0], background.shape[1]))
         drawn, base = Indentation(self.surface, view), background.astype(np.float32)
 

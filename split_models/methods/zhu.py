@@ -1,4 +1,4 @@
-"""Zhu et al. 2022 as a baseline: a graph network from pictures to meshes, adapted to real pictures without their meshes.
+"""Zhu et al. 2022 as a baseline: a graph network from pictures to meshes, adapted to real pictures without meshes.
 
 Source: Zhu et al., Learning to synthesize volumetric meshes from vision-based tactile imprints, 2022. A network is
 trained on imprints that are rendered of simulated meshes, with augmentation. On real pictures it is trained without
