@@ -205,12 +205,12 @@ def load_checkpoint(path: Path) -> Checkpoint:
     )
 
 
-def require_stamps(found: TrainedOn, expected: TrainedOn, where: str) -> None:
+def require_stamps(stamps: TrainedOn, expected: TrainedOn, where: str) -> None:
     """Refuse weights that were trained on other data, or by another recipe, than the present ones.
 
     Parameters
     ----------
-    found : TrainedOn
+    stamps : TrainedOn
         Digests in the checkpoint.
     expected : TrainedOn
         Digests of the present recipe and data.
@@ -222,7 +222,7 @@ def require_stamps(found: TrainedOn, expected: TrainedOn, where: str) -> None:
     CheckpointError
         A digest differs; the message names which.
     """
-    differing = found.differing(expected)
+    differing = stamps.differing(expected)
     if not differing:
         return
     words = {
@@ -232,7 +232,7 @@ def require_stamps(found: TrainedOn, expected: TrainedOn, where: str) -> None:
         "topology": "the mesh topology",
     }
     listed = ", ".join(words[name] for name in differing)
-    values = ", ".join(f"{name} {getattr(found, name)[:12] or 'none'}" for name in differing)
+    values = ", ".join(f"{name} {getattr(stamps, name)[:12] or 'none'}" for name in differing)
     expected_values = ", ".join(f"{name} {getattr(expected, name)[:12] or 'none'}" for name in differing)
     raise CheckpointError(
         f"{where} was made with another state of {listed} ({values})",

@@ -1,7 +1,7 @@
-"""ACROSS' path as a baseline: a mesh goes through the mesh VAE, and Taxim draws what comes out.
+"""ACROSS as a baseline: the mesh VAE encodes and decodes a mesh, and Taxim renders the decoded mesh.
 
 Source: Zai El Amri et al., ACROSS, 2025: deformations are decoded from a latent vector of a mesh VAE and rendered by
-Taxim. Its first half, from a BioTac's signals to that vector, has nothing to say here.
+Taxim. ACROSS obtains that vector from the signals of a BioTac; that half of the method has no counterpart here.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ class AcrossMethod:
     Parameters
     ----------
     mesh_vae : MeshVae
-    taxim : TaximMethod
-        On the same mesh.
+    taxim : OpticalMethod
+        Taxim for the same mesh.
     name : str
+        Name of the row in tables.
     """
 
     mesh_vae: MeshVae
@@ -39,7 +40,7 @@ class AcrossMethod:
         Raises
         ------
         UsageError
-            Meshes of another topology than the VAE's, or NaN.
+            The meshes have another number of vertices than the VAE's, or displacements are NaN.
         """
         latent = encode_displacements(self.mesh_vae, np.asarray(displacements, np.float32))
         return self.taxim.predict(decode_displacements(self.mesh_vae, latent), background)

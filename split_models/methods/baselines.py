@@ -21,25 +21,29 @@ from tactiledata.optics.view import View
 from tactiledata.sensors.digit import DIGIT
 
 LEAST_TOUCHES = 8
-"""Of a unit in a part of the split; with fewer, another part is looked at."""
+"""Touches of a unit in a part of the split that suffice; with fewer, further parts are searched."""
 MOST_TOUCHES = 40
+"""Largest number of touches that a unit is calibrated on."""
 
 Calibrate = Callable[[GelSurface, View, Sequence[Touch]], OpticalMethod]
+"""A function of surface, view and touches that gives a calibrated method."""
 
 
 @dataclass
 class PerUnit:
-    """A method that is registered and calibrated for each unit on touches of that unit.
+    """A method that is registered and calibrated for each unit (single sensor) on touches of that unit.
 
-    A unit that is in no other part is calibrated on touches of the part that it is tested on: that favours this method,
-    and is what its authors ask for.
+    A unit that is in no other part is calibrated on touches of the part that it is tested on. That favours the method,
+    and is what its authors prescribe.
 
     Parameters
     ----------
     name : str
+        Name of the row in tables.
     recipe_run : RecipeRun
+        The run whose frames are calibrated on.
     calibrate : callable
-        Surface, view and touches -> method.
+        Function of surface, view and touches that gives a method.
     """
 
     name: str
@@ -48,12 +52,12 @@ class PerUnit:
     _units: dict[str, OpticalMethod] = field(default_factory=dict)
 
     def for_sensor(self, sensor: str) -> OpticalMethod:
-        """The method of a unit.
+        """The method calibrated for a unit; each unit is calibrated once.
 
         Raises
         ------
         TactileDataError
-            Its touches do not show where the camera is.
+            The camera cannot be registered on the unit's touches.
         """
         if sensor not in self._units:
             surface, touches = surface_of(self.recipe_run), unit_touches(self.recipe_run, sensor)
@@ -63,18 +67,21 @@ class PerUnit:
         return self._units[sensor]
 
     def predict(self, displacements: Any, background: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Refused: which unit it is must be said."""
-        raise UsageError(f"{self.name} without a unit", "`for_sensor(sensor).predict(…)`", "It is calibrated by unit.")
+        """Refuse to predict for an unknown unit: the method must first be chosen by `for_sensor`."""
+        raise UsageError(f"{self.name} without a unit", "`for_sensor(sensor).predict(…)`", "Calibration is by unit.")
 
 
 def surface_of(recipe_run: RecipeRun) -> GelSurface:
-    """The surface of the store's mesh."""
+    """The undeformed gel surface of the mesh of a recipe's store."""
     frames = recipe_run.frames("train")
     return GelSurface.of_pad(frames.arrays.store.mesh(frames.mesh_name).pad())
 
 
 def unit_touches(recipe_run: RecipeRun, sensor: str) -> list[Touch]:
-    """A frame of each of a unit's trajectories, the one that is deformed most; of train where the unit is there.
+    """Touches of a unit to calibrate on: of each of its trajectories the frame with the largest displacement.
+
+    The train part is searched first, then the parts of the table; the search ends at `LEAST_TOUCHES` touches, else the
+    part with the most touches is taken.
 
     Raises
     ------
@@ -86,15 +93,15 @@ def unit_touches(recipe_run: RecipeRun, sensor: str) -> list[Touch]:
         frames = recipe_run.frames(part)
         mine = np.flatnonzero(frames.sensors == sensor)
         names = list(dict.fromkeys(frames.trajectories[mine]))[:MOST_TOUCHES]
-        found = []
+        touches = []
         for name in names:
             numbers = mine[frames.trajectories[mine] == name]
             moved = frames.displacements(numbers)
             deepest = int(np.linalg.norm(moved, axis=2).max(axis=1).argmax())
             picture = frames.pictures(numbers[deepest : deepest + 1])[0]
-            found.append(Touch(picture, frames.background(sensor), moved[deepest]))
-        if len(found) > len(best):
-            best = found
+            touches.append(Touch(picture, frames.background(sensor), moved[deepest]))
+        if len(touches) > len(best):
+            best = touches
         if len(best) >= LEAST_TOUCHES:
             break
     if not best:
@@ -103,25 +110,25 @@ def unit_touches(recipe_run: RecipeRun, sensor: str) -> list[Touch]:
 
 
 def taxim_published(recipe_run: RecipeRun) -> OpticalMethod:
-    """Taxim with the published DIGIT table and the nominal camera."""
+    """Taxim with the published DIGIT table and the nominal camera, on the recipe's mesh."""
     return taxim_method.taxim_published(surface_of(recipe_run))
 
 
 def taxim_calibrated(recipe_run: RecipeRun) -> PerUnit:
-    """Taxim registered and calibrated for each unit."""
+    """Taxim, registered and calibrated for each unit of a recipe's store."""
     return PerUnit("taxim_calibrated", recipe_run, taxim_method.taxim_calibrated)
 
 
 def fots_published(recipe_run: RecipeRun) -> OpticalMethod:
-    """FOTS' network taught by the published DIGIT table, and the nominal camera."""
+    """FOTS with a network trained on the published DIGIT table and the nominal camera, on the recipe's mesh."""
     return fots.fots_published(surface_of(recipe_run))
 
 
 def fots_calibrated(recipe_run: RecipeRun) -> PerUnit:
-    """FOTS registered and calibrated for each unit."""
+    """FOTS, registered and calibrated for each unit of a recipe's store."""
     return PerUnit("fots_calibrated", recipe_run, fots.fots_calibrated)
 
 
 def across(recipe_run: RecipeRun) -> AcrossMethod:
-    """ACROSS: the mesh VAE, and Taxim with the published table."""
+    """ACROSS: the recipe's mesh VAE, and Taxim with the published table."""
     return AcrossMethod(recipe_run.mesh_vae, taxim_published(recipe_run))

@@ -1,7 +1,7 @@
-"""Both projections learned together, so that going forth and back changes nothing; beyond the paper.
+"""Both projections trained together, so that mesh to picture to mesh is the identity; beyond the paper.
 
-The plain projections learn from latent vectors of recorded pictures and simulated meshes only. In a cycle each of them
-is given what the other one made, after it was decoded and encoded again.
+The plain projections are trained on latent vectors of recorded pictures and simulated meshes only. In a cycle each of
+them also gets the output of the other one, after it was decoded and encoded again.
 """
 
 from __future__ import annotations
@@ -28,11 +28,13 @@ from split_models.networks.projection import Projection
 from split_models.recipe.recipe_run import RecipeRun
 
 MESHES, PICTURES = "mesh_again", "deformation_again"
+"""Names in a batch of latent vectors that were decoded and encoded again."""
 CHUNK = 256
+"""Frames that are decoded and encoded together."""
 
 
 class CyclePair(Network):
-    """The projection from meshes to the deformation's picture, and the one back.
+    """Two projections: ``forth`` from the mesh's latent space to the deformation's, and ``back``.
 
     Parameters
     ----------
@@ -49,20 +51,20 @@ class CyclePair(Network):
 
 
 class CycleObjective(Objective):
-    """Squared errors of both projections, of going forth and back, and of what is made of their own outputs.
+    """Squared errors of both projections, of one after the other, and of both on their own re-encoded outputs.
 
-    Errors are shares of the variance of what they are errors of: the vectors of pictures vary far less than those of
-    meshes, and going back would weigh on the way forth more than the pictures themselves.
+    Each error is a share of the variance of its target. The vectors of pictures vary far less than those of meshes;
+    without the scaling the errors of meshes would dominate.
 
     Parameters
     ----------
     network : CyclePair
     weight : float
-        Of going forth and back in latent space.
+        Weight of the cycle error: one projection after the other, in latent space.
     own_weight : float
-        Of latent vectors that were decoded and encoded again; 0 asks for none in a batch.
+        Weight of the error on latent vectors that were decoded and encoded again; with 0 a batch needs none.
     variances : (mesh, deformation)
-        Of the latent vectors of the train part.
+        Variances of the train part's latent vectors.
     """
 
     def __init__(
@@ -74,7 +76,7 @@ class CycleObjective(Objective):
         self.of_mesh, self.of_picture = variances
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
-        """``loss``, ``error`` of the plain projections, ``cycle``, and ``own`` where it is asked for."""
+        """Scalars ``loss``, ``error`` of the plain projections, ``cycle``, and ``own`` where it has a weight."""
         mesh, picture = batch["mesh"], batch["deformation"]
         forth, back = self.pair.forth(mesh), self.pair.back(picture)
         error = self._both(forth, picture, back, mesh)
@@ -82,7 +84,7 @@ class CycleObjective(Objective):
         losses = {"loss": error + self.weight * cycle, "error": error.detach(), "cycle": cycle.detach()}
         if self.own_weight:
             walks = batch[MESHES].shape[1]
-            pictures, meshes = (one.repeat_interleave(walks, dim=0) for one in (picture, mesh))
+            pictures, meshes = (latents.repeat_interleave(walks, dim=0) for latents in (picture, mesh))
             forth, back = (batch[name].flatten(0, 1) for name in (MESHES, PICTURES))
             own = self._both(self.pair.forth(forth), pictures, self.pair.back(back), meshes)
             losses["loss"] = losses["loss"] + self.own_weight * own
@@ -90,13 +92,16 @@ class CycleObjective(Objective):
         return losses
 
     def _both(self, pictures: Tensor, true_pictures: Tensor, meshes: Tensor, true_meshes: Tensor) -> Tensor:
-        """Of both kinds of vectors together, as shares of their variance."""
+        """Sum of the mean squared errors of pictures' and meshes' latent vectors, each as a share of the variance."""
         of_pictures = nn.functional.mse_loss(pictures.float(), true_pictures) / self.of_picture
         return of_pictures + nn.functional.mse_loss(meshes.float(), true_meshes) / self.of_mesh
 
 
 def cycle_pair(recipe_run: RecipeRun, learns_own: bool) -> CyclePair:
-    """The pair of a recipe, from its plain projections; with what they make of their own outputs, or without."""
+    """The pair of projections of a recipe, trained together; training starts from its plain projections.
+
+    With ``learns_own`` the pair is also trained on its own outputs, decoded and encoded again.
+    """
     section = recipe_run.recipe.models["cycle"]
     forth, back = recipe_run.projection("mesh_to_image", True), recipe_run.projection("image_to_mesh", True)
     keys = recipe_run.kept.keys
@@ -120,7 +125,18 @@ def cycle_pair(recipe_run: RecipeRun, learns_own: bool) -> CyclePair:
 
 
 def cycle_items(recipe_run: RecipeRun, part: str, forth: Projection, back: Projection, learns_own: bool) -> TensorItems:
-    """Latent vectors of a part: ``mesh``, ``deformation``, and as they come back from some cycles."""
+    """Latent vectors of a part as items: ``mesh``, ``deformation``, and where asked for re-encoded outputs of cycles.
+
+    Parameters
+    ----------
+    recipe_run : RecipeRun
+    part : str
+        Part of the recipe's split.
+    forth, back : Projection
+        Plain projections from mesh to deformation and back, which make the cycles.
+    learns_own : bool
+        Whether re-encoded outputs are among the items.
+    """
     tensors = {name: recipe_run.latents(part, name) for name in ("mesh", "deformation")}
     if learns_own:
         base = recipe_run.latents(part, "image") - tensors["deformation"]
@@ -132,39 +148,47 @@ def cycle_items(recipe_run: RecipeRun, part: str, forth: Projection, back: Proje
 def around(
     recipe_run: RecipeRun, forth: Projection, back: Projection, deformation: Tensor, base: Tensor
 ) -> dict[str, Tensor]:
-    """Latent vectors (n, cycles, d) of the meshes that are made of pictures, and of the pictures made of these, encoded
-    again in each of some cycles.
+    """Latent vectors (n, cycles, d) of meshes and deformations after each of several cycles, decoded and encoded again.
+
+    A cycle makes meshes of the pictures, and then pictures of these meshes.
 
     Parameters
     ----------
     recipe_run : RecipeRun
     forth, back : Projection
+        From mesh to deformation, and back.
     deformation, base : (n, d)
         Latent vectors of the pictures' deformations, and of their backgrounds.
+
+    Returns
+    -------
+    dict of Tensor
+        ``mesh_again`` and ``deformation_again``.
     """
     walks: dict[str, list[Tensor]] = {MESHES: [], PICTURES: []}
     for cycle in range(recipe_run.recipe.models["cycle"]["walks"]):
         meshes, pictures = [], []
         for start in range(0, len(base), CHUNK):
             recipe_run.tell(start, len(base), f"cycle_pair: cycle {cycle + 1}")
-            some = slice(start, start + CHUNK)
-            moved = decode_displacements(recipe_run.mesh_vae, project(back, deformation[some]))
+            # picture to mesh and back to a picture; each is decoded and encoded again
+            chunk = slice(start, start + CHUNK)
+            moved = decode_displacements(recipe_run.mesh_vae, project(back, deformation[chunk]))
             meshes.append(encode_displacements(recipe_run.mesh_vae, moved))
-            shown = decode_pictures(recipe_run.image_vae, project(forth, meshes[-1]) + base[some])
-            pictures.append(encode_pictures(recipe_run.image_vae, shown) - base[some])
+            shown = decode_pictures(recipe_run.image_vae, project(forth, meshes[-1]) + base[chunk])
+            pictures.append(encode_pictures(recipe_run.image_vae, shown) - base[chunk])
         deformation = torch.cat(pictures)
         walks[MESHES].append(torch.cat(meshes))
         walks[PICTURES].append(deformation)
-    return {name: torch.stack(found, dim=1) for name, found in walks.items()}
+    return {name: torch.stack(cycles, dim=1) for name, cycles in walks.items()}
 
 
 def split_cycle(recipe_run: RecipeRun) -> LatentMeshToImage:
-    """SPLIT's pictures of meshes by projections that were learned together."""
+    """SPLIT from meshes to pictures, with projections that were trained together."""
     pair = cycle_pair(recipe_run, learns_own=True)
     return LatentMeshToImage("split_cycle", recipe_run.mesh_vae, recipe_run.image_vae, pair.forth)
 
 
 def split_cycle_mesh(recipe_run: RecipeRun) -> LatentImageToMesh:
-    """SPLIT's meshes of pictures by projections that were learned together."""
+    """SPLIT from pictures to meshes, with projections that were trained together."""
     pair = cycle_pair(recipe_run, learns_own=True)
     return LatentImageToMesh("split_cycle", recipe_run.image_vae, recipe_run.mesh_vae, pair.back)

@@ -1,4 +1,4 @@
-"""Height maps and imprints of meshes through which gradients pass: a predicted mesh can be held against a picture."""
+"""Height maps and imprints of meshes with gradients, so that a predicted mesh can be compared with a picture."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from tactiledata.optics.surface import GelSurface
 from tactiledata.optics.view import View
 
 ROUNDS = 3
-"""In which it is found which point of the gel has come to lie over a pixel."""
+"""Fixed-point iterations that find the gel point which lies over a pixel after the deformation."""
 ROUNDED = 1e-4
-"""Slope below which an imprint is rounded off, so that flat gel has a gradient."""
+"""Slope below which the root is smoothed, so that flat gel has a gradient."""
 
 
 class DepthRenderer(nn.Module):
     """Indentations (n, 1, rows, columns), metres, of displacements (n, k, 3), metres.
 
-    Displacements are interpolated over the undeformed triangles, and each pixel looks up the point that has come to lie
-    over it. Where the surface does not fold this is `tactiledata.optics.height_map.Indentation`.
+    Displacements are interpolated over the undeformed triangles, and each pixel looks up the point that lies over it
+    after the deformation. Where the surface does not fold, the result is that of
+    `tactiledata.optics.height_map.Indentation`.
     """
 
     rest: Tensor
@@ -31,6 +32,7 @@ class DepthRenderer(nn.Module):
 
     def __init__(self, surface: GelSurface, view: View) -> None:
         super().__init__()
+        # weights that interpolate the values of nodes at each pixel
         self.shape = view.shape
         pixel, which, shares = covered(view.pixels_at(surface.places[:, :2]), surface.triangles, view.shape)
         pixel, first = np.unique(pixel, return_index=True)  # a pixel on a border is covered twice
@@ -48,7 +50,7 @@ class DepthRenderer(nn.Module):
         self.pitches = view.pitches
 
     def forward(self, displacements: Tensor) -> Tensor:
-        """Indentations (n, 1, rows, columns), metres."""
+        """Indentations (n, 1, rows, columns), metres, of displacements (n, k, 3), metres."""
         spread = self.spread(displacements.transpose(0, 1)).permute(1, 2, 0).unflatten(2, self.shape)
         sideways = torch.einsum("sg,ngrc->nrcs", self.to_share, spread[:, :2])
         source = self.places - sideways
@@ -58,7 +60,7 @@ class DepthRenderer(nn.Module):
         return height
 
     def imprint(self, displacements: Tensor, gain: Tensor) -> Tensor:
-        """What a picture shows of meshes (n, 1, rows, columns), 0 to 1: where the gel is steep."""
+        """Imprints (n, 1, rows, columns), 0 to 1, that a picture shows of meshes: bright where the gel is steep."""
         depth = self(displacements)
         along = torch.gradient(depth, spacing=self.pitches[0], dim=3)[0]
         down = torch.gradient(depth, spacing=self.pitches[1], dim=2)[0]
@@ -67,6 +69,6 @@ class DepthRenderer(nn.Module):
 
 
 def _looked_up(values: Tensor, source: Tensor) -> Tensor:
-    """Values (n, c, rows, columns) at places (n, rows, columns, 2), shares of the picture."""
+    """Values (n, c, rows, columns), interpolated at positions (n, rows, columns, 2) in [-1, 1]."""
     batch = values.expand(len(source), -1, -1, -1)
     return nn.functional.grid_sample(batch, source, padding_mode="border", align_corners=True)

@@ -1,4 +1,4 @@
-"""The rows of the tables: methods by name, each built from a recipe's workshop."""
+"""Methods of the tables by name, each built from a recipe's run, and SPLIT, NOSPLIT and the end-to-end network."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from tactiledata.registry import Registry
 
 
 class MeshToImage(Protocol):
-    """Pictures of deformed meshes.
+    """A method that makes pictures of deformed meshes.
 
-    A method that is calibrated for each unit has ``for_sensor(sensor)`` as well, which gives the one for a unit.
+    A method that is calibrated for each unit also has ``for_sensor(sensor)``, which gives the method for that unit.
     """
 
     @property
     def name(self) -> str:
-        """Of its row."""
+        """Name of the method's row in tables."""
 
     def predict(self, displacements: SingleArray, background: PictureArray) -> PictureArray:
         """Pictures (n, h, w, 3), uint8, of displacements (n, v, 3), m, on a background (h, w, 3)."""
 
 
 class ImageToMesh(Protocol):
-    """Deformed meshes of pictures."""
+    """A method that makes deformed meshes of pictures."""
 
     @property
     def name(self) -> str:
-        """Of its row."""
+        """Name of the method's row in tables."""
 
     def predict(self, pictures: PictureArray, background: PictureArray) -> SingleArray:
         """Displacements (n, v, 3), m, of pictures (n, h, w, 3) of a sensor with a background (h, w, 3)."""
@@ -60,7 +60,7 @@ MESH_TO_IMAGE = Registry(
     },
     group="split_models.mesh_to_image",
 )
-"""Name -> function of a workshop that gives a `MeshToImage`."""
+"""Methods by name; each is a function of a `RecipeRun` that gives a `MeshToImage`."""
 
 IMAGE_TO_MESH = Registry(
     "image-to-mesh method",
@@ -74,7 +74,7 @@ IMAGE_TO_MESH = Registry(
     },
     group="split_models.image_to_mesh",
 )
-"""Name -> function of a workshop that gives an `ImageToMesh`."""
+"""Methods by name; each is a function of a `RecipeRun` that gives an `ImageToMesh`."""
 
 TITLES = {
     "no_contact": "target background, no contact",
@@ -102,83 +102,85 @@ TITLES = {
     "projected_nosplit": "projected mesh (NOSPLIT)",
     "projected_split": "projected mesh (SPLIT)",
 }
-"""For people."""
+"""Titles of rows for people; some rows are inputs of force heads."""
 
 
 def mesh_to_image(recipe_run: RecipeRun, row: str) -> MeshToImage:
-    """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
+    """The mesh-to-image method of a row; ``VARIANT:METHOD`` is a method with the networks of a recipe variant."""
     variant, _, name = row.rpartition(":")
-    found: MeshToImage = MESH_TO_IMAGE[name](recipe_run.variant(variant))
-    return found
+    method: MeshToImage = MESH_TO_IMAGE[name](recipe_run.variant(variant))
+    return method
 
 
 def image_to_mesh(recipe_run: RecipeRun, row: str) -> ImageToMesh:
-    """The method of a row; ``VARIANT:METHOD`` is one with the models of a variant of the recipe."""
+    """The image-to-mesh method of a row; ``VARIANT:METHOD`` is a method with the networks of a recipe variant."""
     variant, _, name = row.rpartition(":")
-    found: ImageToMesh = IMAGE_TO_MESH[name](recipe_run.variant(variant))
-    return found
+    method: ImageToMesh = IMAGE_TO_MESH[name](recipe_run.variant(variant))
+    return method
 
 
 def title_of(row: str) -> str:
-    """A row's name for people."""
+    """Title of a row for people, followed by its variant."""
     variant, _, name = row.rpartition(":")
     title = TITLES.get(name, name)
     return f"{title}, {variant}" if variant else title
 
 
 def no_contact(recipe_run: RecipeRun) -> MeshToImage:
-    """The target's background, whatever presses."""
+    """The method that gives the background for every mesh."""
     return NoContact()
 
 
 def at_rest(recipe_run: RecipeRun) -> ImageToMesh:
-    """The undeformed mesh, whatever the picture shows."""
+    """The method that gives the undeformed mesh for every picture."""
     return AtRest(recipe_run.topology.n_vertices)
 
 
 def end_to_end(recipe_run: RecipeRun) -> MeshToImage:
-    """The end-to-end autoencoder."""
+    """The method that uses the end-to-end autoencoder."""
     return DirectMeshToImage("end_to_end", recipe_run.end_to_end)
 
 
 def nosplit(recipe_run: RecipeRun) -> MeshToImage:
-    """Projection onto the picture's latent vector."""
+    """NOSPLIT: the mesh's latent vector is projected onto the picture's."""
     return _mesh_to_image(recipe_run, is_split=False)
 
 
 def split(recipe_run: RecipeRun) -> MeshToImage:
-    """Projection onto the deformation's latent vector, the background's added."""
+    """SPLIT: the mesh's latent vector is projected onto the deformation's, and the background's is added."""
     return _mesh_to_image(recipe_run, is_split=True)
 
 
 def split_on_background(recipe_run: RecipeRun) -> MeshToImage:
-    """SPLIT's change of the picture, on the recorded background."""
+    """SPLIT's change of the picture, added to the recorded background."""
     return SplitOnBackground("split_on_background", _mesh_to_image(recipe_run, is_split=True))
 
 
 def nosplit_mesh(recipe_run: RecipeRun) -> ImageToMesh:
-    """Projection of the picture's latent vector."""
+    """NOSPLIT: the picture's latent vector is projected onto the mesh's."""
     return _image_to_mesh(recipe_run, is_split=False)
 
 
 def split_mesh(recipe_run: RecipeRun) -> ImageToMesh:
-    """Projection of the deformation's latent vector, the background's subtracted."""
+    """SPLIT: the picture's latent vector minus the background's is projected onto the mesh's."""
     return _image_to_mesh(recipe_run, is_split=True)
 
 
 def _mesh_to_image(recipe_run: RecipeRun, is_split: bool) -> LatentMeshToImage:
+    """SPLIT or NOSPLIT from meshes to pictures, with the recipe's trained networks."""
     projection = recipe_run.projection("mesh_to_image", is_split)
     name, latents = "split" if is_split else "nosplit", recipe_run.recipe.models["latents"]
     return LatentMeshToImage(name, recipe_run.mesh_vae, recipe_run.image_vae, projection, is_split, latents)
 
 
 def _image_to_mesh(recipe_run: RecipeRun, is_split: bool) -> LatentImageToMesh:
+    """SPLIT or NOSPLIT from pictures to meshes, with the recipe's trained networks."""
     projection = recipe_run.projection("image_to_mesh", is_split)
     name, latents = "split" if is_split else "nosplit", recipe_run.recipe.models["latents"]
     return LatentImageToMesh(name, recipe_run.image_vae, recipe_run.mesh_vae, projection, is_split, latents)
 
 
 def for_sensor(method: Any, sensor: str) -> Any:
-    """The method for a unit: itself, or what it gives for that unit."""
+    """The method for a unit: its calibration for that unit where it has one, else the method itself."""
     chosen = getattr(method, "for_sensor", None)
     return method if chosen is None else chosen(sensor)

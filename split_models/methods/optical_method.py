@@ -19,25 +19,28 @@ from tactiledata.optics.taxim_calibration import CalibrationPress, calibrate
 from tactiledata.optics.view import View
 
 Colours = Callable[[NDArray[np.float32]], NDArray[np.float32]]
-"""Change of colour (rows, columns, 3), grey levels, by slopes (rows, columns, 2)."""
+"""A function of slopes (rows, columns, 2) that gives the change of colour (rows, columns, 3), grey levels."""
 
 SMOOTHING = 2e-4
-"""m: standard deviation of the blur that takes the facets of the mesh out of a height map."""
+"""Standard deviation in m of the blur that removes the facets of the mesh from a height map."""
 
 
 @dataclass(frozen=True)
 class OpticalMethod:
-    """Taxim and FOTS: they differ in their colours and in the plane that shadows fall on.
+    """Taxim or FOTS: they differ in their colours and in the surface that shadows fall on.
 
     Parameters
     ----------
     name : str
+        Name of the row in tables.
     surface : GelSurface
         The mesh that displacements belong to.
     view : View
-        What the camera sees; for backgrounds of another size it is scaled.
+        The camera's view of the gel; it is scaled for backgrounds of another size.
     colours : callable
+        Change of colour from slopes.
     shadows : Shadows, optional
+        Shadows that darken the background; none unless given.
     """
 
     name: str
@@ -51,14 +54,14 @@ class OpticalMethod:
         steps = self.steps(background)
         pictures = np.empty((len(displacements), *background.shape), np.uint8)
         for row, displacement in enumerate(displacements):
-            found: Any = displacement[None]
+            result: Any = displacement[None]
             for _, step in steps:
-                found = step(found)
-            pictures[row] = found[0]
+                result = step(result)
+            pictures[row] = result[0]
         return pictures
 
     def steps(self, background: NDArray[np.uint8]) -> list[tuple[str, Callable[[Any], Any]]]:
-        """What `predict` does with one displacement (1, k, 3), step by step; the gel at rest is drawn once."""
+        """The steps of `predict` for one displacement (1, k, 3) as named functions; the gel at rest is drawn once."""
         view = self.view.scaled((background.shape[0], background.shape[1]))
         drawn, base = Indentation(self.surface, view), background.astype(np.float32)
 
@@ -79,31 +82,34 @@ def calibrated(
     learn: Callable[[list[CalibrationPress]], Colours],
     is_planar: bool,
 ) -> OpticalMethod:
-    """A method calibrated on one unit's touches of known meshes, seen through its registered camera.
+    """A method calibrated on touches of one unit with known meshes, seen through its registered camera.
 
     Parameters
     ----------
     name, surface, view
-        As of ``OpticalMethod``.
+        As for `OpticalMethod`.
     touches : sequence of Touch
+        Pictures with backgrounds and displacements.
     learn : callable
-        Colours from presses.
+        Function of presses that gives colours.
     is_planar : bool
         Whether shadows fall on the flat gel.
 
     Raises
     ------
     UsageError
-        No touch, or none that shows a contact.
+        There is no touch, or none that shows a contact.
     """
     if not touches:
         raise UsageError(f"no touch to calibrate {name} on", "pictures with their meshes", "")
+    # colours from the slopes that the touches' meshes have
     rows, columns = touches[0].picture.shape[:2]
     here = view.scaled((rows, columns))
     drawn = Indentation(surface, here)
     depths = [smooth_indentation(drawn, touch.displacement) for touch in touches]
     presses = [_press(touch, depth, here) for touch, depth in zip(touches, depths, strict=True)]
     colours = learn(presses)
+    # shadows from what the colours do not explain
     residuals = [press.change - colours(press.slopes) for press in presses]
     azimuths = light_azimuths(calibrate(presses, "for the directions of the lights"))
     shadows = fit_shadows(residuals, [touch.background for touch in touches], depths, here, azimuths, is_planar)
@@ -111,13 +117,13 @@ def calibrated(
 
 
 def _press(touch: Touch, depth: NDArray[np.float32], view: View) -> CalibrationPress:
-    """The frame as a press of known slopes, everywhere on the picture."""
+    """A touch as a calibration press whose slopes are known at every pixel."""
     change = touch.picture.astype(np.float32) - touch.background
     return CalibrationPress(change, slopes(depth, view), np.ones(depth.shape, bool))
 
 
 def smooth_indentation(drawn: Indentation, displacement: Any) -> NDArray[np.float32]:
-    """An indentation (rows, columns), metres, of a mesh (k, 3), without its facets."""
+    """Indentation (rows, columns), metres, of a mesh with displacements (k, 3), m, blurred to remove its facets."""
     across, down = drawn.view.pitches
     blurred: Any = cv2.GaussianBlur(drawn.of(displacement), (0, 0), sigmaX=SMOOTHING / across, sigmaY=SMOOTHING / down)
     return blurred

@@ -1,4 +1,4 @@
-"""Taxim as a baseline, twice: with its published DIGIT calibration, and calibrated on the unit at hand."""
+"""Taxim as a baseline, twice: with its published DIGIT calibration, and calibrated on the unit."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ from tactiledata.sensors.digit import DIGIT
 
 
 def taxim_published(surface: GelSurface, sensor: Sensor = DIGIT, table: Path | None = None) -> OpticalMethod:
-    """With the published DIGIT table and the nominal camera: of the unit at hand it takes the background only.
+    """Taxim with the published DIGIT table and the nominal camera; of the unit it takes only the background.
 
     Parameters
     ----------
     surface : GelSurface
+        Surface of the mesh that displacements belong to.
     sensor : Sensor
+        Sensor with the nominal camera.
     table : Path, optional
         Another published table in Taxim's file format.
     """
@@ -29,12 +31,21 @@ def taxim_published(surface: GelSurface, sensor: Sensor = DIGIT, table: Path | N
 
 
 def taxim_calibrated(surface: GelSurface, view: View, touches: Sequence[Touch]) -> OpticalMethod:
-    """With a table and shadows fitted to touches of the unit, seen through its registered camera.
+    """Taxim with a table and shadows that are fitted to touches of the unit, seen through its registered camera.
+
+    Parameters
+    ----------
+    surface : GelSurface
+        Surface of the mesh that displacements belong to.
+    view : View
+        The unit's registered camera.
+    touches : sequence of Touch
+        Touches of the unit with their meshes.
 
     Raises
     ------
     UsageError
-        No touch, or none that shows a contact.
+        There is no touch, or none that shows a contact.
     """
     return calibrated(
         "taxim_calibrated",

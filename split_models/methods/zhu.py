@@ -1,9 +1,9 @@
-"""Zhu et al. 2022 as a baseline: pictures to meshes by a graph network, adapted to real pictures without their meshes.
+"""Zhu et al. 2022 as a baseline: a graph network from pictures to meshes, adapted to real pictures without meshes.
 
-Source: Zhu et al., Learning to synthesize volumetric meshes from vision-based tactile imprints, 2022. A network learns
-meshes from imprints that are rendered of simulated meshes, with augmentation. On real pictures it goes on learning
-without truth: the mesh that it predicts is rendered again, differentiably, and held against the imprint in the picture.
-Which picture belongs to which mesh it is never told.
+Source: Zhu et al., Learning to synthesize volumetric meshes from vision-based tactile imprints, 2022. A network is
+trained on imprints that are rendered of simulated meshes, with augmentation. On real pictures it is trained without
+their meshes: the predicted mesh is rendered differentiably and compared with the imprint in the picture. The network
+never learns which picture belongs to which mesh.
 """
 
 from __future__ import annotations
@@ -31,12 +31,13 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import UsageError
 
 LEVELS = 48.0
-"""Grey levels of change that count as a strong imprint."""
+"""Change in grey levels that counts as a strong imprint."""
 NOISE, GAIN_SPREAD = 0.03, 0.4
-"""Of the augmentation of rendered imprints: noise, and the spread of the logarithm of their gain."""
+"""Augmentation of rendered imprints: standard deviations of the noise and of the logarithm of the gain."""
 GAIN = 1.5
-"""Imprint per slope, before anything is learned."""
+"""Imprint per slope before training."""
 CHUNK = 64
+"""Pictures that go through the network together."""
 
 
 class ZhuNetwork(Network):
@@ -45,14 +46,15 @@ class ZhuNetwork(Network):
     Parameters
     ----------
     hierarchy : Hierarchy
+        The mesh and its coarser levels.
     size : (rows, columns)
-        Of the imprints.
-    channels : widths
-        Of the convolutions; each halves the imprint.
+        Size of the imprints.
+    channels : sequence of int
+        Widths of the convolutions, each of which halves the imprint.
     filters, order
-        Of the mesh decoder, as of ``MeshVae``.
+        Filters and Chebyshev polynomials of the mesh decoder, as for `MeshVae`.
     mean, spread : (v, 3) m, optional
-        Of the train part, vertex by vertex.
+        Mean and standard deviation of the train part's displacements, vertex by vertex.
     """
 
     kind = "zhu"
@@ -88,34 +90,52 @@ class ZhuNetwork(Network):
         self.register_buffer("spread", torch.as_tensor(np.ones((count, 3)) if spread is None else spread).float())
 
     def forward(self, imprints: Tensor) -> Tensor:
-        """Displacements (n, v, 3), m."""
+        """Displacements (n, v, 3), m, of imprints (n, 1, rows, columns)."""
         scaled = self.decoder(self.to_mesh(self.encoder(imprints))).transpose(0, 1)
-        found: Tensor = scaled * self.spread + self.mean
-        return found
+        displacements: Tensor = scaled * self.spread + self.mean
+        return displacements
 
     @property
     def topology(self) -> str:
-        """Digest of the mesh that it is for."""
+        """Digest of the mesh that the network is for."""
         return self.hierarchy.digest
 
     def extras(self) -> dict[str, Tensor]:
-        """The mesh's levels."""
+        """Arrays of the mesh's levels, so that a checkpoint can rebuild the network."""
         return {name: torch.as_tensor(values) for name, values in self.hierarchy.arrays().items()}
 
     @classmethod
     def rebuilt(cls, settings: Mapping[str, Any], extras: Mapping[str, Tensor], topology: str) -> ZhuNetwork:
-        """The network of a checkpoint, before its weights are loaded."""
+        """The network that a checkpoint describes, with initial weights.
+
+        Parameters
+        ----------
+        settings : dict
+            ``size``, ``channels``, ``filters`` and ``order``.
+        extras : dict of Tensor
+            Arrays of the mesh's levels.
+        topology : str
+            Digest of the mesh.
+        """
         arrays = {name: values.numpy() for name, values in extras.items()}
         return cls(Hierarchy.from_arrays(topology, arrays), **settings)
 
 
 def imprints_of(pictures: NDArray[np.uint8], background: NDArray[np.uint8], size: tuple[int, int]) -> Tensor:
-    """Imprints (n, 1, rows, columns), 0 to 1, of pictures (n, h, w, 3) of a unit: where they changed, in any channel.
+    """Imprints (n, 1, rows, columns), 0 to 1, of pictures of a unit: the largest change of any channel, smoothed.
+
+    Parameters
+    ----------
+    pictures : (n, h, w, 3) uint8
+    background : (h, w, 3) uint8
+        The unit's picture without contact.
+    size : (rows, columns)
+        Size of the imprints.
 
     Raises
     ------
     UsageError
-        A background of another shape.
+        The background has another shape than the pictures.
     """
     if pictures.shape[1:] != background.shape:
         raise UsageError(f"pictures of {pictures.shape[1:]} on a background of {background.shape}", "one shape", "")
@@ -128,7 +148,14 @@ def imprints_of(pictures: NDArray[np.uint8], background: NDArray[np.uint8], size
 
 
 class ImprintItems:
-    """``mesh`` (n, v, 3) of some frames and ``imprint`` (n, 1, rows, columns) of others: no pair belongs together."""
+    """Meshes (n, v, 3), m, of some frames with imprints (n, 1, rows, columns) of other frames, so that no pair matches.
+
+    Parameters
+    ----------
+    frames : TouchFrames
+    size : (rows, columns)
+        Size of the imprints.
+    """
 
     def __init__(self, frames: TouchFrames, size: tuple[int, int]) -> None:
         self.frames, self.size = frames, size
@@ -136,14 +163,14 @@ class ImprintItems:
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same frames."""
+        """Digest of the frames and of the imprints' size."""
         return digest_of([self.frames.fingerprint, "imprints", list(self.size)])
 
     def __len__(self) -> int:
         return len(self.frames)
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """``mesh`` and ``imprint``."""
+        """``mesh`` of items by their number, and ``imprint`` of other items."""
         others = self._others[np.asarray(numbers, np.int64)]
         pictures, sensors = self.frames.pictures(others), self.frames.sensors[others]
         imprints = torch.empty(len(others), 1, *self.size)
@@ -153,20 +180,20 @@ class ImprintItems:
         return {"mesh": torch.from_numpy(self.frames.displacements(numbers)), "imprint": imprints}
 
     def where(self, number: int) -> str:
-        """Store and frame."""
+        """Store and frame of an item's mesh."""
         return frame_of(self.frames, number)
 
 
 class ZhuObjective(Objective):
-    """Squared error of meshes from rendered imprints, and of re-rendered imprints from pictures, which comes in slowly.
+    """Squared error of meshes from rendered imprints, plus that of re-rendered imprints from pictures, weighted.
 
     Parameters
     ----------
     network : ZhuNetwork
     renderer : DepthRenderer
-        At the network's size.
+        Renderer at the network's size.
     adaptation_weight : float
-        Of the pictures' part in the end; 0 leaves them out.
+        Final weight of the error on pictures; 0 leaves it out.
     anneal : int
         Epochs over which that weight grows from 0.
     """
@@ -178,7 +205,7 @@ class ZhuObjective(Objective):
         self.weight, self.anneal = adaptation_weight, anneal
 
     def forward(self, batch: Batch, epoch: float) -> Losses:
-        """``loss``, ``error`` of meshes and ``mismatch`` of imprints."""
+        """Scalars ``loss``, ``error`` of meshes and ``mismatch`` of imprints, for a batch of `ImprintItems`."""
         moved, zhu = batch["mesh"], self.zhu
         gain = torch.exp(zhu.log_gain)
         given = self._augmented(moved, gain.detach())
@@ -189,7 +216,7 @@ class ZhuObjective(Objective):
         return {"loss": error + weight * mismatch, "error": error.detach(), "mismatch": mismatch.detach()}
 
     def _augmented(self, moved: Tensor, gain: Tensor) -> Tensor:
-        """Rendered imprints; in training of gains that vary, and noisy."""
+        """Imprints rendered of displacements (n, v, 3), m; in training with random gains and noise."""
         if not self.training:
             return self.renderer.imprint(moved, gain)
         gains = gain * torch.exp(GAIN_SPREAD * torch.randn(len(moved), 1, 1, 1, device=moved.device))
@@ -199,7 +226,7 @@ class ZhuObjective(Objective):
 
 @dataclass(frozen=True)
 class ZhuMethod:
-    """Meshes of pictures."""
+    """The trained network of Zhu et al. as a method that makes meshes of pictures."""
 
     network: ZhuNetwork
     name: str = "zhu"
@@ -209,5 +236,5 @@ class ZhuMethod:
         network = self.network.eval()
         imprints = imprints_of(pictures, background, network.size)
         with torch.no_grad():
-            found = [network(some.to(network.device)).cpu() for some in imprints.split(CHUNK)]
-        return torch.cat(found).numpy()
+            displacements = [network(chunk.to(network.device)).cpu() for chunk in imprints.split(CHUNK)]
+        return torch.cat(displacements).numpy()

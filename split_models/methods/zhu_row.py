@@ -15,7 +15,7 @@ from tactiledata.sensors.digit import DIGIT
 
 
 def zhu(recipe_run: RecipeRun) -> ZhuMethod:
-    """The network of Zhu et al., its camera the nominal one."""
+    """The trained network of Zhu et al. as a method, with the nominal camera."""
     section, mesh = recipe_run.recipe.models["zhu"], recipe_run.recipe.models["mesh_vae"]
     size = (int(section["size"][0]), int(section["size"][1]))
 
