@@ -118,5 +118,3 @@ def test_a_shape_that_is_wrong_in_no_known_way_has_no_hint():
         assert hint in text
         assert ("called" in text or "letters" in text) == bool(hint)
     assert said(("indenters", "ball"), {"mesh": "ball.stl"}) == []
-
-

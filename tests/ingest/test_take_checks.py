@@ -91,9 +91,8 @@ def test_sizes_name_what_the_model_gives():
 def test_pictures_are_looked_at_at_the_start_in_the_middle_and_at_the_end():
     """Of each sensor's usable images three are decoded, and none of a sensor that has none."""
     asked = []
-    table = frames(
-        8, sensor=["D1"] * 6 + ["D2"] * 2, flags=[FrameFlag.MISSING, 0, 0, 0, FrameFlag.OUTSIDE, 0] + [FrameFlag.BROKEN] * 2
-    )  # fmt: skip
+    flags = [FrameFlag.MISSING, 0, 0, 0, FrameFlag.OUTSIDE, 0, FrameFlag.BROKEN, FrameFlag.BROKEN]
+    table = frames(8, sensor=["D1"] * 6 + ["D2"] * 2, flags=flags)
     assert said(take(table), lambda rows: asked.append(rows.tolist()) or [None] * len(rows)) == []
     assert asked == [[1, 3, 5]]
 
@@ -165,7 +164,7 @@ def test_forces_beyond_the_range_of_the_sensor():
         ("force-out-of-range", "warning", "wrench", 2)
     ]
     assert FT_RANGE == 300.0
-    assert "2 samples are beyond 300 N" in [one.message for one in found if one.code == "force-out-of-range"][0]
+    assert "2 samples are beyond 300 N" in next(one.message for one in found if one.code == "force-out-of-range")
     assert said(take(signals={"wrench": signal("wrench", range(1), values[:1])})) == []
 
 

@@ -19,15 +19,16 @@ COLUMNS = SIGNAL_COLUMNS["tcp"]
 def tcp(times_ms, x=None, turn=None):
     """Poses at some moments: place along x (m) and turn about x (rad), by custom moving on all the time."""
     count = len(times_ms)
-    t_ns = START + (np.asarray(times_ms) * MS).astype(np.int64)
+    t_ns = START + np.rint(np.asarray(times_ms) * MS).astype(np.int64)
     values = np.zeros((count, 7))
+    values[:, 1:3] = [0.1, 0.3]
     values[:, 0] = np.arange(count) if x is None else x
     values[:, 3:] = Rotation.from_rotvec(np.outer(np.zeros(count) if turn is None else turn, [1, 0, 0])).as_quat()
     return StoredSignal(t_ns, values, COLUMNS, signal_units(COLUMNS), "base", Stamps(t_ns))
 
 
 def lost(poses, times_ms):
-    return without_pose(poses, START + (np.asarray(times_ms) * MS).astype(np.int64)).tolist()
+    return without_pose(poses, START + np.rint(np.asarray(times_ms) * MS).astype(np.int64)).tolist()
 
 
 def test_standard_gravity():
@@ -50,10 +51,17 @@ def test_of_slow_poses_three_periods_may_lie_between(gap, is_lost):
     assert lost(tcp([0, 300, 600, 900, 900 + gap]), [100, 1000]) == [False, is_lost]
 
 
+def test_the_first_and_the_last_gap_count_from_their_first_nanosecond():
+    """Between the first two poses and between the last two."""
+    inside = [1e-6, 500, 900 - 1e-6]
+    assert lost(tcp([0, 900, 910, 920, 930]), [0, *inside, 900]) == [False, True, True, True, False]
+    assert lost(tcp([-30, -20, -10, 0, 900]), [0, *inside, 900]) == [False, True, True, True, False]
+
+
 def test_the_first_and_the_last_pose_are_held_for_a_tenth_of_a_second():
     """On either side; of slow poses for three periods."""
-    assert lost(tcp([0, 10, 20]), [-100 - 1e-3, -100, -1, 21, 120, 120 + 1e-3]) == [True, *[False] * 4, True]
-    assert lost(tcp([0, 50, 100]), [-150 - 1e-3, -150, 250, 250 + 1e-3]) == [True, False, False, True]
+    assert lost(tcp([0, 10, 20]), [-100 - 1e-6, -100, -1, 21, 120, 120 + 1e-6]) == [True, *[False] * 4, True]
+    assert lost(tcp([0, 50, 100]), [-150 - 1e-6, -150, 250, 250 + 1e-6]) == [True, False, False, True]
 
 
 def test_one_pose_is_held_and_none_holds_nothing():
@@ -75,14 +83,14 @@ def test_a_broken_pose_leaves_a_gap():
 @pytest.mark.parametrize(("along", "is_moved"), [(0.99e-4, False), (1.01e-4, True), (-1.01e-4, True)])
 def test_an_arm_that_is_a_tenth_of_a_millimetre_away_moved(along, is_moved):
     """Below that it stood over the gap, and its weight is known there."""
-    assert lost(tcp([0, 10, 20, 1000], [0, 0, 0, along]), [500]) == [is_moved]
+    assert lost(tcp([0, 10, 20, 1000], [0.4, 0.4, 0.4, 0.4 + along]), [500]) == [is_moved]
 
 
 @pytest.mark.parametrize(("turn", "is_moved"), [(1.98e-3, False), (2.02e-3, True), (-2.02e-3, True)])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_an_arm_that_turned_by_two_milliradians_moved(turn, is_moved, sign):
     """Less is none; q and -q are one rotation, and a quaternion may be a little longer than 1."""
-    poses = tcp([0, 10, 20, 1000], np.zeros(4), [0, 0, 0, turn])
+    poses = tcp([0, 10, 20, 1000], np.zeros(4), [0.7, 0.7, 0.7, 0.7 + turn])
     poses.values[2, 3:] *= 1.05
     poses.values[3, 3:] *= sign * 0.97
     assert lost(poses, [500]) == [is_moved]
@@ -112,9 +120,9 @@ def test_a_weight_without_a_centre_hangs_at_the_tcp():
 
 def test_poses_are_held_before_the_first_and_after_the_last_sound_one():
     """Broken ones at the ends do not count: the weight is that of the nearest sound pose."""
-    poses = tcp([0, 10, 20, 30], turn=[0, 0, np.pi / 2, 0])
-    poses.values[[0, 3], 3:] = 0
-    weight = tool_weight(described(), poses, START + np.array([-50, 5, 25, 90]) * MS)
+    poses = tcp([0, 10, 20, 30, 40], turn=[0, 0, 0, np.pi / 2, 0])
+    poses.values[[0, 4], 3:] = 0
+    weight = tool_weight(described(), poses, START + np.array([-50, 5, 35, 90]) * MS)
     assert weight[:, 2] == pytest.approx([-19.6133, -19.6133, 0, 0], abs=1e-9)
     assert weight[:, 1] == pytest.approx([0, 0, -19.6133, -19.6133], abs=1e-9)
 
