@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Stamps, Times
+from tactiledata.ingest.clocks.clock_steps import usual_distance
 
 NEAR = 1_000_000_000
 """ns. A header clock whose median distance to the log time is below this is taken to be the host clock itself."""
@@ -118,7 +119,7 @@ def _why_not_header(stamps: Stamps) -> str:
     backwards = int((np.diff(header) < 0).sum())
     if backwards:
         return f"header stamps run backwards at {backwards} of {len(header)} samples"
-    if len(header) > 1 and len(np.unique(header)) < 0.5 * len(header):
+    if len(np.unique(header)) < 0.5 * len(header):
         return "more than half of the header stamps repeat the one before"
     lag = stamps.log - header
     low, high = np.percentile(lag - lag[0], [5, 95])
@@ -135,8 +136,7 @@ def _jump(log: Times, header: Times) -> int:
     A recorder that stalls writes late and catches up: there the log time is ahead, and the header falls back to it.
     """
     lag = log - header
-    usual = int(np.median(np.diff(header))) if len(header) > 1 else 0
-    for row in np.flatnonzero(np.diff(lag) < -(STEADY + 2 * usual)) + 1:
+    for row in np.flatnonzero(np.diff(lag) < -(STEADY + 2 * usual_distance(header))) + 1:
         before, after = int(np.median(lag[max(row - AROUND, 0) : row])), int(np.median(lag[row : row + AROUND]))
         if before - after > STEADY:
             return before - after

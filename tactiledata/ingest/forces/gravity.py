@@ -54,7 +54,7 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
     weight_in_base = np.array([0.0, 0.0, -tool["mass"] * STANDARD_GRAVITY])
     weight_in_tcp = np.einsum("nji,j->ni", base_from_tcp[:, :3, :3], weight_in_base)
     force = weight_in_tcp @ ft_from_tcp.rotation.T
-    lever = ft_from_tcp.points([tool.get("centre_of_gravity", [0.0, 0.0, 0.0])])[0]
+    lever = ft_from_tcp.points(tool.get("centre_of_gravity", [0.0, 0.0, 0.0]))
     return np.concatenate([force, np.cross(lever, force)], axis=1)
 
 
@@ -77,7 +77,7 @@ def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
         return np.ones(len(t_ns), dtype=bool)
     periods = POSE_PERIODS * usual_distance(sound)
     beyond = np.maximum(sound[0] - t_ns, t_ns - sound[-1])
-    after = np.clip(np.searchsorted(sound, t_ns, side="left"), 1, max(len(sound) - 1, 1))
+    after = np.maximum(np.searchsorted(sound, t_ns, side="left"), 1)
     later = np.minimum(after, len(sound) - 1)
     gap = sound[later] - sound[after - 1]
     is_moved = _is_moved(poses[after - 1], poses[later])

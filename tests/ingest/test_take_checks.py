@@ -1,0 +1,194 @@
+"""What is said of the images and forces of a take, just below and just above each rule."""
+
+import numpy as np
+import pytest
+
+from tactiledata.contract.take import FrameFlag, Reference
+from tactiledata.ingest.checks.checks import FT_RANGE, broken_images, check_take, flag_broken
+from tactiledata.ingest.checks.spooled import SpooledImages
+from tactiledata.sensors import SENSORS
+from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
+from tests.ingest.made_takes import frames, signal, take, told, touch
+from tests.ingest.test_spooled import image, spooled
+
+DIGIT = load_background(next(iter(bundled_backgrounds())))
+BGR = np.ascontiguousarray(DIGIT[..., ::-1])
+
+
+def nothing(rows):
+    return [None] * len(rows)
+
+
+def said(made, decode=nothing):
+    return check_take(made, decode)
+
+
+@pytest.mark.parametrize(("padding", "is_broken"), [(0, False), (62, False), (63, True), (64, True)])
+def test_a_jpeg_ends_with_its_trailer(tmp_path, padding, is_broken):
+    """Up to 62 bytes of padding may follow the two of the end of image; a PNG's end are four."""
+    images = spooled(tmp_path, [image(b"x" * 100 + b"\xff\xd9" + b"\0" * padding, "jpeg")])
+    rows, findings = broken_images(images)
+    assert rows.tolist() == ([0] if is_broken else [])
+    assert told(findings) == ([("image-truncated", "damage", "", 1)] if is_broken else [])
+
+
+def test_rows_of_broken_images_are_in_order(tmp_path):
+    """JPEGs and PNGs alike, each by its own trailer; raw and missing images have none."""
+    whole = {"jpeg": b"\xff\xd9", "png": b"IEND\xaeB`\x82"}
+    made = [
+        image(b"no end", "png"), image(b"no end", "jpeg"), image(b"abc" + whole["png"], "png"), image(b"", "missing"),
+        image(bytes(8 * 6 * 3), "raw"), image(whole["jpeg"], "jpeg"), image(whole["png"], "jpeg"),
+    ]  # fmt: skip
+    rows, [finding] = broken_images(spooled(tmp_path, made))
+    assert rows.tolist() == [0, 1, 6]
+    assert finding.count == 3
+
+
+def test_the_flag_of_broken_images_is_set_in_the_stores_order():
+    """Flags that were set before stay; nothing broken changes nothing."""
+    table = frames(4, flags=[0, FrameFlag.OUTSIDE, 0, 0])
+    flagged = flag_broken(table, np.array([3, 1, 0, 2]), np.array([1, 2]))
+    assert flagged["flags"].to_pylist() == [0, FrameFlag.OUTSIDE | FrameFlag.BROKEN, 0, FrameFlag.BROKEN]
+    assert flagged.schema == table.schema
+    assert flag_broken(table, np.arange(4), np.zeros(0, np.int64)) is table
+
+
+def sized(sizes, model="digit", **parts):
+    """Codes, and first words, of what is said of images with some sizes."""
+    heights, widths = zip(*sizes, strict=True)
+    made = take(frames(len(sizes), height=heights, width=widths), sensors={"D1": {"model": model}}, **parts)
+    found = said(made, lambda rows: [np.zeros((8, 6, 3), np.uint8)] * len(rows))
+    return [(one.code, one.severity, one.message.partition(";")[0]) for one in found]
+
+
+def test_sizes_are_held_against_the_sensor_model():
+    """The model's own size says nothing; it turned, and any other size, are told apart, the most frequent first."""
+    rows, columns = SENSORS["digit"].camera.shape
+    own, turned = (rows, columns), (columns, rows)
+    assert sized([own] * 3) == []
+    assert sized([turned] * 3) == [("image-swapped", "warning", f"images of 'D1' have {columns} rows x {rows} columns")]
+    assert sized([own, turned, turned]) == [
+        ("image-swapped", "warning", f"2 of 3 images of 'D1' have {columns} rows x {rows} columns")
+    ]
+    assert sized([(8, 6), (7, 7), (7, 7), (5, 5), (5, 5), (5, 5), (4, 4), (4, 4)]) == [
+        ("image-size", "info", "3 of 8 images of 'D1' have 5 rows x 5 columns"),
+        ("image-size", "info", "2 of 8 images of 'D1' have 7 rows x 7 columns"),
+        ("image-size", "info", "2 of 8 images of 'D1' have 4 rows x 4 columns"),
+    ]
+    assert sized([turned], model="warpdrive") == []
+    assert sized([turned], model="robotiq_ft300s") == []
+
+
+def test_sizes_name_what_the_model_gives():
+    """Rows come before columns, in both sentences."""
+    rows, columns = SENSORS["digit"].camera.shape
+    made = [take(frames(1, height=[h], width=[w])) for h, w in ((columns, rows), (8, 6))]
+    texts = [said(one, lambda _: [np.zeros((8, 6, 3), np.uint8)])[0].message for one in made]
+    assert texts[0].endswith(f"a digit gives {rows} x {columns}: height and width swapped")
+    assert texts[1].endswith(f"a digit gives {rows} rows x {columns} columns")
+
+
+def test_pictures_are_looked_at_at_the_start_in_the_middle_and_at_the_end():
+    """Of each sensor's usable images three are decoded, and none of a sensor that has none."""
+    asked = []
+    flags = [FrameFlag.MISSING, 0, 0, 0, FrameFlag.OUTSIDE, 0, FrameFlag.BROKEN, FrameFlag.BROKEN]
+    table = frames(8, sensor=["D1"] * 6 + ["D2"] * 2, flags=flags)
+    assert said(take(table), lambda rows: asked.append(rows.tolist()) or [None] * len(rows)) == []
+    assert asked == [[1, 3, 5]]
+
+
+def channels(pictures, reference=None, model="digit"):
+    references = {} if reference is None else {"D1": reference}
+    rows, columns = SENSORS["digit"].camera.shape
+    made = take(frames(3, height=rows, width=columns), sensors={"D1": {"model": model}}, references=references)
+    return [one for one in said(made, lambda _: pictures) if one.code == "channels-swapped"]
+
+
+def test_swapped_channels_are_judged_by_most_pictures():
+    """Two of three BGR pictures are said, one of three is not, nor one of two; no picture says nothing."""
+    assert channels([DIGIT] * 3) == channels([BGR, DIGIT, DIGIT]) == channels([None] * 3) == []
+    assert channels([BGR, DIGIT, None]) == []
+    [finding] = channels([BGR, BGR, DIGIT])
+    assert finding.severity == "warning"
+    assert "against known DIGIT sensors" in finding.message
+
+
+def test_swapped_channels_are_judged_by_a_stated_background():
+    """For any model; the mean of a recording's own images is no witness, nor a background of another size."""
+    stated, mean = Reference(DIGIT, "backgrounds/D1.png"), Reference(BGR, "mean of 5 frames below 0.2 N")
+    for model in ("digit", "gelsight_mini"):
+        [finding] = channels([BGR] * 3, stated, model)
+        assert "against the sensor's background" in finding.message
+        assert channels([DIGIT] * 3, stated, model) == []
+    assert channels([BGR] * 3, Reference(BGR, "a file")) == []
+    assert len(channels([BGR] * 3, mean)) == 1
+    assert channels([BGR] * 3, mean, "gelsight_mini") == channels([BGR] * 3, None, "gelsight_mini") == []
+    assert channels([BGR[::2]] * 3, stated) == []
+    assert len(channels([BGR, DIGIT[::2], DIGIT[::2]], stated)) == 1
+
+
+def stuck(crc, force, **columns):
+    return [
+        one.count
+        for one in said(take(frames(len(crc), crc32c=crc, contact_force=force, **columns)))
+        if one.code == "camera-stuck"
+    ]
+
+
+def test_an_image_that_repeats_while_the_force_moves_by_a_newton():
+    """More than 1 N over all repeats of an image; the repeats are counted, not the image itself."""
+    assert stuck([7, 7, 7, 8], [0.0, 0.5, 1.25, 5]) == [2]
+    assert stuck([7, 7, 7, 8], [0.0, 0.5, 1.0, 5]) == []
+    assert stuck([8, 7, 7], [9.0, 3.0, 1.5]) == [1]
+    assert stuck([7, 7], [0, 2]) == [1]
+    assert stuck([7, 8, 9, 9], [0, 5, 0, 0]) == []
+    assert stuck([7, 7, 7, 3, 4, 4, 9], [0, 1, 2, 0, 0, 3, 0]) == [3]
+    assert stuck([7, 7, 7], [0, np.nan, 2]) == [2]
+    assert stuck([7, 7, 5, 5], [0, 2, 0, 0.5]) == [1]
+    assert stuck([7], [3]) == stuck([], []) == []
+
+
+def test_what_is_no_repeat_of_an_image():
+    """Of another length, without bytes, or in another trajectory an image with the same checksum is none."""
+    assert stuck([7, 7], [0, 2], length=[1, 2]) == []
+    assert stuck([7, 7], [0, 2], length=[0, 0]) == []
+    assert stuck([7, 7], [0, 2], trajectory=[0, 1]) == []
+
+
+def test_forces_beyond_the_range_of_the_sensor():
+    """300 N are a force, more is none; torques do not count."""
+    values = np.zeros((4, 6))
+    values[0, 0], values[1, 2], values[2, 1], values[3, 3] = FT_RANGE, -np.nextafter(FT_RANGE, 400), 1e5, 1e5
+    found = said(take(signals={"wrench": signal("wrench", range(4), values)}))
+    assert [one for one in told(found) if one[0] == "force-out-of-range"] == [
+        ("force-out-of-range", "warning", "wrench", 2)
+    ]
+    assert FT_RANGE == 300.0
+    assert "2 samples are beyond 300 N" in next(one.message for one in found if one.code == "force-out-of-range")
+    assert said(take(signals={"wrench": signal("wrench", range(1), values[:1])})) == []
+
+
+def empty_of(count, table=None):
+    rows = [touch("full"), *(touch(f"e{n}", 0, 1000, 1, 1) for n in range(count))]
+    made = take(frames(1) if table is None else table, rows)
+    return [one for one in said(made) if one.code == "trajectory-without-frames"]
+
+
+def test_trajectories_without_images_are_named():
+    """Five by name, the others by a sign; where there are no images at all nothing is said."""
+    assert empty_of(0) == []
+    assert [(one.count, one.message) for one in empty_of(1)] == [(1, "1 trajectories hold no image (e0)")]
+    assert empty_of(5)[0].message == "5 trajectories hold no image (e0, e1, e2, e3, e4)"
+    assert empty_of(6)[0].message == "6 trajectories hold no image (e0, e1, e2, e3, e4 …)"
+    assert empty_of(1, frames(0)) == []
+
+
+def test_a_sound_take_says_nothing():
+    """Nor does one without anything."""
+    assert said(take()) == said(take(frames(3), [touch()])) == []
+
+
+def test_images_that_are_not_in_the_spool_are_not_asked_for():
+    """A spool without encoded images opens no file."""
+    images = SpooledImages(None, frames(1, encoding="raw").select(["encoding"]))
+    assert broken_images(images)[0].tolist() == []

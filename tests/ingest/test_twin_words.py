@@ -1,0 +1,84 @@
+"""What is said of twins and of conflicts, over stores that are only their tables."""
+
+import pyarrow as pa
+
+from tactiledata.contract.records import Finding
+from tactiledata.contract.take import findings_table
+from tactiledata.ingest.checks.conflicts import conflict_findings
+from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_findings
+from tests.ingest.test_twins import touch
+
+
+class Tables:
+    """A store that is its tables."""
+
+    def __init__(self, n_sources, touches=(), findings=()):
+        names = [f"s{row}" for row in range(n_sources)]
+        self.manifest = {"sources": names}
+        self._sources = pa.table({"sha256": names, "key": [f"log{row}" for row in range(n_sources)]})
+        self._touches = touches
+        table = findings_table([finding for _, finding in findings])
+        column = pa.array([source for source, _ in findings], pa.int32())
+        self._findings = table.set_column(0, "source", column)
+
+    def sources(self, columns):
+        return self._sources.select(columns)
+
+    def trajectories(self, columns):
+        rows = [{name: touch[name] for name in columns} for touch in self._touches]
+        return pa.Table.from_pylist(rows)
+
+    def findings(self):
+        return self._findings
+
+
+def test_three_twins_are_named_and_the_others_counted():
+    """Each with how many touches it shares, in the order of the store."""
+    five = Tables(5, [touch(source, 0, 10) for source in (0, 0, 1, 2, 3, 4, 4)])
+    found = twin_findings(five, ["s0", "elsewhere"])
+    assert list(found) == ["s0"]
+    assert (found["s0"].code, found["s0"].severity, found["s0"].count) == ("recording-twin", "warning", 8)
+    assert "too: log1 (2), log2 (2), log3 (2) and 1 more recordings. One may" in found["s0"].message
+    four = Tables(4, [touch(source, 0, 10) for source in range(4)])
+    assert "too: log0 (1), log1 (1), log3 (1). One may" in twin_findings(four, ["s2"])["s2"].message
+    assert twin_findings(four, []) == {}
+
+
+def test_a_touch_that_overlaps_several_counts_once():
+    """A long touch against three short ones of another source: one of it, three of the other."""
+    short = [touch(1, start, start + 5) for start in (0, 10, 20)]
+    assert overlaps([touch(0, 0, 30), *short]) == {0: {1: 1}, 1: {0: 3}}
+
+
+def test_touches_meet_where_they_overlap_by_a_nanosecond():
+    """One that ends where another begins does not meet it, nor does one without length or before the year 2001."""
+    assert overlaps([touch(0, 0, 10), touch(1, 9, 20)]) == {0: {1: 1}, 1: {0: 1}}
+    assert overlaps([touch(0, 0, 10), touch(1, 10, 20)]) == {}
+    assert overlaps([touch(0, 0, 10), touch(1, 5, 5)]) == {}
+    assert overlaps([touch(0, 0, 1), touch(1, 0, 1)]) != {}
+    assert overlaps([touch(0, 0, 10), touch(1, 0, 10)]) != {}
+    assert overlaps([touch(0, -1, 10), touch(1, 0, 10)]) == {}
+    assert ABSOLUTE == 10**18
+
+
+def test_what_ended_before_does_not_count_and_what_came_before_does():
+    """Of three touches in a row the first ends before the third; what is left out ends the search for no other."""
+    found = overlaps([touch(0, 0, 10), touch(1, 5, 25), touch(2, 10, 30), touch(3, 0, 9, sensor=""), touch(2, 40, 41)])
+    assert found == {0: {1: 1}, 1: {0: 1, 2: 1}, 2: {1: 1}}
+    derived = [touch(0, 0, 10, parent="ab"), touch(0, 20, 30), touch(1, 20, 30)]
+    assert overlaps(derived) == {0: {1: 1}, 1: {0: 1}}
+
+
+def test_the_first_conflict_of_each_stream_is_said():
+    """Of the sources that are asked for, with the codes of conflicts only."""
+    rows = [
+        (0, Finding("sensor-conflict", "warning", "one", "D1")),
+        (1, Finding("sensor-conflict", "warning", "two", "D1")),
+        (1, Finding("gap", "warning", "a gap", "D1")),
+        (1, Finding("sensor-conflict", "warning", "again", "D1")),
+        (1, Finding("sensor-conflict", "warning", "three", "D2")),
+        (1, Finding("signal-variant", "warning", "four", "D1")),
+    ]
+    found = conflict_findings(Tables(2, (), rows), {"s1"})
+    assert {digest: [one.message for one in all_] for digest, all_ in found.items()} == {"s1": ["two", "three", "four"]}
+    assert set(conflict_findings(Tables(2, (), rows), {"s0", "s1"})) == {"s0", "s1"}
