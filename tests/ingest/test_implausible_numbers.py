@@ -3,10 +3,10 @@
 import copy
 
 import pytest
+from tests.ingest.test_plausible import SOUND
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.ingest.checks.plausible import description_findings
-from tests.ingest.test_plausible import SOUND
 
 
 def said(place, value):

@@ -1,12 +1,12 @@
 """What is said of twins and of conflicts, over stores that are only their tables."""
 
 import pyarrow as pa
+from tests.ingest.test_twins import touch
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import findings_table
 from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_findings
-from tests.ingest.test_twins import touch
 
 
 class Tables:
