@@ -136,7 +136,7 @@ def test_a_png_that_ends_before_its_size_is_refused(size):
 
 @pytest.mark.parametrize("mark", [b"\xff\x01", b"\xff\xd0", b"\xff\xd7", b"\xff", b"\xff\xff"])
 def test_marks_without_content_and_fill_bytes_are_passed_over(mark):
-    """Before the frame header of a JPEG stand TEM, restart marks or fill bytes (ITU-T T.81, B.1.1): its size is read."""
+    """Marks that may stand before the frame header of a JPEG (ITU-T T.81, B.1.1) do not hide its size."""
     payload = encoded(".jpg", picture(7, 9))
     header = read_header(payload[:2] + mark + payload[2:])
     assert (header.height, header.width, header.is_complete) == (7, 9, True)
