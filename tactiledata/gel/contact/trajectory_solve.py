@@ -5,7 +5,7 @@ from __future__ import annotations
 from tactiledata.arrays import Array
 from tactiledata.gel.contact.contact_path import ContactPath, ContactState
 from tactiledata.gel.contact.history import FrameStatus, GelTouch
-from tactiledata.gel.contact.path import pose_status, load_steps
+from tactiledata.gel.contact.path import load_steps, pose_status
 from tactiledata.gel.contact.recorder import FrameRecorder
 
 FINEST = 4

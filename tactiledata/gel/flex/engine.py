@@ -11,7 +11,7 @@ from tactiledata.errors import UsageError
 from tactiledata.gel.contact.contact_path import interpolated_poses
 from tactiledata.gel.contact.gap import height_above
 from tactiledata.gel.contact.history import FrameStatus, GelHistory, GelTouch
-from tactiledata.gel.contact.path import pose_status, load_steps
+from tactiledata.gel.contact.path import load_steps, pose_status
 from tactiledata.gel.contact.recorder import FrameRecorder, Keep
 from tactiledata.gel.contact.relief import IndenterRelief, indenter_relief
 from tactiledata.gel.elasticity.material import GelMaterial
