@@ -88,7 +88,7 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
         Loss, hold-out share, seed, hardness for the start, priors.
     """
     # the start: E from the hardness, nu and mu from the middle of the box
-    fitted, held_out = deal(len(experiment.touches), options.hold_out, options.seed)
+    fitted, held_out = draw_held_out(len(experiment.touches), options.hold_out, options.seed)
     start = bounds.inside(
         np.array([youngs_modulus_of_shore_a(options.shore_a), *(np.add(bounds.low, bounds.high) / 2)[1:]])
     )
@@ -125,7 +125,7 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
     return Fit(optimum, start, intervals, simulation_errors, offsets, fitted, held_out, factors, losses)
 
 
-def deal(count: int, share: float, seed: int) -> tuple[Indices, Indices]:
+def draw_held_out(count: int, share: float, seed: int) -> tuple[Indices, Indices]:
     """Draw which of ``count`` trajectories are fitted and which held out: two ascending arrays of places.
 
     Parameters

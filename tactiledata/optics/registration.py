@@ -24,7 +24,7 @@ from tactiledata.optics.view_search import (
     PARAMETERS,
     Kind,
     Scene,
-    improved,
+    improved_view,
     move_field,
     residual_of,
     shape_features,
@@ -206,7 +206,7 @@ def _gel_grid(surface: GelSurface) -> View:
 def _coarse_view(scene: Scene, start: View, kind: Kind) -> tuple[float, View]:
     """Squared residual and view after a search in half-size, blurred pictures."""
     coarse = scene.halved().blurred(COARSE)
-    view = improved(coarse, start.scaled(coarse.shape), kind)
+    view = improved_view(coarse, start.scaled(coarse.shape), kind)
     residual, _ = residual_of(coarse, view)
     return float(residual @ residual), view
 
@@ -214,7 +214,7 @@ def _coarse_view(scene: Scene, start: View, kind: Kind) -> tuple[float, View]:
 def _registration(scene: Scene, start: View, coarse: View, kind: Kind, ratio: float) -> Registration:
     """Refine a coarse view in the less blurred pictures, and return it with its errors."""
     fine = scene.blurred(FINE)
-    view = improved(fine, coarse.scaled(fine.shape), kind)
+    view = improved_view(fine, coarse.scaled(fine.shape), kind)
     residual, predicted = residual_of(fine, view)
     total = sum(float(np.square(change, dtype=np.float64).sum()) for change in fine.changes)
     scale = start.shape[0] / scene.shape[0]

@@ -39,7 +39,7 @@ class Scene:
     ----------
     changes : n of (rows, columns, 3)
         Changes of the reduced pictures, grey levels.
-    shown : n of (grid rows, grid columns, 4)
+    features : n of (grid rows, grid columns, 4)
         Shapes of the gel, as ``shape_features`` returns them.
     grid : View
         View of the shapes' grid.
@@ -50,7 +50,7 @@ class Scene:
     """
 
     changes: list[NDArray[np.float32]]
-    shown: list[NDArray[np.float32]]
+    features: list[NDArray[np.float32]]
     grid: View
     shape: tuple[int, int]
     pitches: tuple[float, float]
@@ -67,7 +67,7 @@ class Scene:
         return replace(
             self,
             changes=[_blurred(change, width, width) for change in self.changes],
-            shown=[_blurred(features, across, down) for features in self.shown],
+            features=[_blurred(shape, across, down) for shape in self.features],
         )
 
 
@@ -87,7 +87,7 @@ def _blurred(values: NDArray[np.float32], across: float, down: float) -> NDArray
     return blurred
 
 
-def improved(scene: Scene, start: View, kind: Kind) -> View:
+def improved_view(scene: Scene, start: View, kind: Kind) -> View:
     """Improve a view by damped Gauss-Newton steps; a step that does not lower the residual raises the damping.
 
     Parameters
@@ -156,7 +156,7 @@ def residual_of(scene: Scene, view: View) -> tuple[Array, NDArray[np.float32]]:
     v, u = np.meshgrid(*(np.linspace(-1, 1, size) for size in scene.shape), indexing="ij")
     places = np.stack([np.ones_like(u), u, v], axis=-1).astype(np.float32)
     columns = []
-    for shape in scene.shown:
+    for shape in scene.features:
         warped: Any = cv2.warpPerspective(
             shape, grid_from_pixel, scene.shape[::-1], flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         )

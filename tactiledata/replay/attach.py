@@ -114,7 +114,7 @@ def _effects(store: Store, plan: ReplayPlan, options: ReplayOptions) -> ReplayEf
     if not options.acting:
         return None
     effects = ReplayEffects(store, plan, options.acting)
-    if options.is_carried and effects.varies_gel:
+    if options.is_interpolated and effects.varies_gel:
         raise UsageError(
             "effects of another gel at --resolution high",
             "--resolution low: the high one is interpolated from the nominal gel",
@@ -232,7 +232,7 @@ def _runs(
                 offsets=tuple(_offset(touch, options) for touch in group),
                 effects=tuple(_effect_touch(store, touch, effects, options) for touch in group),
                 pads=plan.pads,
-                is_carried=options.is_carried,
+                is_interpolated=options.is_interpolated,
                 sizes=sizes,
                 material=options.material,
                 fidelity=options.fidelity,

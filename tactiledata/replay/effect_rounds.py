@@ -67,7 +67,7 @@ def play_with_effects(
         unbalanced_touches = []
         for place, history in engine.play(poses_to_play, material, keep):
             iteration = iterations[unfinished[place]]
-            balanced_history = history if iteration is None else iteration.took(history)
+            balanced_history = history if iteration is None else iteration.with_reading(history)
             if balanced_history is None:
                 unbalanced_touches.append(unfinished[place])
             else:
@@ -76,7 +76,7 @@ def play_with_effects(
         if not unfinished:
             return
     raise unbalanced(
-        max(iteration.missed for number in unfinished if (iteration := iterations[number]) is not None), MOST_ROUNDS
+        max(iteration.imbalance for number in unfinished if (iteration := iterations[number]) is not None), MOST_ROUNDS
     )
 
 
@@ -97,11 +97,11 @@ class _EffectIteration:
         return GelTouch(self._touch.indenter, self._poses)
 
     @property
-    def missed(self) -> float:
+    def imbalance(self) -> float:
         """Remaining difference, N, between the force that the springs feel and the gel's answer."""
         return 0.0 if self._balance is None else self._balance.missed
 
-    def took(self, history: GelHistory) -> GelHistory | None:
+    def with_reading(self, history: GelHistory) -> GelHistory | None:
         """Return the answer with the wrench that the sensor reads, or ``None`` where the indenter moves once more."""
         rows, areas = self._effects.known, self._engine.surface.patch_areas
         touch = replace(self._effects.touch, material=self._material)

@@ -73,14 +73,14 @@ class ReplayOptions:
         return self.make_pad or partial(pad_mesh, resolution=self.resolution)
 
     @property
-    def is_carried(self) -> bool:
+    def is_interpolated(self) -> bool:
         """Whether the high-resolution pad is interpolated from a solution on the low-resolution one."""
         return self.make_pad is None and self.resolution == "high"
 
     def document(self) -> dict[str, Any]:
         """Return the options on which the rows depend, as JSON values for the manifest."""
         return {
-            "engine": "fem on the low-resolution pad, interpolated" if self.is_carried else "fem",
+            "engine": "fem on the low-resolution pad, interpolated" if self.is_interpolated else "fem",
             "fidelity": self.fidelity,
             "material": asdict(self.material),
             "keep": self.keep,

@@ -48,7 +48,7 @@ class Run:
         Inputs of the effects on each touch; ``None`` where none acts.
     pads : tuple of PlannedPad
         Pads of the plan.
-    is_carried : bool
+    is_interpolated : bool
         Whether pads are interpolated from a solution on low-resolution ones.
     sizes : dict
         Lengths of the mesh's arrays, by name.
@@ -63,7 +63,7 @@ class Run:
     offsets: tuple[float, ...]
     effects: tuple[EffectTouch | None, ...]
     pads: tuple[PlannedPad, ...]
-    is_carried: bool
+    is_interpolated: bool
     sizes: dict[str, int]
     material: GelMaterial
     fidelity: Fidelity
@@ -82,7 +82,7 @@ class _EngineKey:
     law: GelVariant
     poisson_ratio: float
     fidelity: Fidelity
-    is_carried: bool
+    is_interpolated: bool
     pad: PlannedPad = field(compare=False)
 
 
@@ -90,7 +90,7 @@ class _EngineKey:
 def _engine(key: _EngineKey) -> FemEngine | EmbeddedEngine:
     """Make an engine, or return the last one where the key is the same."""
     # the next run of this process mostly has the same pad, and its factorisation takes as long as a run
-    if key.is_carried:
+    if key.is_interpolated:
         return EmbeddedEngine(key.pad.sensor, key.pad.geometry, key.poisson_ratio, key.fidelity)
     return variant_engine(key.pad.mesh, key.poisson_ratio, key.fidelity, key.law)
 
@@ -111,7 +111,7 @@ def solve_run(run: Run) -> dict[str, str]:
         ]
         if chosen:
             engine = _engine(
-                _EngineKey(pad.mesh.digest, pad.law, run.material.poisson_ratio, run.fidelity, run.is_carried, pad)
+                _EngineKey(pad.mesh.digest, pad.law, run.material.poisson_ratio, run.fidelity, run.is_interpolated, pad)
             )
             _, touches, effects = zip(*chosen, strict=True)
             for place, history in play_with_effects(engine, touches, effects, run.material, run.keep):

@@ -7,7 +7,7 @@ import pytest
 from closed_form import FRAMES, NOISE, TRUTH, ClosedFormWorld
 
 from tactiledata.calibrate.bounds import find_bounds
-from tactiledata.calibrate.fit import deal, fit
+from tactiledata.calibrate.fit import draw_held_out, fit
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.losses import NormLoss, VectorLoss
 from tactiledata.calibrate.options import CalibrationOptions
@@ -132,7 +132,7 @@ def test_held_out_trajectories_do_not_touch_the_fit(world):
     """Spoiling them changes their loss only."""
     measured = world.measured()
     options = CalibrationOptions(hold_out=0.25)
-    _, held = deal(world.count, 0.25, 0)
+    _, held = draw_held_out(world.count, 0.25, 0)
     spoilt = measured.copy()
     spoilt[held[0] * FRAMES : (held[0] + 1) * FRAMES] *= 2
     clean, other = (fit(world.experiment(values), NOISE, PAPER, options) for values in (measured, spoilt))
@@ -142,7 +142,7 @@ def test_held_out_trajectories_do_not_touch_the_fit(world):
 
 @pytest.mark.parametrize(("count", "share", "held"), [(25, 0.2, 5), (25, 0.0, 0), (3, 0.9, 1), (2, 0.5, 0)])
 def test_dealing_leaves_two_to_fit(count, share, held):
-    fitted, held_out = deal(count, share, 0)
+    fitted, held_out = draw_held_out(count, share, 0)
     assert len(held_out) == held
     assert sorted([*fitted, *held_out]) == list(range(count))
 

@@ -83,7 +83,7 @@ def test_a_broken_pose_leaves_a_gap():
 @pytest.mark.parametrize(("along", "is_moved"), [(0.99e-4, False), (1.01e-4, True), (-1.01e-4, True)])
 def test_an_arm_that_is_a_tenth_of_a_millimetre_away_moved(along, is_moved):
     """Below that it stood over the gap, and its weight is known there."""
-    assert lost(tcp([0, 10, 20, 1000], [0.4, 0.4, 0.4, 0.4 + along]), [500]) == [is_moved]
+    assert lost(tcp([0, 10, 20, 1000], [0.2, 0.3, 0.4, 0.4 + along]), [500]) == [is_moved]
 
 
 @pytest.mark.parametrize(("turn", "is_moved"), [(1.98e-3, False), (2.02e-3, True), (-2.02e-3, True)])
@@ -135,3 +135,12 @@ def test_the_lever_is_about_the_origin_of_the_ft_frame():
     # the lever, 0.2 m along x and 0.1 m along z of the tcp, is -0.2 m along y and 0.1 m along z of the sensor
     assert weight[0] == pytest.approx([0, 0, -19.6133, 3.92266, 0, 0], abs=1e-9)
     assert weight[1] == pytest.approx([-19.6133, 0, 0, 0, -1.96133, -3.92266], abs=1e-9)
+
+
+def test_an_arm_that_stands_in_any_pose_stood():
+    """Rounding makes no turn of a pose that is twice the same, nor a number that is none."""
+    turns = Rotation.random(200, random_state=1).as_quat()
+    poses = tcp(np.arange(400) // 2 * 2000 + np.arange(400) % 2 * 1000, np.zeros(400))
+    poses.values[:, 3:] = np.repeat(turns, 2, axis=0)
+    with np.errstate(invalid="raise"):
+        assert not any(lost(poses, np.arange(200) * 2000 + 500))

@@ -173,7 +173,7 @@ class ContactPath:
         return -np.concatenate([self.state.forces.sum(axis=0), np.cross(places, self.state.forces).sum(axis=0)])
 
 
-def way_points(start: Array, end: Array, parts: int) -> list[Array]:
+def interpolated_poses(start: Array, end: Array, parts: int) -> list[Array]:
     """Interpolated poses (4, 4) from ``start``, excluded, to ``end``, included, in equal parts.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tactiledata.arrays import Array
-from tactiledata.gel.contact.contact_path import LARGEST_STEP, way_points
+from tactiledata.gel.contact.contact_path import LARGEST_STEP, interpolated_poses
 from tactiledata.gel.contact.gap import APART, height_above
 from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.gel.contact.relief import IndenterRelief
@@ -19,7 +19,7 @@ HALVINGS = 10
 """Bisections of a motion to find the pose of first contact."""
 
 
-def judge_pose(pose: Array, rest: Array, relief: IndenterRelief, thickness: float) -> FrameStatus:
+def pose_status(pose: Array, rest: Array, relief: IndenterRelief, thickness: float) -> FrameStatus:
     """Return why a frame cannot be solved, or ``SOLVED`` where it can be.
 
     Parameters
@@ -69,7 +69,7 @@ def load_steps(
         start = _first_touch(start, end, rest, relief)
     turn = Rotation.from_matrix(start[:3, :3].T @ end[:3, :3]).magnitude()
     distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3])) + LEVER * float(turn)
-    return way_points(start, end, finer * max(1, int(np.ceil(distance / LARGEST_STEP - 1e-6))))
+    return interpolated_poses(start, end, finer * max(1, int(np.ceil(distance / LARGEST_STEP - 1e-6))))
 
 
 def _first_touch(start: Array, end: Array, rest: Array, relief: IndenterRelief) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tactiledata.arrays import Array
 from tactiledata.gel.contact.contact_path import ContactPath, ContactState
 from tactiledata.gel.contact.history import FrameStatus, GelTouch
-from tactiledata.gel.contact.path import judge_pose, load_steps
+from tactiledata.gel.contact.path import load_steps, pose_status
 from tactiledata.gel.contact.recorder import FrameRecorder
 
 FINEST = 4
@@ -54,7 +54,7 @@ class TrajectorySolve:
             self._finer = 1
             self._before = self.path.state
             pose = self._poses[self._frame]
-            status = judge_pose(pose, self.path.rest, self.path.relief, self._thickness)
+            status = pose_status(pose, self.path.rest, self.path.relief, self._thickness)
             if status != FrameStatus.SOLVED:
                 self.recorder.give_up(self._frame, status)
                 continue

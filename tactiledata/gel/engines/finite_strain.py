@@ -78,7 +78,7 @@ class LoadStepSolve:
             self.displacement = self.displacement + self._stride[0]
             self.forces = self.forces + self._stride[1]
 
-    def judge(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
+    def take_iteration(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
         """Take the result of an iteration: accept the step, give it up, or continue from an accelerated iterate.
 
         Parameters
@@ -202,14 +202,14 @@ class FiniteStrainSolver:
         unbalanced[:, self._pad.mesh.base] = 0.0
         image = displacement - self._pad.solve_roughly(unbalanced, threads)
 
-        def judge(row: int) -> None:
+        def finish(row: int) -> None:
             """Give one trajectory the result of the iteration."""
             forces, gaps = pressed[row]
             largest = float(np.abs(forces).max())
             residual = float(np.abs(unbalanced[row]).max()) / largest if largest > 0 else 0.0
-            active[row].judge(image[row], forces, gaps, residual)
+            active[row].take_iteration(image[row], forces, gaps, residual)
 
-        list(threads.map(judge, range(len(active))))
+        list(threads.map(finish, range(len(active))))
 
 
 def _measured(mesh: PadMesh, surface: ContactSurface) -> Indices:

@@ -8,10 +8,10 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
-from tactiledata.gel.contact.contact_path import way_points
+from tactiledata.gel.contact.contact_path import interpolated_poses
 from tactiledata.gel.contact.gap import height_above
 from tactiledata.gel.contact.history import FrameStatus, GelHistory, GelTouch
-from tactiledata.gel.contact.path import judge_pose, load_steps
+from tactiledata.gel.contact.path import load_steps, pose_status
 from tactiledata.gel.contact.recorder import FrameRecorder, Keep
 from tactiledata.gel.contact.relief import IndenterRelief, indenter_relief
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -119,7 +119,7 @@ class _FlexTrajectory:
     def go(self, poses: Array) -> None:
         """Solve and record all frames, at poses (n, 4, 4), gel_from_indenter."""
         for frame, pose in enumerate(poses):
-            status = judge_pose(pose, self._rest, self._relief, self._thickness)
+            status = pose_status(pose, self._rest, self._relief, self._thickness)
             if status != FrameStatus.SOLVED:
                 self._recorder.give_up(frame, status)
             elif height_above(self._rest, self._relief, pose).min() >= 0:
@@ -140,7 +140,7 @@ class _FlexTrajectory:
         current = self._pose if self._is_touching else steps[0]
         count = 0
         for step in steps:
-            for waypoint in way_points(current, step, MOVES):
+            for waypoint in interpolated_poses(current, step, MOVES):
                 self._model.step(current, waypoint)
                 current = waypoint
                 count += 1

@@ -30,7 +30,7 @@ LEADING_MASS = 1e2
 """Mass of the indenter, a million times that of a vertex, so that contact does not move it."""
 CONVEX = 2e-3
 """Largest difference of a convex indenter's volume from that of its convex hull, as a share."""
-NOT_A_FAULT = "has no equality constraints or passive forces"
+HARMLESS_WARNING = "has no equality constraints or passive forces"
 """Text of a harmless warning of MuJoCo 4.0 about every flex that only its elasticity holds."""
 
 
@@ -97,7 +97,7 @@ class FlexModel:
         # stable neo-Hookean; the default, Saint Venant-Kirchhoff, softens under pressure
         spec.flexes[0].elastic3d = 1
         with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message=f".*{NOT_A_FAULT}")
+            warnings.filterwarnings("ignore", message=f".*{HARMLESS_WARNING}")
             self._model = spec.compile()
         self._state = self._mujoco.MjData(self._model)
         self._nodes = len(mesh.vertices)

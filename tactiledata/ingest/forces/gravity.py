@@ -77,7 +77,7 @@ def without_pose(tcp: StoredSignal, t_ns: Times) -> NDArray[np.bool_]:
         return np.ones(len(t_ns), dtype=bool)
     periods = POSE_PERIODS * usual_distance(sound)
     beyond = np.maximum(sound[0] - t_ns, t_ns - sound[-1])
-    after = np.maximum(np.searchsorted(sound, t_ns, side="left"), 1)
+    after = np.searchsorted(sound, t_ns, side="left")
     later = np.minimum(after, len(sound) - 1)
     gap = sound[later] - sound[after - 1]
     is_moved = _is_moved(poses[after - 1], poses[later])

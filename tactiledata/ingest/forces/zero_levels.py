@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
+from tactiledata.ingest.clocks.clock_steps import usual_distance
 from tactiledata.ingest.forces.tare_events import Tare, without_steps
 
 LOST = 100_000_000
@@ -72,7 +73,7 @@ def ends_of(t_ns: Times, load: Values, tares: Sequence[Tare], span: tuple[str, i
     if len(sound) < EDGE:
         return None
     steady = without_steps(load, tares, start, stop)
-    allowed = EDGE * _usual(t_ns) + LOST
+    allowed = EDGE * usual_distance(t_ns) + LOST
     return Ends(
         name,
         start,
@@ -83,11 +84,6 @@ def ends_of(t_ns: Times, load: Values, tares: Sequence[Tare], span: tuple[str, i
         bool(t_ns[sound[EDGE - 1]] - start_ns > allowed),
         bool(end_ns - t_ns[sound[-EDGE]] > allowed),
     )
-
-
-def _usual(t_ns: Times) -> int:
-    steps = np.diff(t_ns)
-    return int(np.median(steps[steps > 0])) if (steps > 0).any() else 0
 
 
 def _apart(one: Values, other: Values) -> float:
