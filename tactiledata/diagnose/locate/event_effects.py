@@ -1,7 +1,7 @@
-"""What begins at an event, beside all that the parameters can imitate: the event by which a departure is best told.
+"""Departures that begin at an event and that no parameter can imitate: which event explains a departure best?
 
-After a calibration has absorbed a part of an effect, its rest shows about every event. A departure that begins at one
-event and stays, rises or fades is therefore fitted together with all parameters, and events compete.
+After a calibration has absorbed part of an effect, the rest shows at every event. A departure that begins at one event
+and stays, rises or fades is therefore fitted together with all parameters, and the events are compared.
 """
 
 from __future__ import annotations
@@ -20,27 +20,31 @@ from tactiledata.diagnose.residuals.sign_flips import DRAWS, family_wise, signs
 from tactiledata.diagnose.residuals.wording import departs, p_words
 
 SHAPES = ("stays", "rises", "fades")
-GOES_ON = {"stays": "stays so", "rises": "more and more so", "fades": "fades"}
+"""Shapes of a departure after an event: constant, saturating, decaying."""
+GOES_ON = {"stays": "this stays", "rises": "this grows", "fades": "this fades"}
+"""Clause for each shape."""
 FRAMES = 2.0
-"""Within which a departure rises or fades to 1/e."""
+"""Time constant in frames with which a departure rises or fades."""
 
 
 @dataclass(frozen=True)
 class EventEffect:
-    """A departure of one component from an event on.
+    """A departure of one component that begins at one kind of event.
 
     Parameters
     ----------
     event, component : str
-        A way (`Residuals.ways`) counts as a component.
+        Names of the event and of the component or direction (`Residuals.ways`).
     shape : "stays", "rises" or "fades"
+        Shape of the departure with the largest statistic.
     size : float
-        Times the noise.
+        Size of the departure, times the noise.
     statistic : float
-        As a standard normal value.
+        Size over standard error, as a standard normal value.
     p : float
-        For all events, components and shapes together.
+        Family-wise p-value over all events, components and shapes.
     words : str
+        The departure as a clause.
     """
 
     event: str
@@ -55,43 +59,56 @@ class EventEffect:
 def event_effects(
     projection: ProjectedResiduals, events: Sequence[Events], seed: int = 0, draws: int = DRAWS
 ) -> tuple[EventEffect, ...]:
-    """Every event and component with its best shape, the most certain first.
+    """The departure of every component after every kind of event, with its best shape; the most certain first.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    events : sequence of Events
+        Kinds of events that are compared.
+    seed : int
+        Random seed of the sign flips.
+    draws : int
+        Number of sign flips.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals = projection.residuals
     residuals.need_units("departures from events on")
     if not events:
         return ()
-    instruments = np.concatenate([shapes_after(residuals, one) for one in events], axis=1)
-    thrown = signs(residuals.unit_count, draws, seed)
+    # of three shapes of each event and component the largest statistic counts, in the data and after each flip
+    instruments = np.concatenate([shapes_after(residuals, kind) for kind in events], axis=1)
+    flips = signs(residuals.unit_count, draws, seed)
     pairs: list[tuple[str, str, str, float, float]] = []
     observed, drawn = [], []
     for component, direction in directions_of(residuals):
-        found = along(projection, direction, instruments)
-        statistics, sizes = found.statistic, found.size
-        flipped = np.abs(found.flipped(thrown)).reshape(draws, len(events), len(SHAPES)).max(axis=2)
+        scores = along(projection, direction, instruments)
+        statistics, sizes = scores.statistic, scores.size
+        flipped = np.abs(scores.flipped(flips)).reshape(draws, len(events), len(SHAPES)).max(axis=2)
         for number, event in enumerate(events):
             first = number * len(SHAPES)
-            sort = int(np.abs(statistics[first : first + len(SHAPES)]).argmax())
-            best = first + sort
-            pairs.append((event.name, component, SHAPES[sort], float(sizes[best]), float(statistics[best])))
+            shape_index = int(np.abs(statistics[first : first + len(SHAPES)]).argmax())
+            best = first + shape_index
+            pairs.append((event.name, component, SHAPES[shape_index], float(sizes[best]), float(statistics[best])))
             observed.append(abs(float(statistics[best])))
             drawn.append(flipped[:, number])
+    # family-wise p-values and clauses
     p_values = family_wise(np.array(observed), np.stack(drawn, axis=1))
     effects = []
     for (event_name, component, shape, size, statistic), p in zip(pairs, p_values, strict=True):
-        apart = departs(component, size, 0.0, residuals.scale)
-        words = f"{apart} from {event_name} on, and {GOES_ON[shape]} ({p_words(float(p))})"
+        departure = departs(component, size, 0.0, residuals.scale)
+        words = f"{departure} from {event_name} on, and {GOES_ON[shape]} ({p_words(float(p))})"
         effects.append(EventEffect(event_name, component, shape, size, statistic, float(p), words))
-    return tuple(sorted(effects, key=lambda one: (one.p, -abs(one.statistic))))
+    return tuple(sorted(effects, key=lambda effect: (effect.p, -abs(effect.statistic))))
 
 
 def directions_of(residuals: Residuals) -> Iterator[tuple[str, Array]]:
-    """Names and directions (n, k): each component, and the ways of trajectories."""
+    """Names and directions (n, k), each of unit length or 0: the components, then `Residuals.ways`."""
     for column, component in enumerate(residuals.components):
         direction = np.zeros_like(residuals.values)
         direction[:, column] = 1.0
@@ -100,7 +117,7 @@ def directions_of(residuals: Residuals) -> Iterator[tuple[str, Array]]:
 
 
 def shapes_after(residuals: Residuals, events: Events) -> Array:
-    """Instruments (n, 3) that begin at the last such event of the trajectory; 0 before it."""
+    """Instruments (n, 3) of the three `SHAPES` after the latest event of its kind in each trajectory; 0 before it."""
     last = np.full(len(residuals.values), -1)
     last[events.rows] = events.rows
     last = np.maximum.accumulate(last)

@@ -1,8 +1,8 @@
-"""Whether there is anything to explain at all, beside noise, own parameters and the simulation's own errors.
+"""Whether the residual exceeds what noise, own parameters and errors of the simulation leave.
 
-The residual is compared with residuals drawn from the noise model, the numerical discrepancy, and the doubt about the
-size of the noise, each put through the same projection. Two numbers are compared: the mean square, and the share of
-slow variation inside trajectories, which no error in the size of the noise can raise.
+The residual is compared with simulated ones, drawn from the noise model, the numerical discrepancy and the uncertainty
+of the noise's size, and projected in the same way. Two statistics are compared: the mean square, and the share of slow
+variation inside trajectories. A wrong size of the noise cannot raise the second one.
 """
 
 from __future__ import annotations
@@ -17,27 +17,30 @@ from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import p_words, rounded
 
 DRAWS = 399
+"""Simulated residuals: the smallest p-value is 1 / 400."""
 CHUNK = 16
+"""Simulated residuals that are held in memory at a time."""
 SLOW = 3
-"""Cosines, from the constant on, that count as slow."""
+"""Number of cosines of each trajectory, the constant included, that count as slow variation."""
 
 
 @dataclass(frozen=True)
 class NoiseModel:
-    """What a residual may be when nothing is missing.
+    """The distribution of the residual when no physics is missing.
 
     Parameters
     ----------
     correlation : float, optional
-        Of neighbouring frames of one trajectory, as in an AR(1) process; ``None``: not known, and slow variation
-        proves nothing.
+        Correlation of the noise of neighbouring frames of a trajectory, as in an AR(1) process. ``None``: not known;
+        slow variation is then not tested.
     doubt : float
-        Relative standard deviation of the noise's size: how well it is known.
+        Relative standard deviation of the noise's size: how uncertain it is.
     discrepancy : (n, k, m), optional
-        Whitened differences between a refined simulation and the one used: each comes with a normal factor of its own.
+        m whitened differences between a refined simulation and the one used; each is multiplied by an independent
+        standard normal number.
     scatter : (n,), optional
-        Share of each frame's standard deviation, 0 to 1, that is no noise but scatter of the simulation: it goes slowly
-        along a trajectory, and as slowly as can be counts as usual.
+        Share of each frame's standard deviation, 0 to 1, that is scatter of the simulation instead of noise. It varies
+        slowly along a trajectory; the draws make it as slow as possible.
     """
 
     correlation: float | None = 0.0
@@ -47,23 +50,24 @@ class NoiseModel:
 
     @property
     def inflation(self) -> float | None:
-        """Of the variance of sums over neighbouring frames, by their memory; ``None`` where that is not known."""
+        """Factor on the variance of sums over frames, by their correlation; ``None`` where that is not known."""
         return None if self.correlation is None else (1.0 + self.correlation) / (1.0 - self.correlation)
 
 
 @dataclass(frozen=True)
 class Gate:
-    """The answer.
+    """Mean square and slow share of the residual, compared with their distribution when no physics is missing.
 
     Parameters
     ----------
     mean_square, slow_share : float
-        Of the residual.
+        Statistics of the residual after the projection; the mean square of white noise is about 1.
     usual_mean_square, usual_slow_share : float
-        95 % quantiles where nothing is missing.
+        95 % quantiles of the statistics when no physics is missing.
     p : float
-        For both together.
+        p-value of both statistics together (Bonferroni), or of the mean square where slow variation is not tested.
     words : str
+        The result as a sentence.
     """
 
     mean_square: float
@@ -75,49 +79,76 @@ class Gate:
 
     @property
     def is_passed(self) -> bool:
-        """Whether nothing needs an explanation."""
+        """Whether the residual is compatible with noise at the 5 % level."""
         return self.p > 0.05
 
 
 def gate(projection: ProjectedResiduals, noise: NoiseModel, seed: int = 0, draws: int = DRAWS) -> Gate:
-    """The gate for residuals whose noise is known."""
+    """Compare a residual of known noise with residuals that are simulated without missing physics.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    noise : NoiseModel
+        Distribution of the residual when no physics is missing.
+    seed : int
+        Random seed of the simulated residuals.
+    draws : int
+        Number of simulated residuals.
+    """
     residuals = projection.residuals
     rng = np.random.default_rng(seed)
     slow = _slow_basis(residuals)
-    observed = _numbers(projection, slow, residuals.values[:, :, None])[:, 0]
+    observed = _statistics(projection, slow, residuals.values[:, :, None])[:, 0]
     drawn = np.concatenate(
         [
-            _numbers(projection, slow, _draws(residuals, noise, rng, min(CHUNK, draws - start)))
+            _statistics(projection, slow, _draws(residuals, noise, rng, min(CHUNK, draws - start)))
             for start in range(0, draws, CHUNK)
         ],
         axis=1,
     )
-    each = (1 + (drawn >= observed[:, None]).sum(axis=1)) / (1 + draws)
-    p = float(each[0] if noise.correlation is None else min(1.0, 2.0 * each.min()))
+    # one p-value for each statistic; without a known correlation only the mean square counts
+    p_values = (1 + (drawn >= observed[:, None]).sum(axis=1)) / (1 + draws)
+    p = float(p_values[0] if noise.correlation is None else min(1.0, 2.0 * p_values.min()))
     usual = np.quantile(drawn, 0.95, axis=1)
     if p > 0.05:
-        words = f"Nothing needs an explanation: the residual is what noise leaves ({p_words(p)})."
-    elif noise.correlation is None or each[0] <= each[1]:
+        words = f"Nothing needs an explanation: the residual is no larger than noise alone would be ({p_words(p)})."
+    elif noise.correlation is None or p_values[0] <= p_values[1]:
         words = (
             f"The residual is {rounded(float(np.sqrt(observed[0])))} times the noise, where up to "
             f"{rounded(float(np.sqrt(usual[0])))} is usual ({p_words(p)})."
         )
     else:
         words = (
-            f"The residual is slower than noise: {100 * observed[1]:.0f} % of it is slow variation inside "
+            f"The residual varies more slowly than noise: {100 * observed[1]:.0f} % of it is slow variation inside "
             f"trajectories, where up to {100 * usual[1]:.0f} % is usual ({p_words(p)})."
         )
     return Gate(float(observed[0]), float(observed[1]), float(usual[0]), float(usual[1]), p, words)
 
 
 def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, draws: int) -> Array:
-    """Residuals (n, k, d) where nothing is missing."""
+    """Simulated whitened residuals (n, k, d) when no physics is missing.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Shapes, trajectories and own parameters of the residuals.
+    noise : NoiseModel
+        Distribution of the noise and of errors of the simulation.
+    rng : numpy.random.Generator
+        Source of random numbers.
+    draws : int
+        Number d of simulated residuals.
+    """
+    # white noise, made an AR(1) process along each trajectory
     values = rng.normal(size=(*residuals.values.shape, draws))
     if noise.correlation:
         fresh = np.sqrt(1.0 - noise.correlation**2)
-        for later in range(1, int(residuals.counts.max())):
-            rows = residuals.starts[residuals.counts > later] + later
+        for frame in range(1, int(residuals.counts.max())):
+            rows = residuals.starts[residuals.counts > frame] + frame
             values[rows] = noise.correlation * values[rows - 1] + fresh * values[rows]
+    # uncertain size of the noise, then scatter, discrepancy and own parameters
     values *= np.maximum(rng.normal(1.0, noise.doubt, draws), 0.1)
     if noise.scatter is not None:
         share = noise.scatter[:, None, None]
@@ -132,7 +163,7 @@ def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, dr
 
 
 def _slow_draws(residuals: Residuals, rng: np.random.Generator, draws: int) -> Array:
-    """Values (n, k, d) of unit variance in the mean that are slow in each trajectory, and nothing else."""
+    """Random values (n, k, d) that are sums of slow cosines in each trajectory, with a mean variance of 1."""
     shape = (len(residuals.starts), SLOW, residuals.values.shape[1], draws)
     waves = (
         _slow_basis(residuals)
@@ -142,8 +173,18 @@ def _slow_draws(residuals: Residuals, rng: np.random.Generator, draws: int) -> A
     return drawn
 
 
-def _numbers(projection: ProjectedResiduals, slow: Array, values: Array) -> Array:
-    """Mean square and slow share (2, d) of residuals (n, k, d) after the projection."""
+def _statistics(projection: ProjectedResiduals, slow: Array, values: Array) -> Array:
+    """Mean square and slow share (2, d) of residuals (n, k, d) after the projection.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        The projection that is applied to each residual.
+    slow : (n, s)
+        Orthonormal slow functions of each trajectory.
+    values : (n, k, d)
+        Whitened residuals, observed or simulated.
+    """
     weighed = projection.weigh(values)
     refit = np.einsum("pq,nkq,nkd->pd", projection.inverse, projection.directions, weighed, optimize=True)
     left = values - np.einsum("nkp,pd->nkd", projection.directions, refit)
@@ -156,7 +197,7 @@ def _numbers(projection: ProjectedResiduals, slow: Array, values: Array) -> Arra
 
 
 def _slow_basis(residuals: Residuals) -> Array:
-    """Orthonormal slow cosines (n, s) of each trajectory."""
+    """Orthonormal slow cosines (n, s) of each trajectory; columns beyond its number of frames are 0."""
     basis = np.zeros((len(residuals.values), SLOW))
     for start, count in zip(residuals.starts, residuals.counts, strict=True):
         phase = np.pi * (np.arange(count) + 0.5) / count

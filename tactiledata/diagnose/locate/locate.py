@@ -1,4 +1,4 @@
-"""Where recordings and simulation differ: every locator, and one error rate over all of them."""
+"""Run every locator on the same residuals, correct their p-values for their number, and put the findings into words."""
 
 from __future__ import annotations
 
@@ -27,27 +27,34 @@ from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, holm
 
 LEVEL = 0.05
+"""Error rate over all locators: the largest corrected p-value of a certain locator."""
 MOST_SAID = 3
+"""Most findings of a locator that become sentences."""
 BESIDES = "that allowed for, "
+"""Begin of a sentence on a drift that was found with a stronger one fitted."""
 
 
 @dataclass(frozen=True)
 class LocateOptions:
-    """What locators need to know.
+    """What the locators need to know beside the residuals.
 
     Parameters
     ----------
-    order_by : covariate along which steps are sought
-    plane : two covariates that span the gel
+    order_by : str
+        Covariate along which steps between trajectories are sought.
+    plane : (str, str)
+        The two covariates that span the map.
     noise : NoiseModel, optional
-        ``None`` where the size of the noise is not known: the residual's size then proves nothing.
-    seed, draws : int
-        Of the signs that are thrown.
+        Distribution of the noise; ``None`` where its size is not known, so that the residual's size is not tested.
+    seed : int
+        Random seed; each locator uses its own number after it.
+    draws : int
+        Number of sign flips or permutations of each test.
     is_fitted : bool
-        Whether the residuals are those of a fit of the shared parameters: a common offset is no question then.
-    errors : dict, name -> standard deviation, optional
-        What the simulation's own errors leave of contrasts: other findings, too, have to be beyond that. ``None`` where
-        it is not known: no contrasts are asked.
+        Whether the shared parameters were fitted to these residuals; common offsets are then not tested.
+    errors : dict, name -> float, optional
+        Standard deviation that the simulation's own errors cause in contrasts of each component and parameter; all
+        findings must exceed it. ``None`` where it is not known: contrasts are then not tested.
     """
 
     order_by: str = "index"
@@ -61,23 +68,40 @@ class LocateOptions:
 
 @dataclass(frozen=True)
 class LocatorResults:
-    """What all locators say.
+    """The findings of all locators, and their corrected p-values.
 
     Parameters
     ----------
     projection : ProjectedResiduals
-        After the refit of the shared parameters.
+        Residuals after the refit of the shared parameters.
     gate : Gate, optional
+        Size and slowness of the residual; ``None`` where the noise is not known.
     free_air : FreeAir
-    overall, drifts, events, departures, contrasts, steps, maps, leaves
-        See the modules of these names.
+        Structure before contact.
+    overall : tuple of Offset
+        Shifts of the shared parameters in all frames.
+    drifts : tuple of Drift
+        All pairs of shared parameter and covariate or label.
     leading : tuple of Drift
-        The certain drifts without their echoes.
+        The certain drifts that remain with all stronger ones fitted.
     own : tuple of Drift
         What the trajectories' own parameters follow.
+    events : tuple of EventLocked
+        Means about each kind of event.
+    departures : tuple of EventEffect
+        Departures that begin at events, beside the parameters.
+    contrasts : tuple of Contrast
+        Differences beyond errors of the simulation; empty where those are not known.
+    steps : tuple of ChangePoint
+        Steps of parameters between trajectories.
+    maps : tuple of RegionMap
+        Parameters over the plane.
+    leaves : tuple of Leaf
+        Leaves of the honest tree.
     energy : EnergyShares
-    p : dict, locator -> p-value
-        Holm's, over all locators that had something to test.
+        Which data hold the excess.
+    p : dict, locator -> float
+        Holm's p-value of each locator that had something to test.
     """
 
     projection: ProjectedResiduals
@@ -98,101 +122,113 @@ class LocatorResults:
 
     @property
     def is_structured(self) -> bool:
-        """Whether any locator is certain, all of them taken together."""
+        """Whether any locator is certain at the error rate `LEVEL` over all locators."""
         return any(value <= LEVEL for value in self.p.values())
 
     def is_certain(self, locator: str) -> bool:
-        """Whether one of them is."""
+        """Whether one locator, by its name in ``p``, is certain at the error rate over all locators."""
         return self.p.get(locator, 1.0) <= LEVEL
 
-    def _drifts_said(self) -> list[Drift]:
-        """Of shared parameters those without echoes, of own ones the most certain."""
+    def _reported_drifts(self) -> list[Drift]:
+        """The drifts for sentences: all leading ones, and the most certain one of own parameters."""
         shared = self.leading if self.is_certain("drifting parameters") else ()
         return [*shared, *(self.own[:1] if self.is_certain("trajectories' own parameters") else ())]
 
     def sentences(self) -> list[str]:
-        """What is certain, the plainest first; where nothing is, that."""
+        """The certain findings as sentences, simple causes first; one sentence that says so where there are none."""
         if not self.is_structured:
-            return ["Nothing found: no locator finds structure that chance does not explain."]
-        said, known = [], self._drifts_said()
+            return ["Nothing found: no locator finds structure beyond chance."]
+        sentences, drifts = [], self._reported_drifts()
         if self.is_certain("free air"):
-            said.append(self.free_air.words)
+            sentences.append(self.free_air.words)
         if self.gate is not None and self.is_certain("size of the residual"):
-            said.append(self.gate.words)
+            sentences.append(self.gate.words)
         if self.is_certain("a common offset"):
-            said += [_sentence(one.words) for one in self.overall if one.p <= LEVEL][:MOST_SAID]
-        said += [_sentence(f"{BESIDES if one in self.leading[1:] else ''}{one.words}") for one in known]
+            sentences += [_sentence(offset.words) for offset in self.overall if offset.p <= LEVEL][:MOST_SAID]
+        sentences += [_sentence(f"{BESIDES if drift in self.leading[1:] else ''}{drift.words}") for drift in drifts]
         if self.is_certain("contrasts"):
-            pairs = {(one.parameter, one.covariate) for one in known}
-            certain = [one for one in self.contrasts if one.p <= LEVEL]
-            said += [_sentence(one.words) for one in certain if (one.what, one.along) not in pairs]
+            # a contrast that repeats a drift is left out
+            pairs = {(drift.parameter, drift.covariate) for drift in drifts}
+            certain = [contrast for contrast in self.contrasts if contrast.p <= LEVEL]
+            sentences += [
+                _sentence(contrast.words) for contrast in certain if (contrast.what, contrast.along) not in pairs
+            ]
         if self.is_certain("departures from events on"):
-            said.append(_sentence(self.departures[0].words))
+            sentences.append(_sentence(self.departures[0].words))
         elif self.is_certain("events"):
-            said += [_sentence(one.words) for one in self.events if one.p <= LEVEL][:MOST_SAID]
+            sentences += [_sentence(event.words) for event in self.events if event.p <= LEVEL][:MOST_SAID]
         if self.is_certain("steps"):
-            said += [_sentence(one.words) for one in self.steps][:MOST_SAID]
+            sentences += [_sentence(step.words) for step in self.steps][:MOST_SAID]
         if self.is_certain("the map"):
-            said += [_sentence(one.words) for one in self.maps if one.p <= LEVEL][:1]
+            sentences += [_sentence(region_map.words) for region_map in self.maps if region_map.p <= LEVEL][:1]
         if self.is_certain("the tree"):
-            said += [_sentence(one.words) for one in self.leaves if one.p <= LEVEL][:1]
+            sentences += [_sentence(leaf.words) for leaf in self.leaves if leaf.p <= LEVEL][:1]
         if self.energy.is_uneven:
-            said.append(_sentence(self.energy.words))
-        return said
+            sentences.append(_sentence(self.energy.words))
+        return sentences
 
 
 def locate(residuals: Residuals, options: LocateOptions | None = None) -> LocatorResults:
-    """Every locator on the same residuals.
+    """The findings of every locator on the same residuals, with p-values corrected over all locators.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Residuals with covariates, labels, parameters and sensitivities.
+    options : LocateOptions, optional
+        Settings of the locators; defaults where left out.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange, or scikit-learn is not installed.
     """
     chosen = options or LocateOptions()
     seed, draws = chosen.seed, chosen.draws
     residuals.need_units("a diagnosis")
     projection = project(residuals)
     refitted = residuals.with_values(projection.score)
-    opened = None if chosen.noise is None else gate(projection, chosen.noise, seed)
-    air = free_air(residuals, seed, draws)
-    common = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
+    # each locator has a random seed of its own, so that its draws do not depend on the others
+    gate_result = None if chosen.noise is None else gate(projection, chosen.noise, seed)
+    in_air = free_air(residuals, seed, draws)
+    common_offsets = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
     drifts = beyond_errors(parameter_drifts(projection, seed + 2, draws), chosen.errors)
     leading = leading_drifts(projection, drifts, seed + 8, draws, chosen.errors)
     own = beyond_errors(own_drifts(projection, seed + 10, draws), chosen.errors)
     found_events = find_events(residuals)
     events = event_locked(refitted, found_events, seed=seed + 3, draws=draws)
     departures = beyond_errors(event_effects(projection, found_events, seed + 9, draws), chosen.errors)
-    differ = _contrasts(projection, chosen)
+    differences = _contrasts(projection, chosen)
     steps = beyond_errors(change_points(projection, chosen.order_by, seed + 4), chosen.errors)
     maps = beyond_errors(region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws), chosen.errors)
     leaves = beyond_errors(honest_tree(projection, seed + 6, draws), chosen.errors)
     variance = 1.0 if chosen.noise is not None else 0.0
-    shares = energy_shares(projection, variance, seed + 7)
+    energy = energy_shares(projection, variance, seed + 7)
+    # the smallest p-value of each locator; None where it had nothing to test
     tests = {
-        "size of the residual": None if opened is None else opened.p,
-        "free air": air.p if air.is_tested else None,
-        "a common offset": min([one.p for one in common], default=None),
-        "drifting parameters": min([one.p for one in drifts], default=None),
-        "trajectories' own parameters": min([one.p for one in own], default=None),
-        "events": min([one.p for one in events], default=None),
-        "departures from events on": min([one.p for one in departures], default=None),
-        "contrasts": None if differ is None else min([one.p for one in differ], default=1.0),
-        "steps": min([one.p for one in steps], default=1.0) if can_step(residuals, chosen.order_by) else None,
-        "the map": min([one.p for one in maps], default=None),
-        "the tree": min([one.p for one in leaves], default=None),
+        "size of the residual": None if gate_result is None else gate_result.p,
+        "free air": in_air.p if in_air.is_tested else None,
+        "a common offset": min([finding.p for finding in common_offsets], default=None),
+        "drifting parameters": min([finding.p for finding in drifts], default=None),
+        "trajectories' own parameters": min([finding.p for finding in own], default=None),
+        "events": min([finding.p for finding in events], default=None),
+        "departures from events on": min([finding.p for finding in departures], default=None),
+        "contrasts": None if differences is None else min([finding.p for finding in differences], default=1.0),
+        "steps": min([finding.p for finding in steps], default=1.0) if can_step(residuals, chosen.order_by) else None,
+        "the map": min([finding.p for finding in maps], default=None),
+        "the tree": min([finding.p for finding in leaves], default=None),
     }
-    asked = {name: value for name, value in tests.items() if value is not None}
-    corrected = holm(np.array(list(asked.values())))
-    together = {name: float(value) for name, value in zip(asked, corrected, strict=True)}
+    tested = {name: value for name, value in tests.items() if value is not None}
+    holm_values = holm(np.array(list(tested.values())))
+    corrected_p = {name: float(value) for name, value in zip(tested, holm_values, strict=True)}
     return LocatorResults(
-        projection, opened, air, common, drifts, leading, own, events, departures, differ or (), steps, maps, leaves,
-        shares, together,
+        projection, gate_result, in_air, common_offsets, drifts, leading, own, events, departures, differences or (),
+        steps, maps, leaves, energy, corrected_p,
     )  # fmt: skip
 
 
 def _contrasts(projection: ProjectedResiduals, options: LocateOptions) -> tuple[Contrast, ...] | None:
-    """Nothing where noise, its memory, or the simulation's own errors are not known."""
+    """The contrasts; ``None`` where the noise, its correlation or the simulation's own errors are not known."""
     inflation = None if options.noise is None else options.noise.inflation
     if options.errors is None or inflation is None:
         return None
@@ -200,6 +236,6 @@ def _contrasts(projection: ProjectedResiduals, options: LocateOptions) -> tuple[
 
 
 def _sentence(words: str) -> str:
-    """With a capital, unless it begins with a symbol as fz or mu."""
+    """The words as a sentence, with a capital unless they begin with a symbol such as fz or mu."""
     first = words.split()[0]
     return f"{words if len(first) <= 2 else words[0].upper() + words[1:]}."

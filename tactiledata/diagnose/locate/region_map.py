@@ -1,4 +1,4 @@
-"""A map of a parameter over the gel, with the band in which it stays by chance."""
+"""A map of a parameter over the gel, with the band that its statistic rarely leaves by chance."""
 
 from __future__ import annotations
 
@@ -14,31 +14,35 @@ from tactiledata.diagnose.residuals.slopes import Change, change
 from tactiledata.diagnose.residuals.wording import p_words, quantity
 
 ACROSS = 14
-"""Places along the longer side of the map."""
+"""Number of places along the longer side of the map."""
 WIDTHS = 6.0
-"""Kernel widths along the longer side."""
+"""Length of the longer side of the map, in widths of the kernel."""
 
 
 @dataclass(frozen=True)
 class RegionMap:
-    """A parameter's departure from its mean over the plane.
+    """The departure of a parameter from its common value, over a plane of two covariates.
 
     Parameters
     ----------
     parameter : str
-    unit : str, of the plane
+        Name of the parameter.
+    unit : str
+        Unit of ``x`` and ``y``.
     x, y : (a,), (b,)
+        Coordinates of the map's columns and rows.
     departure : (b, a)
-        In the parameter's unit, NaN where too few trajectories come by.
+        Departure in the parameter's unit; NaN where too few trajectories come near.
     statistic : (b, a)
-        Departure over its spread.
+        Departure over its standard error, as a standard normal value.
     band : float
-        Which the statistic nowhere leaves in 95 % of draws, over all maps together.
+        95 % quantile of the largest absolute statistic of all maps, by sign flips.
     p : float
-        Of the largest departure, for all maps together.
+        Family-wise p-value of the largest departure, over all maps.
     change : Change
-        Inside the kernel about the largest departure, against the rest.
+        Change of the parameter under the kernel about the largest departure.
     words : str
+        The largest departure as a clause.
     """
 
     parameter: str
@@ -56,12 +60,25 @@ class RegionMap:
 def region_maps(
     projection: ProjectedResiduals, across: str = "x", up: str = "y", seed: int = 0, draws: int = DRAWS
 ) -> tuple[RegionMap, ...]:
-    """A map of each shared parameter over two covariates, the most certain first; none where the plane is no plane.
+    """A map of each tested parameter over two covariates, the most certain first.
+
+    Without one of the covariates, or where they span less than two places, there are no maps.
+
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    across, up : str
+        Covariates along the map's horizontal and vertical axis, in the same unit.
+    seed : int
+        Random seed of the sign flips.
+    draws : int
+        Number of sign flips.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals = projection.residuals
     residuals.need_units("maps")
@@ -71,40 +88,43 @@ def region_maps(
     x, y = _axes(place_x, place_y)
     if min(len(x), len(y)) < 2:
         return ()
+    # one score for each parameter and place; flips are shared, so that the maximum controls the error of all maps
     kernels = _kernels(place_x, place_y, x, y)
-    found = [contributions(projection, place, kernels) for place in range(len(residuals.tested))]
-    if not found:
+    scores = [contributions(projection, place, kernels) for place in range(len(residuals.tested))]
+    if not scores:
         return ()
-    thrown = signs(residuals.unit_count, draws, seed)
-    drawn = np.stack([np.abs(one.flipped(thrown)).max(axis=1) for one in found], axis=1)
-    observed = np.array([np.abs(one.statistic).max() for one in found])
+    flips = signs(residuals.unit_count, draws, seed)
+    drawn = np.stack([np.abs(score.flipped(flips)).max(axis=1) for score in scores], axis=1)
+    observed = np.array([np.abs(score.statistic).max() for score in scores])
     p_values = family_wise(observed, drawn)
     band = float(np.quantile(drawn.max(axis=1), 0.95))
+    # the size of the largest departure of each map
     maps = []
     for place in np.lexsort((-observed, p_values)):
-        one = found[place]
-        summit = int(np.abs(one.statistic).argmax())
-        moved = change(projection, int(place), kernels[:, summit])
+        score = scores[place]
+        summit = int(np.abs(score.statistic).argmax())
+        departure = change(projection, int(place), kernels[:, summit])
         unit = residuals.covariates[across].unit
         at = f"{across} {quantity(x[summit % len(x)], unit)}, {up} {quantity(y[summit // len(x)], unit)}"
         maps.append(
             RegionMap(
-                moved.parameter.name,
+                departure.parameter.name,
                 unit,
                 x,
                 y,
-                np.where(one.is_testable, one.size, np.nan).reshape(len(y), len(x)),
-                one.statistic.reshape(len(y), len(x)),
+                np.where(score.is_testable, score.size, np.nan).reshape(len(y), len(x)),
+                score.statistic.reshape(len(y), len(x)),
                 band,
                 float(p_values[place]),
-                moved,
-                f"{moved.words} about {at} ({p_words(float(p_values[place]))})",
+                departure,
+                f"{departure.words} about {at} ({p_words(float(p_values[place]))})",
             )
         )
     return tuple(maps)
 
 
 def _axes(x: Array, y: Array) -> tuple[Array, Array]:
+    """Coordinates (a,) and (b,) of an even grid over the 2 % to 98 % quantiles of two covariates (n,)."""
     low, high = np.quantile([x, y], [0.02, 0.98], axis=1)
     step = float((high - low).max()) / (ACROSS - 1)
     if not step > 0:
@@ -114,7 +134,15 @@ def _axes(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _kernels(place_x: Array, place_y: Array, x: Array, y: Array) -> Array:
-    """Gaussian kernels (n, b a) about the places of the map."""
+    """Gaussian kernels (n, b a) about the places of the map.
+
+    Parameters
+    ----------
+    place_x, place_y : (n,)
+        Position of each frame.
+    x, y : (a,), (b,)
+        Coordinates of the map's columns and rows.
+    """
     width = max(float(np.ptp(x)), float(np.ptp(y))) / WIDTHS
     along_x = np.exp(-0.5 * ((place_x[:, None] - x) / width) ** 2)
     along_y = np.exp(-0.5 * ((place_y[:, None] - y) / width) ** 2)

@@ -1,7 +1,7 @@
-"""What locators find is news only where the simulation's own errors do not leave as much.
+"""p-values of findings that allow for the simulation's own errors.
 
-Trajectories agree on an error of the simulation as they do on physics that is missing: signs thrown anew cannot tell
-the two apart. Where it is known how far such errors go (`simulation_errors`), a finding has to be beyond them, too.
+All trajectories agree on an error of the simulation, as they do on missing physics: sign flips cannot tell the two
+apart. Where the size of such errors is known, a finding must exceed them, too.
 """
 
 from __future__ import annotations
@@ -19,40 +19,59 @@ from tactiledata.diagnose.locate.steps import ChangePoint
 from tactiledata.diagnose.locate.tree import Leaf
 from tactiledata.diagnose.residuals.slopes import Change
 
-OF_95 = float(norm.ppf(0.975))
-Found = TypeVar("Found", Drift, EventEffect, Leaf, RegionMap, ChangePoint)
+Z_95 = float(norm.ppf(0.975))
+"""Half width of a 95 % interval in standard errors."""
+Finding = TypeVar("Finding", Drift, EventEffect, Leaf, RegionMap, ChangePoint)
 
 
-def beyond_errors(found: Sequence[Found], errors: Mapping[str, float] | None) -> tuple[Found, ...]:
-    """The same findings, each with the larger of its p and that of being an error of the simulation.
+def beyond_errors(findings: Sequence[Finding], errors: Mapping[str, float] | None) -> tuple[Finding, ...]:
+    """The findings with their p-value raised to that of noise and errors of the simulation; the most certain first.
 
     Parameters
     ----------
-    errors : dict, name of a component or parameter -> standard deviation, optional
-        As `LocateOptions.errors`; what is not in it keeps its p. ``None``: all keep theirs.
+    findings : sequence
+        Findings of one locator.
+    errors : dict, name of a component or parameter -> float, optional
+        Standard deviation by errors of the simulation, as in `LocateOptions.errors`. What has no entry keeps its
+        p-value; ``None``: all findings are returned unchanged, in their order.
     """
     if errors is None:
-        return tuple(found)
-    amended = [replace(one, p=max(one.p, _p(one, errors, len(found)))) for one in found]
-    return tuple(sorted(amended, key=lambda one: one.p))
+        return tuple(findings)
+    amended = [replace(finding, p=max(finding.p, _p(finding, errors, len(findings)))) for finding in findings]
+    return tuple(sorted(amended, key=lambda finding: finding.p))
 
 
-def _p(one: Drift | EventEffect | Leaf | RegionMap | ChangePoint, errors: Mapping[str, float], asked: int) -> float:
-    """That errors of the simulation and noise leave so much in any of so many findings (Bonferroni)."""
-    if isinstance(one, EventEffect):
-        what, size, error = one.component, one.size, one.size / one.statistic if one.statistic else float("inf")
-    elif isinstance(one, Leaf):
-        what, size, error = one.component, one.effect, one.half_width / 2.0
+def _p(finding: Drift | EventEffect | Leaf | RegionMap | ChangePoint, errors: Mapping[str, float], tests: int) -> float:
+    """p-value that noise and errors of the simulation cause so large a finding in any of so many tests (Bonferroni).
+
+    Parameters
+    ----------
+    finding
+        A finding of any of these locators.
+    errors : dict
+        Standard deviation by errors of the simulation; the p-value is 0 for what has no entry.
+    tests : int
+        Number of findings of the locator.
+    """
+    # size and standard error of the finding, in the unit of ``errors``
+    if isinstance(finding, EventEffect):
+        name, size, error = (
+            finding.component,
+            finding.size,
+            finding.size / finding.statistic if finding.statistic else float("inf"),
+        )
+    elif isinstance(finding, Leaf):
+        name, size, error = finding.component, finding.effect, finding.half_width / 2.0
     else:
-        what, (size, error) = one.parameter, _of_change(one.change)
-        asked *= one.statistic.size if isinstance(one, RegionMap) else 1
-    if what not in errors:
+        name, (size, error) = finding.parameter, _of_change(finding.change)
+        tests *= finding.statistic.size if isinstance(finding, RegionMap) else 1
+    if name not in errors:
         return 0.0
-    scale = (error**2 + errors[what] ** 2) ** 0.5
-    return float(min(1.0, 2.0 * asked * norm.sf(abs(size) / scale))) if scale > 0 else 0.0
+    scale = (error**2 + errors[name] ** 2) ** 0.5
+    return float(min(1.0, 2.0 * tests * norm.sf(abs(size) / scale))) if scale > 0 else 0.0
 
 
 def _of_change(change: Change) -> tuple[float, float]:
-    """Size and standard error, as shares of the parameter's value where it has one."""
+    """Size and standard error of a change, as shares of the parameter's value where it is known."""
     unit = abs(change.parameter.value) if change.is_relative else 1.0
-    return change.value / unit, change.half_width / OF_95 / unit
+    return change.value / unit, change.half_width / Z_95 / unit

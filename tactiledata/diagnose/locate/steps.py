@@ -1,8 +1,8 @@
-"""Steps in what each trajectory says, along time or index: a remount, a new zero, another sensor, a torn gel.
+"""Steps of a parameter from one trajectory to the next: a remount, a new zero, another sensor, a torn gel.
 
-A step is found by circular binary segmentation (Olshen et al. 2004): of all stretches, the one whose mean differs most
-from the rest. Its chance is that of the largest among all series when the trajectories come in any other order; then
-the stretches on both sides are searched in the same way.
+A step is found by circular binary segmentation (Olshen et al. 2004): of all stretches of trajectories, the one whose
+mean differs most from the rest. Its p-value compares the difference with the largest one among all series after random
+permutations of the trajectories. The parts on both sides are then searched in the same way.
 """
 
 from __future__ import annotations
@@ -20,26 +20,29 @@ from tactiledata.diagnose.residuals.slopes import Change
 from tactiledata.diagnose.residuals.wording import p_words, quantity
 
 DRAWS = 499
+"""Permutations of the trajectories: the smallest p-value is 1 / 500."""
 SHORTEST = 3
-"""Trajectories in a stretch."""
+"""Fewest trajectories of a stretch."""
 MOST_PLACES = 80
-"""Borders that are tried; of longer series, evenly spaced ones."""
+"""Most intervals between borders that are tried; in longer series the borders are evenly spaced."""
 LEVEL = 0.05
+"""Largest p-value of a step that is reported, and searched further."""
 POOREST = 3.0
-"""Times the median standard error: a trajectory that knows a parameter worse says nothing of it."""
+"""Largest standard error of a trajectory's value, in medians; a less certain value is left out of the series."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """One value for each of t trajectories, in order.
+    """Values of one parameter for t trajectories, in the order of a covariate.
 
     Parameters
     ----------
     parameter : ResidualParameter
+        Which parameter it is.
     values, errors : (t,)
-        Departures from the common value, and their standard errors.
+        Departure of each trajectory from the common value, and its standard error, in the parameter's unit.
     trajectories : (t,)
-        Their numbers.
+        Index of each trajectory.
     """
 
     parameter: ResidualParameter
@@ -50,18 +53,20 @@ class Series:
 
 @dataclass(frozen=True)
 class ChangePoint:
-    """A change between two trajectories.
+    """A step of a parameter between two successive trajectories.
 
     Parameters
     ----------
     parameter : str
+        Name of the parameter.
     before, after : int
-        Numbers of the trajectories.
+        Indices of the trajectories before and after the step.
     change : Change
-        Mean of the stretch after it less that of the stretch before it.
+        Mean of the stretch after the step minus that of the stretch before it.
     p : float
-        For all series together.
+        p-value of the step, over all series.
     words : str
+        The step as a clause.
     """
 
     parameter: str
@@ -73,23 +78,28 @@ class ChangePoint:
 
 
 def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
-    """What each trajectory alone says of each shared parameter, ordered by the trajectories' mean of a covariate."""
+    """The value of each tested parameter in each trajectory alone, ordered by the trajectories' mean of a covariate.
+
+    A parameter that fewer than `FEWEST_UNITS` trajectories determine well has no series.
+    """
     residuals = projection.residuals
     place = np.add.reduceat(residuals.covariates[order_by].values, residuals.starts) / residuals.counts
     order = np.argsort(place, kind="stable")
+    # one linear step for each trajectory; what a trajectory hardly determines is left out
     listed = []
-    for k, number in enumerate(residuals.tested):
+    for column, number in enumerate(residuals.tested):
         score = np.add.reduceat(
-            np.einsum("nk,nk->n", projection.directions[:, :, k], projection.score), residuals.starts
+            np.einsum("nk,nk->n", projection.directions[:, :, column], projection.score), residuals.starts
         )
         information = np.add.reduceat(
-            np.einsum("nk,nk->n", projection.directions[:, :, k], projection.weighed[:, :, k]), residuals.starts
+            np.einsum("nk,nk->n", projection.directions[:, :, column], projection.weighed[:, :, column]),
+            residuals.starts,
         )
         if not (information > 0).any():
             continue
         errors = 1.0 / np.sqrt(np.maximum(information, 1e-300))
-        knows = (errors < POOREST * np.median(errors[information > 0]))[order]
-        chosen = order[knows]
+        is_certain = (errors < POOREST * np.median(errors[information > 0]))[order]
+        chosen = order[is_certain]
         if len(chosen) >= FEWEST_UNITS:
             values = score[chosen] / information[chosen]
             listed.append(Series(residuals.parameters[number], values, errors[chosen], chosen))
@@ -99,14 +109,23 @@ def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
 def change_points(
     projection: ProjectedResiduals, order_by: str = "index", seed: int = 0, draws: int = DRAWS
 ) -> tuple[ChangePoint, ...]:
-    """Steps of the shared parameters along a covariate, the most certain first; none where they cannot be asked for.
+    """Steps of the tested parameters along a covariate, the most certain first; none where `can_step` is False.
 
-    That is where the covariate is not there, and where blocks larger than trajectories are the units of exchange.
+    Parameters
+    ----------
+    projection : ProjectedResiduals
+        Residuals after the refit.
+    order_by : str
+        Covariate whose mean orders the trajectories, such as the time or ``"index"``.
+    seed : int
+        Random seed of the permutations.
+    draws : int
+        Number of permutations.
 
     Raises
     ------
     TactileDataError
-        Too few units of exchange.
+        There are too few units of exchange.
     """
     residuals = projection.residuals
     residuals.need_units("steps along time")
@@ -115,48 +134,75 @@ def change_points(
     series = series_of(projection, order_by)
     unit = residuals.covariates[order_by].unit
     place = np.add.reduceat(residuals.covariates[order_by].values, residuals.starts) / residuals.counts
-    found = []
+    # each border with the stretches on both of its sides
+    points = []
     rng = np.random.default_rng(seed)
-    for one, borders in zip(series, segment(series, rng, draws), strict=True):
-        ends = [0, *(border for border, _ in borders), len(one.values)]
+    for values_of, borders in zip(series, segment(series, rng, draws), strict=True):
+        ends = [0, *(border for border, _ in borders), len(values_of.values)]
         for position, (border, p) in enumerate(borders):
-            moved = _difference(one, slice(ends[position], border), slice(border, ends[position + 2]))
-            before, after = int(one.trajectories[border - 1]), int(one.trajectories[border])
+            shift = _difference(values_of, slice(ends[position], border), slice(border, ends[position + 2]))
+            before, after = int(values_of.trajectories[border - 1]), int(values_of.trajectories[border])
             at = f"{order_by} {quantity(float(place[before]), unit)} and {quantity(float(place[after]), unit)}"
-            words = f"{moved.words} in one step between {at}{_relabelled(projection, before, after)} ({p_words(p)})"
-            found.append(ChangePoint(one.parameter.name, before, after, moved, p, words))
-    return tuple(sorted(found, key=lambda step: step.p))
+            words = f"{shift.words} in one step between {at}{_relabelled(projection, before, after)} ({p_words(p)})"
+            points.append(ChangePoint(values_of.parameter.name, before, after, shift, p, words))
+    return tuple(sorted(points, key=lambda step: step.p))
 
 
 def can_step(residuals: Residuals, order_by: str) -> bool:
-    """Whether steps along a covariate can be asked for."""
+    """Whether steps can be tested: the covariate exists, and no unit of exchange is larger than a trajectory."""
     return order_by in residuals.covariates and residuals.blocks is None
 
 
 def segment(series: list[Series], rng: np.random.Generator, draws: int = DRAWS) -> list[list[tuple[int, float]]]:
-    """For each series its borders and their p-values; the first search of all series shares one family-wise level."""
+    """The borders of each series, ascending, with their p-values; the first borders are family-wise over all series.
+
+    Parameters
+    ----------
+    series : list of Series
+        Values of each parameter, one for each trajectory.
+    rng : numpy.random.Generator
+        Source of the permutations.
+    draws : int
+        Number of permutations.
+    """
     if not series:
         return []
-    # the same order of the trajectories for all series, so that what hangs together stays together
+    # the same permutation of the trajectories for all series keeps their correlation
     tallest = np.zeros(draws)
-    longest = max(int(one.trajectories.max()) for one in series) + 1
+    longest = max(int(values_of.trajectories.max()) for values_of in series) + 1
     keys = rng.random((draws, longest))
-    for one in series:
-        shuffled = one.values[np.argsort(keys[:, one.trajectories], axis=1)]
+    for values_of in series:
+        shuffled = values_of.values[np.argsort(keys[:, values_of.trajectories], axis=1)]
         np.maximum(tallest, _tallest(shuffled)[0], out=tallest)
     borders = []
-    for one in series:
-        height, start, stop = (float(part[0]) for part in _tallest(one.values[None]))
+    for values_of in series:
+        height, start, stop = (float(part[0]) for part in _tallest(values_of.values[None]))
         p = float((1 + np.count_nonzero(tallest >= height - 1e-12)) / (1 + draws))
-        found = _split(one.values, 0, int(start), int(stop), p, rng, draws) if p <= LEVEL else ()
-        borders.append(sorted(found))
+        inner = _split(values_of.values, 0, int(start), int(stop), p, rng, draws) if p <= LEVEL else ()
+        borders.append(sorted(inner))
     return borders
 
 
 def _split(
     values: Array, origin: int, start: int, stop: int, p: float, rng: np.random.Generator, draws: int
 ) -> Iterator[tuple[int, float]]:
-    """The borders of a stretch that stands out, and those inside what they part."""
+    """The borders of a stretch and, recursively, the certain borders inside the parts that they separate.
+
+    Parameters
+    ----------
+    values : (t,)
+        Values of one part of a series.
+    origin : int
+        Place of the first value in the whole series.
+    start, stop : int
+        Ends of the stretch that differs most, relative to ``origin``; an end of the part is no border.
+    p : float
+        p-value of the stretch; those inside are at least as large.
+    rng : numpy.random.Generator
+        Source of the permutations.
+    draws : int
+        Number of permutations.
+    """
     edges = [edge for edge in (start, stop) if 0 < edge < len(values)]
     yield from ((origin + edge, p) for edge in edges)
     parts = [(low, values[low:high]) for low, high in zip([0, *edges], [*edges, len(values)], strict=True)]
@@ -164,7 +210,7 @@ def _split(
         if len(part) < 2 * SHORTEST:
             continue
         shuffled = rng.permuted(np.broadcast_to(part, (draws, len(part))), axis=1)
-        height, inner_start, inner_stop = (float(found[0]) for found in _tallest(part[None]))
+        height, inner_start, inner_stop = (float(result[0]) for result in _tallest(part[None]))
         inner = float((1 + np.count_nonzero(_tallest(shuffled)[0] >= height - 1e-12)) / (1 + draws))
         inner *= len(parts)
         if max(inner, p) <= LEVEL:
@@ -172,7 +218,7 @@ def _split(
 
 
 def _tallest(values: Array) -> tuple[Array, Array, Array]:
-    """For each row (b, t) the largest studentised difference of a stretch from the rest, its start and its stop."""
+    """For each row of values (b, t): largest studentised difference of a stretch from the rest, its start and stop."""
     count = values.shape[1]
     summed = np.concatenate([np.zeros((len(values), 1)), np.cumsum(values, axis=1)], axis=1)
     places = np.unique(np.round(np.linspace(0, count, min(count, MOST_PLACES) + 1)).astype(int))
@@ -180,11 +226,12 @@ def _tallest(values: Array) -> tuple[Array, Array, Array]:
     start, stop = places[first], places[last]
     length = stop - start
     is_allowed = (length >= SHORTEST) & (count - length >= SHORTEST)
-    # what lies on either side of the stretch must be long enough, or nothing
+    # each side of the stretch must be long enough, or empty
     is_allowed &= ((start == 0) | (start >= SHORTEST)) & ((stop == count) | (count - stop >= SHORTEST))
     start, stop, length = start[is_allowed], stop[is_allowed], length[is_allowed]
     if not len(start):
         return np.zeros(len(values)), np.zeros(len(values)), np.zeros(len(values))
+    # squared difference of means, weighted by the lengths, over the variance of the row
     mean = summed[:, -1:] / count
     variance = np.maximum((values**2).mean(axis=1) - mean[:, 0] ** 2, 1e-300)
     gain = (summed[:, stop] - summed[:, start] - length * mean) ** 2 / (length * (1.0 - length / count))
@@ -193,15 +240,16 @@ def _tallest(values: Array) -> tuple[Array, Array, Array]:
 
 
 def _difference(series: Series, before: slice, after: slice) -> Change:
+    """Difference of the means of two stretches, after minus before, with a half width of two standard errors."""
     first, second = series.values[before], series.values[after]
     spread = np.sqrt(first.var(ddof=1) / len(first) + second.var(ddof=1) / len(second))
     return Change(series.parameter, float(second.mean() - first.mean()), float(2.0 * spread))
 
 
 def _relabelled(projection: ProjectedResiduals, before: int, after: int) -> str:
-    """Labels that change where the step is: they may be its cause."""
+    """A phrase on the labels that change between two trajectories, which may cause the step; empty where none does."""
     residuals = projection.residuals
     rows = residuals.starts[[before, after]]
     changed = [name for name, texts in residuals.labels.items() if texts[rows[0]] != texts[rows[1]]]
-    said = [f"{name} {residuals.labels[name][rows[0]]} to {residuals.labels[name][rows[1]]}" for name in changed]
-    return f", where {' and '.join(said)} changes" if said else ""
+    phrases = [f"{name} {residuals.labels[name][rows[0]]} to {residuals.labels[name][rows[1]]}" for name in changed]
+    return f", where {' and '.join(phrases)} changes" if phrases else ""

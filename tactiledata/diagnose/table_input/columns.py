@@ -76,8 +76,7 @@ class Quantity:
     observed, predicted : str
         Names of the two columns.
     noise : float or str, optional
-        Standard deviation of the observation in ``unit``: a number or the name of a column; ``None`` where it is not
-        known.
+        Standard deviation of the observation in ``unit``: a number or a column's name; ``None`` where it is not known.
     """
 
     name: str

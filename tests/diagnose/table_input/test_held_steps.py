@@ -100,7 +100,7 @@ def test_the_time_since_a_step_can_be_computed_from_its_definition():
     read = residuals_of(table)
     (atom,) = (one for one in atoms(read.residuals, time="time") if one.name == f"{SINCE}/(1 min)")
     size = float(re.search(r"load lies more than ([\d.]+) N from its mean", atom.definition).group(1))
-    assert "the first row of a group counts as one" in atom.definition
+    assert "the first row of a group counts as a step" in atom.definition
     assert 4 * 0.02 < size < 3.0
     since, steps = [], 0
     for _, rows in table.groupby("group"):
