@@ -3,7 +3,7 @@
     python benchmarks/naming_scale.py FILE.jsonl
 
 A claim needs the least gain with which, all other conditions kept, of 100 nulls at most ``SAID`` are answered with
-anything but "nothing is missing"; structure a mean square that one null of 100 reaches. The scale of probabilities
+anything but "nothing found"; structure a mean square that one null of 100 reaches. The scale of probabilities
 makes those of all cases likeliest; a hidden effect whose signal is below what a claim needs counts as none, as does one
 that only the zeros tell, and what is outside the catalogue is left out. A drift of the sensor, which every world has,
 is right beside what is hidden. The probabilities that stand in the package are held against how often they are right.

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
-CLAIMS = ("named", "one of a set")
-QUIET = ("nothing is missing", "below detection")
+CLAIMS = ("explained", "partly explained")
+QUIET = ("nothing found", "below detection")
 VISIBLE = 3.0
 DRIFT = "sensor_drift"
 """A cause of zeros that every world has: 0.02 N a minute."""
@@ -44,8 +44,8 @@ def summary(cases: Sequence[Case]) -> str:
     lines = []
     nulls = [case for case in cases if case["kind"] == "nulls"]
     if nulls:
-        said = [case for case in nulls if case["verdict"] != "nothing is missing" or set(case["zeros"]) - {DRIFT}]
-        lines.append(f"\nnulls: {len(nulls)}, answers other than 'nothing is missing': {len(said)}")
+        said = [case for case in nulls if case["verdict"] != "nothing found" or set(case["zeros"]) - {DRIFT}]
+        lines.append(f"\nnulls: {len(nulls)}, answers other than 'nothing found': {len(said)}")
         lines += [f"    {case['case']}: {case['verdict']} {case['set'] or case['nearest']}" for case in said]
         gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]
         ends = np.quantile(gains, [0.5, 0.95, 1.0]).round(1)

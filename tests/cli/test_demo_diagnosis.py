@@ -27,7 +27,8 @@ def test_it_names_what_its_world_conceals(tmp_path):
     ingest(record(scenario, tmp_path / "recordings", "mcap", lambda *step: None, 2), store, workers=2)
     told = []
     diagnosis, page = diagnose_touches(store, tmp_path, scenario, 2, told.append, quiet=True)
-    assert diagnosis["naming"]["verdict"] == "named"
+    assert diagnosis["naming"]["verdict"] in ("explained", "partly explained")
+    assert diagnosis["naming"]["ties"] == []
     assert diagnosis["naming"]["names"] == ["relaxation"]
     assert any("The simulation lacks viscoelastic relaxation" in one for one in told)
     assert any("were made with viscoelastic relaxation" in one for one in told)

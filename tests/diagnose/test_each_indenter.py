@@ -56,7 +56,7 @@ def test_each_indenter_gets_its_own_offset_back(quiet):
 def test_nothing_is_missing_where_every_indenter_sits_as_told(quiet):
     """So many numbers do not make a name of what two contact laws disagree in."""
     found = Answer(name_effects(quiet, START, NamingOptions(effects=FEW, profile=False)))
-    assert found.naming.decision.verdict == "nothing is missing"
+    assert found.naming.decision.verdict == "nothing found"
 
 
 def test_only_what_a_setting_acts_on_is_played_again(quiet):

@@ -66,8 +66,8 @@ def test_a_planted_effect_closes_the_gap(relaxed):
         assert errors.paper[1] < errors.paper[0]
     assert shown.errors[0].force.floor == pytest.approx(FORCE_NOISE, rel=0.1)
     said = shown_sentences(shown)
-    assert said[0].startswith("On trajectories that it has not seen the force error falls from ")
-    assert said[1].startswith("On 4 indenters that it has not seen it falls from ")
+    assert said[0].startswith("On held-out trajectories the force error falls from ")
+    assert said[1].startswith("On 4 held-out indenters the error falls from ")
     assert not any("speaks against" in sentence for sentence in said)
     assert shown.ceiling_force <= shown.errors[0].force.before
 
@@ -159,7 +159,7 @@ def test_doubts_stand_beside_the_claim(relaxed):
     naming, shown = relaxed
     assert doubts(dataclasses.replace(shown, left_over=None)) == []
     left = dataclasses.replace(shown, left_over=shown.located)
-    assert naming_sentences(naming, left.located, left)[1] == "Take it with care: structure is left with it."
+    assert naming_sentences(naming, left.located, left)[1] == "Take this claim with care: structure is left."
 
 
 def test_a_rise_on_two_indenters_counts_where_trajectories_agree_on_it(relaxed):
@@ -170,4 +170,4 @@ def test_a_rise_on_two_indenters_counts_where_trajectories_agree_on_it(relaxed):
     for interval, said in (((-0.7, -0.1), True), ((-0.7, 0.2), False)):
         worse = dataclasses.replace(indenters, groups=2, force=dataclasses.replace(gap, interval=interval))
         found = doubts(dataclasses.replace(shown, errors=[worse]))
-        assert any("rises on indenters" in one for one in found) is said
+        assert any("rises on held-out indenters" in sentence for sentence in found) is said

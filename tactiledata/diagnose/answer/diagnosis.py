@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import Explanation
+from tactiledata.diagnose.naming.decide import claim_verdict
 from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.next_trial.propose import Proposal
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.touches.store_touches import StoreTouches
@@ -71,6 +73,7 @@ class StoreDiagnosis:
             return self.answer.verdict
         if not self.answer.is_missing:
             # the zeros are explained; the contact may hold more
-            return self.answer.explained_verdict
+            decision = self.naming.decision
+            return claim_verdict(decision.is_more_left, decision.left, DEFAULT_THRESHOLDS)
         by_formula = None if self.formula is None else self.formula.answer
         return by_formula if by_formula in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED) else self.answer.verdict

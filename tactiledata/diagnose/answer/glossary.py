@@ -16,7 +16,7 @@ TERMS: Terms = (
     (r"\bp (=|<) ", "p is the probability of a result at least as strong where nothing is missing."),
     (r"\btimes the noise\b", "The noise is the standard deviation of one measurement."),
     (
-        r"\b(also explained by|told nearly as well by)\b",
+        r"\balso explained by\b",
         "Also explained by: these covariates vary together with the one that is named. These data cannot tell which of"
         " them is the cause.",
     ),

@@ -96,10 +96,7 @@ class Answer:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects that are claimed; empty where none is."""
-        decision = self.naming.decision
-        return (
-            decision.best.names if decision.best is not None and decision.verdict in ("named", "one of a set") else ()
-        )
+        return self.naming.decision.claimed
 
     @property
     def candidates(self) -> tuple[str, ...]:
@@ -110,14 +107,7 @@ class Answer:
     @property
     def verdict(self) -> Verdict:
         """The verdict by the known effects alone."""
-        return self.explained_verdict if self.names else WITHOUT_CLAIM[self.naming.decision.verdict]
-
-    @property
-    def explained_verdict(self) -> Verdict:
-        """The verdict where something is explained: wholly, or partly where structure is left."""
-        decision = self.naming.decision
-        is_left = decision.is_more_left or decision.left.is_in_few(DEFAULT_THRESHOLDS)
-        return Verdict.PARTLY_EXPLAINED if is_left else Verdict.EXPLAINED
+        return self.naming.decision.verdict
 
     @property
     def is_missing(self) -> bool:
@@ -234,14 +224,6 @@ class Answer:
             "undetectable": list(naming.identifiable.undetectable),
             "not_tried": list(naming.not_tried),
         }
-
-
-WITHOUT_CLAIM = {
-    "nothing is missing": Verdict.NOTHING_FOUND,
-    "below detection": Verdict.BELOW_DETECTION,
-    "none of the known effects": Verdict.NOT_EXPLAINED,
-}
-"""Verdict of a decision that claims no effect."""
 
 
 def _titles(names: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ difference that is certain
     ``gain_sigmas`` standard errors of D. Smaller differences can come from errors of the simulation or from chance.
 tie
     Another effect that explains the data about as well as the claim, so that these data cannot decide between the two.
-    A claim with ties is answered as "one of a set".
+    A claim and its ties are a set.
 structure
     What the best fit leaves where that is more than noise in most trajectories (`RemainingStructure`).
 """
@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -27,8 +26,8 @@ from tactiledata.diagnose.naming.evidence import ScoredCandidate, error_of_sum
 from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation, cosines
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
+from tactiledata.diagnose.verdict import Verdict
 
-Verdict = Literal["nothing is missing", "below detection", "named", "one of a set", "none of the known effects"]
 NONE, OTHER = "none", "other"
 
 
@@ -67,7 +66,8 @@ class Decision:
     Parameters
     ----------
     verdict : Verdict
-        "named" and "one of a set" are claims; "below detection" is a trace; the other two name no effect.
+        "explained" and "partly explained" are claims; "below detection" is a trace; "not explained" and "nothing found"
+        name no effect.
     best : ScoredCandidate, optional
         The claim; the trace where the verdict is "below detection"; otherwise the nearest candidate. ``None`` where
         nothing was refitted.
@@ -90,6 +90,27 @@ class Decision:
     objections: tuple[str, ...]
     left: RemainingStructure
     is_more_left: bool
+
+    @property
+    def claimed(self) -> tuple[str, ...]:
+        """Names of the effects that are claimed; empty where none is."""
+        is_claim = self.verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
+        return self.best.names if is_claim and self.best is not None else ()
+
+
+def claim_verdict(is_more_left: bool, left: RemainingStructure, thresholds: DecisionThresholds) -> Verdict:
+    """Return the verdict of a claim: partly explained where structure is left, be it in two trajectories only.
+
+    Parameters
+    ----------
+    is_more_left : bool
+        Whether the best fit leaves structure in most trajectories.
+    left : RemainingStructure
+        What the best fit leaves of held-out trajectories.
+    thresholds : DecisionThresholds
+        What counts as structure.
+    """
+    return Verdict.PARTLY_EXPLAINED if is_more_left or left.is_in_few(thresholds) else Verdict.EXPLAINED
 
 
 def decide(
@@ -136,7 +157,7 @@ def decide(
     is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
     if best is not None and is_more_than_noise and best.excess_share < thresholds.main_cause_share:
         return Decision(
-            "none of the known effects", best, (), chances,
+            Verdict.NOT_EXPLAINED, best, (), chances,
             (
                 f"only {100 * best.excess_share:.0f} % of the excess over the noise is gone, and more than the noise"
                 " is left",
@@ -146,18 +167,18 @@ def decide(
     # a claim; ties of a pair need further refits and follow in `ties_of_two`
     if best is not None:
         ties = _ties(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
-        verdict: Verdict = "one of a set" if ties else "named"
-        return Decision(verdict, best, ties, chances, (), left, is_left)
+        return Decision(claim_verdict(is_left, left, thresholds), best, ties, chances, (), left, is_left)
     # no claim: structure, a trace, or nothing
     hint = ranked[0] if ranked else None
     objections = hint.objections(thresholds) if hint is not None else ()
     if is_left or (hint is not None and hint.is_structure(thresholds)):
-        return Decision("none of the known effects", hint, (), chances, objections, left, is_left)
+        return Decision(Verdict.NOT_EXPLAINED, hint, (), chances, objections, left, is_left)
     trace = max((single for single in singles if single.is_trace(thresholds)), key=_evidence, default=None)
     if trace is not None:
         ties = _ties(trace, ranked, gains, metric, thresholds)
-        return Decision("below detection", trace, ties, chances, trace.objections(thresholds), left, is_left)
-    return Decision("nothing is missing", hint, (), chances, objections, left, is_left)
+        objections = trace.objections(thresholds)
+        return Decision(Verdict.BELOW_DETECTION, trace, ties, chances, objections, left, is_left)
+    return Decision(Verdict.NOTHING_FOUND, hint, (), chances, objections, left, is_left)
 
 
 def needed_of(

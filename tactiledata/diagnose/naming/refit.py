@@ -115,7 +115,7 @@ class Refits:
         gains = {candidate.label: candidate.gains for candidate in scored}
         decision = decide(scored[: len(singles)], scored[len(singles) :], gains, self.base.metric, left, thresholds)
         best = decision.best
-        if decision.verdict != "named" or best is None or len(best.names) == 1:
+        if best is None or len(decision.claimed) < 2:
             return scored, decision
         # ties of a named pair
         of_single = {candidate.label: candidate for candidate in scored[: len(singles)]}
@@ -126,7 +126,7 @@ class Refits:
         ties = ties_of_two(best, substitutes, thresholds)
         known = {frozenset(candidate.names) for candidate in scored}
         scored += [substitute for _, substitute in substitutes if frozenset(substitute.names) not in known]
-        return scored, replace(decision, ties=ties, verdict="one of a set" if ties else "named")
+        return scored, replace(decision, ties=ties)
 
     def substitutes(self, pair: JointFit, singles: Sequence[JointFit]) -> list[tuple[str, JointFit]]:
         """Return refits in which another single replaces one effect of a pair, each with the name of the kept effect.

@@ -10,11 +10,11 @@ from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.signatures import strengths_of
 from tactiledata.diagnose.naming.strength import Strength, set_at
+from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 
 NOTHING = "nothing"
-CLAIMED = ("named", "one of a set")
 HALF = 0.5
 """Share of the first explanation's support below which another one is not itself taken to be true."""
 
@@ -103,7 +103,7 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     """Return the explanations that an answer leaves open.
 
     Where a set is the answer: the named effect and its ties. Where one name is: it and the candidate that comes nearest
-    in gain. Where none is: the strongest few. Where nothing is missing: each effect that these data cannot show, at the
+    in gain. Where none is: the strongest few. Where nothing is found: each effect that these data cannot show, at the
     end of its plausible range, against nothing.
 
     Parameters
@@ -111,13 +111,13 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     naming : NamingResult
         The answer, with all fits.
     most : int
-        Largest number of explanations; it does not limit those of an answer that nothing is missing.
+        Largest number of explanations; it does not limit those of the answer that nothing is found.
     """
     decision = naming.decision
-    if decision.verdict == "nothing is missing":
+    if decision.verdict is Verdict.NOTHING_FOUND:
         return _undetectable(naming)
     ranked = sorted(naming.scored, key=lambda candidate: -candidate.gain)
-    if decision.verdict in CLAIMED and decision.best is not None:
+    if decision.claimed and decision.best is not None:
         tied = {tie.label for tie in decision.ties}
         others = [candidate for candidate in ranked if candidate.label in tied]
         if not others:
@@ -128,7 +128,7 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     rivals = [Rival(candidate.label, candidate.fit) for candidate in ranked]
     supports = [candidate.gain for candidate in ranked]
     # without a claim and with fewer than two refits, the screen adds effects by their first-order evidence
-    if len(rivals) < 2 and decision.verdict not in CLAIMED:
+    if len(rivals) < 2 and not decision.claimed:
         promising = [effect for effect in naming.screened if effect.effect not in {rival.name for rival in rivals}][
             :most
         ]

@@ -125,7 +125,7 @@ def show(
     """
     need_learning_library()
     white, base, decision = naming.whitened, naming.base, naming.decision
-    names = decision.best.names if decision.best is not None and decision.verdict in ("named", "one of a set") else ()
+    names = decision.claimed
     after = decision.best.fit if decision.best is not None else base
     # where the plain simulation departs
     if located is None:

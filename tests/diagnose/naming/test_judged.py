@@ -17,6 +17,7 @@ from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
@@ -67,13 +68,13 @@ def test_a_name_that_explains_the_smaller_part_is_not_given():
         RemainingStructure(1.0, 0.9),
     )
     asked = [third], [], {"lag": third.gains}, None
-    assert decide(*asked, much, DEFAULT_THRESHOLDS).verdict == "none of the known effects"
-    assert decide(*asked, none, DEFAULT_THRESHOLDS).verdict == "named"
+    assert decide(*asked, much, DEFAULT_THRESHOLDS).verdict is Verdict.NOT_EXPLAINED
+    assert decide(*asked, none, DEFAULT_THRESHOLDS).verdict is Verdict.EXPLAINED
     most = dataclasses.replace(third, excess_share=0.8)
-    assert decide([most], [], {"lag": most.gains}, None, much, DEFAULT_THRESHOLDS).verdict == "named"
+    assert decide([most], [], {"lag": most.gains}, None, much, DEFAULT_THRESHOLDS).claimed == ("lag",)
     few = RemainingStructure(DEFAULT_THRESHOLDS.structure_dispersion + 0.1, DEFAULT_THRESHOLDS.noise_dispersion + 0.01)
     # two touches that hang on a scrap are no reason to keep what the others agree on
-    assert decide(*asked, few, DEFAULT_THRESHOLDS).verdict == "named"
+    assert decide(*asked, few, DEFAULT_THRESHOLDS).verdict is Verdict.PARTLY_EXPLAINED
 
 
 def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
@@ -111,9 +112,9 @@ def test_what_all_touches_bring_is_claimed_though_gains_scatter():
 def test_half_of_what_a_claim_needs_is_a_trace():
     """From all touches, half the evidence is a trace, a third is nothing; from two touches any is nothing."""
     scattered = np.tile([4.0, -3.5], 30)
-    for fall, verdict in ((0.6, "named"), (0.3, "below detection"), (0.15, "nothing is missing")):
+    for fall, verdict in ((0.6, "explained"), (0.3, "below detection"), (0.15, "nothing found")):
         assert decided([believed("lag", scattered, np.full(60, fall))]).verdict == verdict
-    assert decided([believed("lag", scattered, spread(9.0, 9.0, count=60))]).verdict == "nothing is missing"
+    assert decided([believed("lag", scattered, spread(9.0, 9.0, count=60))]).verdict is Verdict.NOTHING_FOUND
 
 
 def test_of_two_only_what_adds_its_own_is_named():
@@ -135,7 +136,7 @@ def test_a_special_case_is_said_in_place_of_the_wider_one():
     each = np.full(60, 2.0)
     turned = believed("frame_rotation", each, each, occam=8.0, numbers=3)
     wider = believed("gain_crosstalk", each, each, occam=15.0, numbers=10)
-    assert decided([turned, wider]).verdict == "named"
+    assert (decided([turned, wider]).claimed, decided([turned, wider]).ties) == (("frame_rotation",), ())
     as_wide = believed("gain_crosstalk", each, each, occam=15.0, numbers=3)
     assert [tie.name for tie in decided([turned, as_wide]).ties] == ["gain_crosstalk"]
 
@@ -162,9 +163,9 @@ def test_structure_that_two_touches_bring_takes_no_name_away():
     third = judged([20.0] * 25, signature=9.0, share=0.33)
     asked = [third], [], {"lag": third.gains}, None
     found = decide(*asked, odd, DEFAULT_THRESHOLDS)
-    assert found.verdict == "named"
+    assert found.verdict is Verdict.PARTLY_EXPLAINED
     assert found.left.is_in_few(DEFAULT_THRESHOLDS)
-    assert decide(*asked, wide, DEFAULT_THRESHOLDS).verdict == "none of the known effects"
+    assert decide(*asked, wide, DEFAULT_THRESHOLDS).verdict is Verdict.NOT_EXPLAINED
 
 
 def test_another_may_stand_for_one_of_two_that_are_named():

@@ -39,9 +39,9 @@ def answer(cases, effects=FEW, **options):
 def test_nothing_is_missing_where_only_the_contact_law_differs(quiet):
     """A null whose simulation is off by some per cent, with jitter and coloured noise, is given no name."""
     found = answer(quiet)
-    assert found.naming.decision.verdict == "nothing is missing"
+    assert found.naming.decision.verdict == "nothing found"
     assert found.names == ()
-    assert found.sentences[0].startswith("Nothing is missing")
+    assert found.sentences[0].startswith("Nothing found")
 
 
 def test_relaxation_is_named_and_the_fix_can_be_used():
@@ -96,7 +96,7 @@ def test_the_document_fits_its_schema(quiet):
 def test_a_world_without_the_true_effect_is_given_no_wrong_name():
     """Ripples along the gel are in no catalogue: what relaxation and lag offer is not taken for them."""
     found = answer(world_cases(dataclasses.replace(PLANTS["relaxation"], relaxing=0.0, ripple=0.15), 1, 24))
-    assert found.naming.decision.verdict == "none of the known effects"
+    assert found.naming.decision.verdict == "not explained"
     assert found.is_missing
 
 

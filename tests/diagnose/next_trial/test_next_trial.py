@@ -21,6 +21,7 @@ from tactiledata.diagnose.next_trial.propose import SEPARATED, propose_trials, r
 from tactiledata.diagnose.next_trial.scenario import trial_scenario
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.diagnose.verdict import Verdict
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario.scenario import load_scenario
 
@@ -158,7 +159,7 @@ def test_what_could_be_there_unseen_is_sought():
     """Where nothing is missing: a ball's adhesion is hidden by the noise, and a flat punch would show it."""
     options = NamingOptions(effects=("adhesion", "rate_friction"), profile=False)
     naming = name_effects(recorded(touches=10), START, options)
-    assert naming.decision.verdict == "nothing is missing"
+    assert naming.decision.verdict is Verdict.NOTHING_FOUND
     rivals = rivals_of(naming)
     assert rivals.members[0].name == NOTHING
     assert {one.name for one in rivals.members[1:]} == set(naming.identifiable.undetectable)
@@ -202,7 +203,7 @@ def test_what_the_data_say_counts_where_it_is_less_than_was_planned():
 
 def test_an_abstention_asks_for_what_separates_the_strongest(named):
     """Refitted or only screened, the best two are told apart; a part of a pair is no truth beside the pair."""
-    unknown = dataclasses.replace(named.decision, verdict="none of the known effects", ties=())
+    unknown = dataclasses.replace(named.decision, verdict=Verdict.NOT_EXPLAINED, ties=())
     refitted = rivals_of(dataclasses.replace(named, decision=unknown))
     assert [one.name for one in refitted.members] == ["relaxation", "lag"]
     screened = rivals_of(dataclasses.replace(named, decision=unknown, scored=[]))
@@ -219,7 +220,7 @@ def test_where_nothing_is_left_there_is_no_trial(named):
     """One explanation alone needs none."""
     alone = dataclasses.replace(named, scored=named.scored[:1], screened=[])
     alone = dataclasses.replace(
-        alone, decision=dataclasses.replace(alone.decision, best=alone.scored[0], ties=(), verdict="named")
+        alone, decision=dataclasses.replace(alone.decision, best=alone.scored[0], ties=(), verdict=Verdict.EXPLAINED)
     )
     assert propose_trials(alone) == []
     assert next_trials_document([])["proposals"] == []
