@@ -7,7 +7,6 @@ import sys
 import pytest
 import yaml
 from recorded_touches import recorded_store
-from tactiledata.diagnose.touches.store_touches import store_touches
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.cli.main import run
@@ -15,6 +14,7 @@ from tactiledata.contract.schema import check_document
 from tactiledata.diagnose import store as diagnose_store
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.touches.play_grid import design_variants, variants_of
+from tactiledata.diagnose.touches.store_touches import store_touches
 from tactiledata.diagnose.zeros.causes import ZeroCause
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.mesh import structured_pad
