@@ -34,7 +34,7 @@ from split_models.onnx.models import OnnxMeshToImage, OnnxModels
 from split_models.recipe.recipe import Recipe, load_recipe
 from split_models.tables.inference_time import cost_rows
 from split_models.tables.simulated_frames import Pad, simulate
-from split_models.tables.step_race import contenders, race, weigh
+from split_models.tables.step_race import measure_memory, time_methods, timed_methods
 from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.sensors.digit import DIGIT
@@ -92,16 +92,16 @@ def main() -> None:
     size = (int(recipe.data["image_size"][0]), int(recipe.data["image_size"][1]))
     background = cv2.resize(load_background(BACKGROUND), size[::-1], interpolation=cv2.INTER_AREA)
     pad = Pad("digit", DIGIT.gel, MATERIAL, "finite-strain", recipe.data["replay"]["keep"])
-    simulated = simulate(pad, touches(2 if given.quick else given.touches), weighs=not given.quick)
+    simulated = simulate(pad, touches(2 if given.quick else given.touches), measures_memory=not given.quick)
     low = simulated["low"]
     with tempfile.TemporaryDirectory() as folder:
         moved = np.stack(low.displacements[:2])
-        runners = contenders(methods(recipe, low.surface, background, moved, Path(folder)))
+        timed = timed_methods(methods(recipe, low.surface, background, moved, Path(folder)))
         drawn = [(number, "DIGIT") for number in range(len(low.frames))]
-        race(runners, simulated, drawn, {"DIGIT": background})
+        time_methods(timed, simulated, drawn, {"DIGIT": background})
         if not given.quick:
-            weigh(runners, simulated, drawn[0], {"DIGIT": background})
-    rows = cost_rows(runners, simulated)
+            measure_memory(timed, simulated, drawn[0], {"DIGIT": background})
+    rows = cost_rows(timed, simulated)
     header(
         f"touch to picture, {size[0]} x {size[1]}, {len(low.frames)} frames, {given.threads} threads, "
         f"OMP_NUM_THREADS={os.environ.get('OMP_NUM_THREADS', 'not set')}",
@@ -111,9 +111,9 @@ def main() -> None:
     units = {name: rows[0][name]["unit"] for name in names}
     table(
         ["method", *(f"{name}, {'ms' if units[name] == 's' else units[name]}" for name in names)],
-        [[one.title, *(_cell(row[name]) for name in names)] for one, row in zip(runners, rows, strict=True)],
+        [[one.title, *(_cell(row[name]) for name in names)] for one, row in zip(timed, rows, strict=True)],
     )
-    for one, row in zip(runners, rows, strict=True):
+    for one, row in zip(timed, rows, strict=True):
         for resolution in ("high", "low"):
             ratio = row[f"times faster than the fastest baseline, {resolution} resolution"]
             if ratio["value"] is not None:

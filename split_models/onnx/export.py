@@ -1,4 +1,4 @@
-"""SPLIT's networks as ONNX files, which run without PyTorch; each is checked against PyTorch as it is written."""
+"""SPLIT's networks as ONNX files, which run without PyTorch; each is compared with PyTorch when it is written."""
 
 from __future__ import annotations
 
@@ -25,70 +25,71 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import TactileDataError, UsageError
 
 TOLERANCE = 1e-4
-"""Largest difference to PyTorch, as a share of the largest value that a network gives."""
+"""Largest accepted difference to PyTorch, as a share of the largest value that a network gives."""
 PACKAGES = ("onnx", "onnxruntime", "onnxscript")
+"""Packages that an export needs."""
 
 
 class PictureLatents(nn.Module):
-    """Mean latent vectors (n, d) of pictures (n, h, w, 3), uint8."""
+    """Network from pictures (n, h, w, 3), uint8, to their mean latent vectors (n, d)."""
 
     def __init__(self, vae: ImageVae) -> None:
         super().__init__()
         self.vae = vae
 
     def forward(self, pictures: Tensor) -> Tensor:
-        """Latent vectors."""
+        """Mean latent vectors (n, d) of pictures (n, h, w, 3), uint8."""
         return self.vae.distribution(as_input(pictures))[0]
 
 
 class LatentPictures(nn.Module):
-    """Pictures (n, h, w, 3), 0 to 1, of latent vectors (n, d)."""
+    """Network from latent vectors (n, d) to pictures (n, h, w, 3) in [0, 1]."""
 
     def __init__(self, vae: ImageVae) -> None:
         super().__init__()
         self.vae = vae
 
     def forward(self, latent: Tensor) -> Tensor:
-        """Pictures."""
+        """Pictures (n, h, w, 3) in [0, 1] of latent vectors (n, d)."""
         return self.vae.decode(latent).add(1.0).mul(0.5).permute(0, 2, 3, 1)
 
 
 class MeshLatents(nn.Module):
-    """Mean latent vectors (n, d) of displacements (n, v, 3), m."""
+    """Network from displacements (n, v, 3), m, to their mean latent vectors (n, d)."""
 
     def __init__(self, vae: MeshVae) -> None:
         super().__init__()
         self.vae = with_gathers(vae)
 
     def forward(self, displacements: Tensor) -> Tensor:
-        """Latent vectors."""
+        """Mean latent vectors (n, d) of displacements (n, v, 3), m."""
         return self.vae.distribution(displacements)[0]
 
 
 class LatentMeshes(nn.Module):
-    """Displacements (n, v, 3), m, of latent vectors (n, d)."""
+    """Network from latent vectors (n, d) to displacements (n, v, 3), m."""
 
     def __init__(self, vae: MeshVae) -> None:
         super().__init__()
         self.vae = with_gathers(vae)
 
     def forward(self, latent: Tensor) -> Tensor:
-        """Displacements."""
+        """Displacements (n, v, 3), m, of latent vectors (n, d)."""
         return self.vae.decode(latent)
 
 
 def split_onnx(recipe_run: RecipeRun) -> OnnxMeshToImage:
-    """SPLIT's pictures of meshes by onnxruntime, on as many threads as PyTorch."""
+    """SPLIT from meshes to pictures by onnxruntime, with as many threads as PyTorch uses."""
     return OnnxMeshToImage(onnx_models(recipe_run))
 
 
 def split_onnx_mesh(recipe_run: RecipeRun) -> OnnxImageToMesh:
-    """SPLIT's meshes of pictures by onnxruntime, on as many threads as PyTorch."""
+    """SPLIT from pictures to meshes by onnxruntime, with as many threads as PyTorch uses."""
     return OnnxImageToMesh(onnx_models(recipe_run))
 
 
 def onnx_models(recipe_run: RecipeRun) -> OnnxModels:
-    """SPLIT's networks of a recipe, exported into ``out/onnx`` where they are not there yet.
+    """SPLIT's networks of a recipe, exported into ``out/onnx`` unless they are there already.
 
     Raises
     ------
@@ -102,8 +103,8 @@ def onnx_models(recipe_run: RecipeRun) -> OnnxModels:
     folder = recipe_run.out / "onnx" / digest_of(sorted(keys.items()))[:12]
     if not (folder / MODELS).exists():
         frames = recipe_run.frames("val")
-        some = np.unique(np.linspace(0, len(frames) - 1, 4).astype(np.int64))
-        export_models(folder, *vaes, forth, back, frames.pictures(some), frames.displacements(some))
+        examples = np.unique(np.linspace(0, len(frames) - 1, 4).astype(np.int64))
+        export_models(folder, *vaes, forth, back, frames.pictures(examples), frames.displacements(examples))
     return OnnxModels(folder, threads=torch.get_num_threads())
 
 
@@ -116,16 +117,17 @@ def export_models(
     pictures: Any,
     displacements: Any,
 ) -> dict[str, Any]:
-    """Write the six networks and ``models.json``; the document is given back.
+    """Write the six networks of SPLIT and ``models.json``, whose document is returned.
 
     Parameters
     ----------
     folder : Path
+        Folder to write into; it is made where it is missing.
     image_vae, mesh_vae, mesh_to_image, image_to_mesh
-        Networks that belong together.
+        Networks that were trained together.
     pictures : (n, h, w, 3) uint8
     displacements : (n, v, 3) m
-        To check the files on, two or more of each.
+        Examples on which the files are compared with PyTorch, two or more of each.
 
     Raises
     ------
@@ -134,6 +136,7 @@ def export_models(
     TactileDataError
         An exported network gives other values than PyTorch.
     """
+    # each network with the names of its input and output, and an example of the input
     require_packages()
     folder.mkdir(parents=True, exist_ok=True)
     shown, moved = torch.as_tensor(pictures), torch.as_tensor(displacements)
@@ -151,6 +154,7 @@ def export_models(
     }
     for name, (network, source, target, example) in given.items():
         write_network(folder / f"{name}.onnx", network, source, target, example)
+    # the document tells a reader sizes, inputs and outputs without opening the files
     document = {
         "format": "tactiledata-onnx/1",
         "image_size": list(image_vae.size),
@@ -159,13 +163,23 @@ def export_models(
         "latent": {"image": image_vae.latent, "mesh": mesh_vae.latent},
         "files": {name: {"input": source, "output": target} for name, (_, source, target, _) in given.items()},
     }
-    document["difference"] = _agreement(folder, document, {name: (one[0], one[3]) for name, one in given.items()})
+    document["difference"] = _agreement(folder, document, {name: (entry[0], entry[3]) for name, entry in given.items()})
     write_json_atomic(folder / MODELS, document)
     return document
 
 
 def write_network(path: Path, network: nn.Module, source: str, target: str, example: Tensor) -> None:
-    """An ONNX file of a network of one tensor (n, ...), for any n."""
+    """Write an ONNX file of a network with one input tensor (n, ...), for any number n.
+
+    Parameters
+    ----------
+    path : Path
+    network : Module
+    source, target : str
+        Names of the input and of the output.
+    example : (n, ...) Tensor
+        An input by which the network is traced.
+    """
     batch = torch.export.Dim("n", min=1)
     with _quiet_exporter():
         program = torch.onnx.export(
@@ -182,12 +196,18 @@ def write_network(path: Path, network: nn.Module, source: str, target: str, exam
 
 
 def require_packages() -> None:
-    """Nothing, where the packages for ONNX are installed; else `UsageError`."""
+    """Refuse to export where the packages for ONNX are not installed.
+
+    Raises
+    ------
+    UsageError
+        A package is missing.
+    """
     missing = [name for name in PACKAGES if find_spec(name) is None]
     if missing:
         raise UsageError(
             f"{', '.join(missing)} not installed",
-            "what exports to ONNX",
+            "the packages that export to ONNX",
             "pip install -c constraints.txt -e '.[models]'",
         )
 
@@ -195,8 +215,8 @@ def require_packages() -> None:
 def _agreement(
     folder: Path, document: Mapping[str, Any], networks: Mapping[str, tuple[nn.Module, Tensor]]
 ) -> dict[str, float]:
-    """The largest difference of each file to PyTorch, as a share of the largest value."""
-    models, found = OnnxModels(folder, document), {}
+    """Largest difference of each file to PyTorch, as a share of the largest value; a difference above the limit is refused."""
+    models, differences = OnnxModels(folder, document), {}
     for name, (network, example) in networks.items():
         with torch.no_grad():
             true = network(example).numpy()
@@ -205,15 +225,15 @@ def _agreement(
             raise TactileDataError(
                 f"{folder / name}.onnx differs from PyTorch by {difference:.2g} of the largest value",
                 f"at most {TOLERANCE:g}",
-                "Its versions of torch and onnxruntime do not go together: install those of constraints.txt.",
+                "The versions of torch and onnxruntime do not fit each other: install those of constraints.txt.",
             )
-        found[name] = difference
-    return found
+        differences[name] = difference
+    return differences
 
 
 @contextmanager
 def _quiet_exporter() -> Iterator[None]:
-    """The exporter warns of its own insides, and that torchvision, which nothing here needs, is not there."""
+    """Within the context the exporter's warnings are silent: they concern its internals and the absence of torchvision."""
     log = logging.getLogger("torch.onnx._internal.exporter._registration")
     before = log.level
     log.setLevel(logging.ERROR)

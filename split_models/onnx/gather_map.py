@@ -1,4 +1,4 @@
-"""Constant sparse matrices as gathers and sums: exporters of networks know no sparse products."""
+"""Constant sparse matrices as gathers and sums, because exporters of networks do not support sparse products."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ N = TypeVar("N", bound=nn.Module)
 
 
 class GatherMap(nn.Module):
-    """The product of a `SparseMap` with values (n, ...): rows are padded to the longest one by weights of 0."""
+    """The product of a `SparseMap` with values (n, ...), whose rows are padded to the longest one by weights of 0."""
 
     index: Tensor
     weight: Tensor
@@ -40,7 +40,7 @@ class GatherMap(nn.Module):
 
 
 def with_gathers(network: N) -> N:
-    """A copy of a network, on the CPU, in which every sparse product is a gather."""
+    """A copy of a network, on the CPU, in which every `SparseMap` is a `GatherMap`."""
     copied = copy.deepcopy(network).cpu().eval()
     made: dict[SparseMap, GatherMap] = {}
     for module in list(copied.modules()):

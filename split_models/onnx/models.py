@@ -18,6 +18,7 @@ from tactiledata.errors import CheckpointError, MissingFile, UsageError
 MODELS = "models.json"
 FORMAT = "tactiledata-onnx/1"
 CHUNK = 64
+"""Frames that go through a network together."""
 
 
 class OnnxModels:
@@ -27,21 +28,25 @@ class OnnxModels:
     ----------
     folder : Path
     document : dict, optional
-        ``models.json``; read unless given.
+        Content of ``models.json``; it is read unless given.
     threads : int
-        Of each network; 0 leaves it to onnxruntime.
+        Threads of each network; 0 leaves the number to onnxruntime.
 
     Raises
     ------
-    MissingFile, CheckpointError
-        No such folder; of another format.
+    MissingFile
+        The folder has no ``models.json``.
+    CheckpointError
+        The folder has another format.
     UsageError
-        onnxruntime is not installed.
+        The package onnxruntime is not installed.
     """
 
     def __init__(self, folder: Path, document: Mapping[str, Any] | None = None, threads: int = 0) -> None:
         if find_spec("onnxruntime") is None:
-            raise UsageError("onnxruntime is not installed", "it, to run ONNX files", "pip install onnxruntime")
+            raise UsageError(
+                "onnxruntime is not installed", "onnxruntime, to run ONNX files", "pip install onnxruntime"
+            )
         self.folder, self.threads = folder, threads
         self.document = _document(folder) if document is None else dict(document)
         self.size: tuple[int, int] = tuple(self.document["image_size"])
@@ -49,18 +54,18 @@ class OnnxModels:
         self._sessions: dict[str, Any] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # sessions cannot go to another process; there they are opened anew
+        # sessions cannot be pickled; another process opens its own
         return OnnxModels, (self.folder, self.document, self.threads)
 
     def run(self, name: str, values: NDArray[Any]) -> NDArray[np.float32]:
-        """What a network gives for values (n, ...)."""
+        """Output of a network, float32, for values (n, ...), computed `CHUNK` at a time."""
         session = self._session(name)
         source = self.document["files"][name]["input"]
         pieces = [
             session.run(None, {source: values[start : start + CHUNK]})[0] for start in range(0, len(values), CHUNK)
         ]
-        found: NDArray[np.float32] = np.concatenate(pieces)
-        return found
+        output: NDArray[np.float32] = np.concatenate(pieces)
+        return output
 
     def picture_latents(self, pictures: NDArray[np.uint8]) -> NDArray[np.float32]:
         """Latent vectors (n, d) of pictures (n, h, w, 3), uint8.
@@ -68,7 +73,7 @@ class OnnxModels:
         Raises
         ------
         UsageError
-            Pictures of another size.
+            The pictures have another size than the network's.
         """
         require_pictures(self.size, pictures)
         return self.run("image_encoder", pictures)
@@ -79,7 +84,7 @@ class OnnxModels:
         Raises
         ------
         UsageError
-            Another number of vertices, or NaN.
+            The number of vertices is not the network's, or displacements are NaN.
         """
         require_displacements(self.vertices, displacements)
         return self.run("mesh_encoder", np.asarray(displacements, np.float32))
@@ -89,6 +94,7 @@ class OnnxModels:
         return np.rint(self.run("image_decoder", latent) * 255.0).clip(0, 255).astype(np.uint8)
 
     def _session(self, name: str) -> Any:
+        """Session of onnxruntime for a network, opened at its first use."""
         if name not in self._sessions:
             import onnxruntime
 
@@ -103,7 +109,7 @@ class OnnxModels:
 
 @dataclass(frozen=True)
 class OnnxMeshToImage:
-    """SPLIT's pictures of meshes."""
+    """SPLIT from meshes to pictures, by exported networks."""
 
     models: OnnxModels
     name: str = "split_onnx"
@@ -114,7 +120,7 @@ class OnnxMeshToImage:
         return self.models.decoded_pictures(deformation + self.models.picture_latents(background[None]))
 
     def steps(self, background: NDArray[np.uint8]) -> list[tuple[str, Callable[[Any], Any]]]:
-        """What `predict` does, step by step; the background is encoded once for all frames."""
+        """The steps of `predict` as named functions; the background is encoded once for all frames."""
         base = self.models.picture_latents(background[None])
         return [
             ("mesh encoder", self.models.mesh_latents),
@@ -125,7 +131,7 @@ class OnnxMeshToImage:
 
 @dataclass(frozen=True)
 class OnnxImageToMesh:
-    """SPLIT's meshes of pictures."""
+    """SPLIT from pictures to meshes, by exported networks."""
 
     models: OnnxModels
     name: str = "split_onnx"
@@ -137,6 +143,7 @@ class OnnxImageToMesh:
 
 
 def _document(folder: Path) -> dict[str, Any]:
+    """The document ``models.json`` of a folder; another format is refused."""
     path = folder / MODELS
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a folder of exported networks", "`tactiledata export RECIPE`.")

@@ -1,4 +1,4 @@
-"""What goes with the table of domain alignment: latent vectors on a plane and their scores, and strips to look at."""
+"""Latent vectors and strips of pictures for the table of domain alignment: scores of the vectors, and t-SNE."""
 
 from __future__ import annotations
 
@@ -24,28 +24,30 @@ if TYPE_CHECKING:
 Rows = list[dict[str, Any]]
 Vectors = dict[str, dict[str, NDArray[np.floating]]]
 AS_RECORDED = "as_recorded"
-"""The row of sources that are not transferred."""
+"""Name of the row of recorded pictures, which are not transferred."""
 SHOWN_SOURCES = 2
-"""Sources whose latent vectors are looked at, as in the paper: the first ones."""
+"""Number of sources, the first ones, whose latent vectors are compared, as in the paper."""
 STRIP = 3
-"""Touches of a strip."""
+"""Touches in a strip."""
 
 
 def latent_rows(table: Alignment) -> Rows:
-    """Silhouette, kNN mixing and MMD² of latent vectors of the first sources and the targets; t-SNE is drawn beside.
+    """Rows with silhouette, kNN mixing and MMD² between latent vectors of the first sources and of the targets.
 
-    Z_deform of a source against a target's; Z_image as recorded, and after the arithmetic, against a target's.
+    A source's Z_deform is compared with a target's; so is its Z_image as recorded, and after the latent arithmetic. A
+    picture of t-SNE is written as well.
     """
     most, rounds = table.recipe_run.recipe.rows["frames"], table.recipe_run.recipe.rows["rounds"]
     vectors, touches = _vectors(table, most)
-    drawn = draw_embedding(embed_vectors(vectors), table.recipe_run.tables / "tsne.png")
-    table.recipe_run.tell(1, 1, f"t-SNE: {drawn.name}")
+    path = draw_embedding(embed_vectors(vectors), table.recipe_run.tables / "tsne.png")
+    table.recipe_run.tell(1, 1, f"t-SNE: {path.name}")
     rows: Rows = []
     for letter, target in table.targets.items():
         for source in table.sources[:SHOWN_SOURCES]:
-            of_models = [kind for kind in vectors[target] if kind.startswith("Z_image")]
+            # the recorded source, then the source after its background was exchanged for the target's
+            image_kinds = [kind for kind in vectors[target] if kind.startswith("Z_image")]
             pairs = [(kind, source) for kind in vectors[target]]
-            for kind, first in pairs + [(kind, _arrived(source, letter)) for kind in of_models]:
+            for kind, first in pairs + [(kind, _moved_name(source, letter)) for kind in image_kinds]:
                 ours, theirs = vectors[first][kind], vectors[target][kind]
                 values = {name: score.compute(ours, theirs) for name, score in EMBEDDING.scores.items()}
                 scores = summarised(values, touches[first], rounds, EMBEDDING.scores)
@@ -55,7 +57,7 @@ def latent_rows(table: Alignment) -> Rows:
 
 
 def _vectors(table: Alignment, most: int) -> tuple[Vectors, dict[str, NDArray[np.object_]]]:
-    """Vectors by set and kind, of the recipe's model and of variants among its rows, and their touches."""
+    """Latent vectors by set and kind, of the recipe's image VAE and of variants among the rows; touches by set."""
     vectors: Vectors = {}
     touches: dict[str, NDArray[np.object_]] = {}
     shown = [*table.sources[:SHOWN_SOURCES], *table.targets.values()]
@@ -66,62 +68,67 @@ def _vectors(table: Alignment, most: int) -> tuple[Vectors, dict[str, NDArray[np
             unit = table.units[name]
             bases[name] = encode_pictures(vae, unit.background[None])
             image = encode_pictures(vae, unit.pictures(numbers[name]))
-            found = {f"Z_deform{words}": subtract(image, bases[name]), f"Z_image{words}": image}
-            vectors.setdefault(name, {}).update({kind: some.numpy() for kind, some in found.items()})
+            latents = {f"Z_deform{words}": subtract(image, bases[name]), f"Z_image{words}": image}
+            vectors.setdefault(name, {}).update({kind: values.numpy() for kind, values in latents.items()})
             touches[name] = unit.touches[numbers[name]]
         for letter, target in table.targets.items():
             for source in table.sources[:SHOWN_SOURCES]:
-                arrived = vectors[source][f"Z_deform{words}"] + bases[target].numpy()
-                vectors.setdefault(_arrived(source, letter), {})[f"Z_image{words}"] = arrived
-                touches[_arrived(source, letter)] = touches[source]
+                moved = vectors[source][f"Z_deform{words}"] + bases[target].numpy()
+                vectors.setdefault(_moved_name(source, letter), {})[f"Z_image{words}"] = moved
+                touches[_moved_name(source, letter)] = touches[source]
     return vectors, touches
 
 
 def _models(table: Alignment) -> dict[str, ImageVae]:
-    """Image VAEs by what is said of them."""
+    """Image VAEs by the words that mark their variant; empty words for the recipe's own."""
     variants = dict.fromkeys(row.rpartition(":")[0] for row in table.methods)
     return {f" ({name})" if name else "": table.recipe_run.variant(name).image_vae for name in {"": None, **variants}}
 
 
-def _arrived(source: str, letter: str) -> str:
+def _moved_name(source: str, letter: str) -> str:
+    """Name of the set of a source's pictures after their transfer to a target."""
     return f"{source} to {letter}"
 
 
 def write_strips(table: Alignment) -> None:
-    """``strip-SOURCE-TARGET.png``: touches, what each method makes of them, and where it was recorded the truth.
+    """Write ``strip-SOURCE-TARGET.png``: touches, their transfers by each method, and the true pictures if recorded.
 
-    Of the first source to every target, and between the first two targets both ways: there neither the sensors nor,
-    where the paired touches are of held-out indenters, the geometry was learned from.
+    One strip shows the first source for every target. Two more show the first two targets for each other: the networks
+    learned neither from these sensors nor, where the paired touches are of held-out indenters, from the shapes.
     """
     ways = [(table.sources[0], target) for target in table.targets.values()]
     unseen = list(table.targets.values())[:2]
     if len(unseen) == 2:
         ways += [(unseen[0], unseen[1]), (unseen[1], unseen[0])]
     for source, target in ways:
-        drawn = _strip(table, source, target)
-        _, encoded = cv2.imencode(".png", drawn[..., ::-1])
+        strip = _strip(table, source, target)
+        _, encoded = cv2.imencode(".png", strip[..., ::-1])
         write_atomic(table.recipe_run.tables / f"strip-{source}-{target}.png", encoded.tobytes())
 
 
 def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:
-    one, other = table.units[source], table.units[target]
-    ours, theirs = paired_frames(one, other, len(one))
+    """Picture of a strip: each row a recorded touch, its transfers and, where paired, the target's own picture."""
+    source_unit, target_unit = table.units[source], table.units[target]
+    ours, theirs = paired_frames(source_unit, target_unit, len(source_unit))
     if not len(ours):
-        ours = np.arange(len(one))
-    chosen = _middles(one, ours)
-    touches = one.pictures(ours[chosen])
+        ours = np.arange(len(source_unit))
+    chosen = _middles(source_unit, ours)
+    touches = source_unit.pictures(ours[chosen])
     moved = {name: table.moved(name, touches, source, target) for name in table.methods}
-    truth = other.pictures(theirs[chosen]) if len(theirs) else None
+    truth = target_unit.pictures(theirs[chosen]) if len(theirs) else None
     recorded = recorded_title(table.recipe_run.store)
     lines = []
     for row, touch in enumerate(touches):
-        cells = [(f"{source}", touch), *((name.replace("_", " "), found[row]) for name, found in moved.items())]
+        cells = [
+            (f"{source}", touch),
+            *((name.replace("_", " "), transferred[row]) for name, transferred in moved.items()),
+        ]
         lines.append(cells if truth is None else [*cells, (f"{target}, {recorded}", truth[row])])
     return sheet(lines)
 
 
 def _middles(unit: UnitFrames, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Places in ``numbers`` of the middle frame of a few touches, spread over all of them."""
+    """Places in ``numbers`` of the middle frame of a few touches, which are spread evenly over all touches."""
     names = unit.touches[numbers]
     known = list(dict.fromkeys(names))
     shown = [known[place] for place in spread_evenly(len(known), STRIP)]

@@ -1,4 +1,4 @@
-"""Curves over cycles: the absolute scores above, the drift from cycle to cycle below."""
+"""The plot of scores over cycles: scores against the recording above, against the cycle before below."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ PANELS = (
 )
 
 
+"""Scores and titles of the four panels, row by row."""
+
+
 def write_cycle_plot(path: Path, curves: Mapping[str, Mapping[str, Sequence[float]]]) -> None:
-    """A PNG of each variant's scores over its cycles; nothing where matplotlib is not installed."""
+    """Write a PNG of each variant's scores over its cycles; without matplotlib nothing is written."""
     if find_spec("matplotlib") is None:
         return
     from matplotlib.figure import Figure
@@ -25,13 +28,13 @@ def write_cycle_plot(path: Path, curves: Mapping[str, Mapping[str, Sequence[floa
     figure = Figure(figsize=(10, 6.5), layout="constrained")
     axes = figure.subplots(2, 2, sharex=True)
     for line, panels in zip(axes, PANELS, strict=True):
-        for one, (score, words) in zip(line, panels, strict=True):
+        for panel, (score, words) in zip(line, panels, strict=True):
             for name, values in curves.items():
-                one.plot(range(1, len(values[score]) + 1), values[score], marker=".", label=name)
-            one.set_title(words, fontsize=9)
-            one.grid(alpha=0.3)
-    for one in axes[-1]:
-        one.set_xlabel("cycle")
+                panel.plot(range(1, len(values[score]) + 1), values[score], marker=".", label=name)
+            panel.set_title(words, fontsize=9)
+            panel.grid(alpha=0.3)
+    for panel in axes[-1]:
+        panel.set_xlabel("cycle")
     lines, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(lines, labels, loc="outside lower center", fontsize=8)
     content = io.BytesIO()

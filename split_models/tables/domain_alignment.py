@@ -1,8 +1,8 @@
 """The table of domain alignment: pictures of some units, transferred, against the recorded touches of others.
 
-Synth. is what a method makes of a source, beside the source as it was recorded: the paper's Real where it states that
-it is real, else what it is (`recorded_row`). Where both units recorded the same touches, each transferred picture is
-held against its true one as well.
+A row marked Synth. is a method's transfer of a source. Another row is the source as recorded; it has the paper's mark
+Real only where all recordings state that they are real (`recorded_row`). Where both units recorded the same touches,
+each transferred picture is compared with its true one as well.
 """
 
 from __future__ import annotations
@@ -33,24 +33,26 @@ from tactiledata.scoring.chosen_scores import STYLE, chosen_scores
 
 Rows = list[dict[str, Any]]
 SET_SCORES = ("histogram_intersection", "histogram_correlation", STYLE)
+"""Scores between two sets of pictures."""
 
 
 @dataclass(frozen=True)
 class Alignment:
-    """Who is compared with whom, by which methods and scores.
+    """The units that are compared, the transfer methods and the scores.
 
     Parameters
     ----------
     recipe_run : RecipeRun
     methods : dict
-        Transfers by name.
+        Transfer methods by name.
     sources : list of str
+        Sensors whose pictures are transferred.
     targets : dict
-        Letter in the table -> sensor.
+        Sensor of each target by its letter in the table.
     scores : dict
-        Of two sets of pictures, one style distance among them.
+        Scores between two sets of pictures by name; one of them is a style distance.
     weights : Path, optional
-        Of VGG-19.
+        File with the weights of VGG-19.
     """
 
     recipe_run: RecipeRun
@@ -62,44 +64,54 @@ class Alignment:
 
     @cached_property
     def units(self) -> dict[str, UnitFrames]:
-        """Frames of every source and target in the parts that the recipe names."""
+        """Frames of every source and target, by sensor, in the parts that the recipe names."""
         parts = [self.recipe_run.frames(part) for part in self.recipe_run.recipe.rows["parts"]]
         return {name: UnitFrames(parts, name) for name in [*self.sources, *self.targets.values()]}
 
     @property
     def style(self) -> Score:
-        """The one style distance that can be had."""
+        """The style distance among the scores."""
         return next(score for name, score in self.scores.items() if name.startswith(STYLE))
 
     def moved(self, name: str, pictures: PictureArray, source: str, target: str) -> PictureArray:
-        """Pictures of a source as a method gives them to a target; as they are for `AS_RECORDED`."""
+        """Pictures of a source, transferred to a target by a method; unchanged for `AS_RECORDED`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the method, or `AS_RECORDED`.
+        pictures : (n, h, w, 3) uint8
+            Pictures of the source.
+        source, target : str
+            Sensors.
+        """
         if name == AS_RECORDED:
             return pictures
         return self.methods[name].transfer(pictures, self.units[source].background, self.units[target].background)
 
     @cached_property
     def recorded_row(self) -> str:
-        """The title of rows of pictures as they were recorded."""
+        """Title of the rows of recorded pictures."""
         return recorded_row(self.recipe_run.store)
 
     def titled(self, letter: str) -> str:
-        """A target in headings."""
+        """Title of a target in headings; it says whether the model learned from the target."""
         sensor = self.targets[letter]
         known = sensor in self.recipe_run.frames("train").sensor_names
         return f"{letter}: {sensor}" + (", which the model learned from" if known else "")
 
 
 def prepare_alignment(recipe_run: RecipeRun) -> Alignment:
-    """The image VAE, trained, and what is compared.
+    """The comparison that a recipe describes, with a trained image VAE.
 
     Raises
     ------
     UsageError
-        A recipe without sources or targets, or with one sensor as both.
+        The recipe has no sources or no targets, or one sensor is both.
     UnknownName
-        A method that does not exist.
+        A method does not exist.
     MissingFile
-        No weights where the recipe says.
+        The file of weights that the recipe names does not exist.
     """
     rows = recipe_run.recipe.rows
     sources, targets = list(rows["sources"] or ()), dict(rows["targets"] or {})
@@ -110,7 +122,9 @@ def prepare_alignment(recipe_run: RecipeRun) -> Alignment:
             "`tactiledata sensors` lists the units of a store.",
         )
     if both := sorted(set(sources) & set(targets.values())):
-        raise UsageError(f"{', '.join(both)} as source and as target", "other units on each side", "Mend the recipe.")
+        raise UsageError(
+            f"{', '.join(both)} as source and as target", "other units on each side", "Correct the recipe."
+        )
     weights = Path(rows["weights"]) if rows["weights"] else None
     scores = {score.name: score for _, score in chosen_scores(SET_SCORES, weights)}
     methods = {row: _method(recipe_run, row) for row in rows["methods"] or [*LATENT, *PIXEL_TRANSFERS]}
@@ -118,18 +132,18 @@ def prepare_alignment(recipe_run: RecipeRun) -> Alignment:
 
 
 def _method(recipe_run: RecipeRun, row: str) -> TransferMethod:
-    """The transfer of a row; ``VARIANT:METHOD`` is one with the image VAE of a variant of the recipe."""
+    """The transfer method of a row; ``VARIANT:METHOD`` is a method with the image VAE of a recipe variant."""
     variant, _, name = row.rpartition(":")
     if name in LATENT:
         return vae_transfer(name, recipe_run.variant(variant).image_vae)
     if variant or name not in PIXEL_TRANSFERS:
         raise UnknownName("transfer method" + (" with a model" if variant else ""), name, [*LATENT, *PIXEL_TRANSFERS])
-    found: TransferMethod = PIXEL_TRANSFERS[name]
-    return found
+    method: TransferMethod = PIXEL_TRANSFERS[name]
+    return method
 
 
 def alignment_rows(recipe_run: RecipeRun) -> Rows:
-    """For each target a row of each method, over all sources and by source; paired truth; latent vectors."""
+    """Rows for each target: each method over all sources and by source, then paired truth, then latent vectors."""
     table = prepare_alignment(recipe_run)
     rows: Rows = []
     for letter in table.targets:
@@ -142,7 +156,7 @@ def alignment_rows(recipe_run: RecipeRun) -> Rows:
 
 
 def _set_rows(table: Alignment, letter: str) -> Rows:
-    """Every method's pictures of every source against the target's real touches."""
+    """Rows that compare every method's pictures of every source with a target's recorded touches."""
     target = table.targets[letter]
     most, rounds = table.recipe_run.recipe.rows["frames"], table.recipe_run.recipe.rows["rounds"]
     real = _sample(table.units[target], most)
@@ -154,26 +168,26 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
         sample = _sample(table.units[source], most)
         touches.append(sample.touches)
         moved = {n: table.moved(n, sample.pictures, source, target) for n in (AS_RECORDED, *table.methods)}
-        for name, found in _set_values(table, sample, moved, real).items():
-            values.setdefault(name, []).append(found)
-            scores = summarised(found, sample.touches, rounds, table.scores)
+        for name, scored in _set_values(table, sample, moved, real).items():
+            values.setdefault(name, []).append(scored)
+            scores = summarised(scored, sample.touches, rounds, table.scores)
             by_source.append(_row(table, f"{table.titled(letter)}, by source", name, scores, letter, source))
     over_all = [
         _row(
             table,
             f"{table.titled(letter)}, mean over sources",
             name,
-            summarised(_joined(found), np.concatenate(touches), rounds, table.scores),
+            summarised(_joined(scored), np.concatenate(touches), rounds, table.scores),
             letter,
         )
-        for name, found in values.items()
+        for name, scored in values.items()
     ]
     return over_all + by_source
 
 
 @dataclass(frozen=True)
 class _Sample:
-    """Some frames of a unit; masks are of the recorded pictures: no method has a say in where it is judged."""
+    """Some frames of a unit, with masks from the recorded pictures, so that no method influences where it is scored."""
 
     pictures: PictureArray
     masks: NDArray[np.bool_]
@@ -181,6 +195,7 @@ class _Sample:
 
 
 def _sample(unit: UnitFrames, most: int) -> _Sample:
+    """Evenly spaced frames of a unit, at most ``most``."""
     numbers = spread_evenly(len(unit), most)
     pictures = unit.pictures(numbers)
     return _Sample(pictures, contact_region(pictures, unit.background), unit.touches[numbers])
@@ -189,58 +204,60 @@ def _sample(unit: UnitFrames, most: int) -> _Sample:
 def _set_values(
     table: Alignment, sample: _Sample, moved: Mapping[str, PictureArray], real: _Sample
 ) -> dict[str, Values]:
-    """By method: scores of its pictures, all methods at once, so that the target is looked at once."""
+    """Scores of each method's pictures by method; all are scored together, so that the target is processed once."""
     pictures, masks = np.concatenate(list(moved.values())), np.concatenate([sample.masks] * len(moved))
-    both = {"": (None, None), MASKED: (masks, real.masks)}
-    found: Values = {}
+    regions = {"": (None, None), MASKED: (masks, real.masks)}
+    scored: Values = {}
     for name, score in table.scores.items():
         if score is table.style:
-            distances = style_distances(name, pictures, real.pictures, list(both.values()), table.weights)
-            found |= dict(zip([f"{name}{where}" for where in both], distances, strict=True))
+            distances = style_distances(name, pictures, real.pictures, list(regions.values()), table.weights)
+            scored |= dict(zip([f"{name}{where}" for where in regions], distances, strict=True))
             continue
-        for where, inside in both.items():
-            found[f"{name}{where}"] = score.compute(pictures, real.pictures, *inside)
-    parts = {name: np.split(values, len(moved)) for name, values in found.items()}
+        for where, inside in regions.items():
+            scored[f"{name}{where}"] = score.compute(pictures, real.pictures, *inside)
+    parts = {name: np.split(values, len(moved)) for name, values in scored.items()}
     return {method: {name: part[place] for name, part in parts.items()} for place, method in enumerate(moved)}
 
 
 def _paired_rows(table: Alignment, letter: str) -> Rows:
-    """Every method's pictures against the target's own ones of the same touches; none where none are paired."""
+    """Rows that compare every method's pictures with the target's own of the same touches; none without pairs."""
     target = table.targets[letter]
     most, rounds = table.recipe_run.recipe.rows["pairs"], table.recipe_run.recipe.rows["rounds"]
     values: dict[str, list[Values]] = {}
     touches: list[str] = []
     for done, source in enumerate(table.sources):
         table.recipe_run.tell(done, len(table.sources), f"paired truth, {letter}: {source}")
-        one, other = table.units[source], table.units[target]
-        ours, theirs = paired_frames(one, other, most)
-        for touch in dict.fromkeys(one.touches[ours]):
-            mine = one.touches[ours] == touch
-            pictures, truth = one.pictures(ours[mine]), other.pictures(theirs[mine])
+        source_unit, target_unit = table.units[source], table.units[target]
+        ours, theirs = paired_frames(source_unit, target_unit, most)
+        for touch in dict.fromkeys(source_unit.touches[ours]):
+            mine = source_unit.touches[ours] == touch
+            pictures, truth = source_unit.pictures(ours[mine]), target_unit.pictures(theirs[mine])
             touches += [touch] * len(truth)
             for name in (AS_RECORDED, *table.methods):
                 moved = table.moved(name, pictures, source, target)
-                untouched = table.moved(name, one.background[None], source, target)[0]
-                found = paired_values(moved, truth, other.background, untouched, table.style)
-                values.setdefault(name, []).append(found)
+                untouched = table.moved(name, source_unit.background[None], source, target)[0]
+                scored = paired_values(moved, truth, target_unit.background, untouched, table.style)
+                values.setdefault(name, []).append(scored)
     known = {**PAIRED_SCORES, table.style.name: table.style}
     return [
         _row(
             table,
             f"paired truth, to {table.titled(letter)}",
             name,
-            summarised(_joined(found), np.array(touches, object), rounds, known),
+            summarised(_joined(scored), np.array(touches, object), rounds, known),
             letter,
         )
-        for name, found in values.items()
+        for name, scored in values.items()
     ]
 
 
-def _joined(found: list[Values]) -> Values:
-    return {name: np.concatenate([one[name] for one in found]) for name in found[0]}
+def _joined(values: list[Values]) -> Values:
+    """Scores of several sources, one after the other."""
+    return {name: np.concatenate([scores[name] for scores in values]) for name in values[0]}
 
 
 def _row(table: Alignment, part: str, name: str, scores: Any, letter: str, source: str = "") -> dict[str, Any]:
+    """A row of the table, titled by its source, method and variant."""
     variant, _, method = name.rpartition(":")
     of_variant = f", {variant}" if variant else ""
     title = table.recorded_row if name == AS_RECORDED else f"{title_of(method)}{of_variant} (Synth.)"

@@ -1,9 +1,10 @@
-"""Forces with intervals that hold what they promise: an ensemble of heads, calibrated on trajectories it has not seen.
+"""Forces with intervals of guaranteed coverage: an ensemble of heads, calibrated on trajectories new to all of them.
 
-Frames of a touch resemble each other, so that trajectories, not frames, are what is exchangeable. Source: Lee, Barber
-and Willett, Distribution-free inference with hierarchical data, 2023: every trajectory has the same weight, shared by
-its frames, and the one that is to come has that weight at infinity. Then an interval of a frame of a new trajectory
-holds the truth with the nominal probability at least, whatever the heads are worth.
+Frames of a touch resemble each other, so that trajectories, not frames, are exchangeable. Every trajectory has the same
+weight, shared by its frames, and the new trajectory has that weight at infinity. Then an interval of a frame of a new
+trajectory holds the truth with at least the nominal probability, however good the heads are.
+
+Source: Lee, Barber and Willett, Distribution-free inference with hierarchical data, 2023.
 """
 
 from __future__ import annotations
@@ -21,21 +22,23 @@ from tactiledata.arrays import Array
 from tactiledata.errors import UsageError
 
 LEVEL = 0.9
+"""Probability with which an interval holds the truth."""
 FLOOR = 0.05
-"""Disagreement of heads below this share of the forces' spread over the train part counts as so much."""
+"""Amount that is added to the heads' disagreement, as a share of the forces' spread over the train part."""
 
 
 @dataclass(frozen=True)
 class CalibratedEnsemble:
-    """Intervals from several heads' forces of the same frames.
+    """Calibration of intervals from several heads' forces of the same frames.
 
     Parameters
     ----------
     factors : (3,)
-        Half the width of fx, fy and fz over the heads' standard deviation and the floor.
+        Half the width of the intervals of fx, fy and fz, divided by the heads' standard deviation plus the floor.
     floor : (3,) N
+        Amount that is added to the heads' standard deviation.
     level : float
-        Probability that an interval holds the truth, each component by itself.
+        Probability that an interval holds the truth, for each component separately.
     """
 
     factors: Array
@@ -43,50 +46,54 @@ class CalibratedEnsemble:
     level: float
 
     @classmethod
-    def fitted(cls, found: Any, true: Any, trajectories: Any, floor: Any, level: float = LEVEL) -> CalibratedEnsemble:
-        """Calibrated on frames that no head has learned from.
+    def fitted(cls, forces: Any, true: Any, trajectories: Any, floor: Any, level: float = LEVEL) -> CalibratedEnsemble:
+        """The calibration on frames that no head has learned from.
 
         Parameters
         ----------
-        found : (h, n, 3) N
-            Of two or more heads.
+        forces : (h, n, 3) N
+            Forces from two or more heads.
         true : (n, 3) N
-        trajectories : (n,)
-            Names.
+            Measured forces.
+        trajectories : (n,) str
+            Trajectory of each frame.
         floor : (3,) N
+            Amount that is added to the heads' standard deviation.
         level : float
+            Probability that an interval holds the truth.
 
         Raises
         ------
         UsageError
-            One head only, or too few trajectories for the level.
+            There is only one head, or there are too few trajectories for the level.
         """
-        if len(found) < 2:
-            raise UsageError(f"{len(found)} head", "two or more, whose disagreement is used", "Raise `head_seeds`.")
+        if len(forces) < 2:
+            raise UsageError(f"{len(forces)} head", "two or more heads, to measure disagreement", "Raise `head_seeds`.")
         count, least = len(set(trajectories)), least_trajectories(level)
         if count < least:
             raise UsageError(
                 f"{count} trajectories to calibrate intervals of {level:.0%} on", f"{least} or more", "Lower the level."
             )
-        middle, spread = _moments(found, floor)
-        scores = np.abs(np.asarray(true) - middle) / spread
+        mean, spread = _moments(forces, floor)
+        scores = np.abs(np.asarray(true) - mean) / spread
         factors = np.array([group_quantile(score, trajectories, level) for score in scores.T])
         return cls(factors, np.asarray(floor, np.float64), level)
 
-    def intervals(self, found: Any) -> tuple[Array, Array]:
-        """Forces (n, 3), N, and their intervals (n, 3, 2), N, of heads' forces (h, n, 3)."""
-        middle, spread = _moments(found, self.floor)
+    def intervals(self, forces: Any) -> tuple[Array, Array]:
+        """Mean forces (n, 3), N, and their intervals (n, 3, 2), N, from the forces (h, n, 3), N, of all heads."""
+        mean, spread = _moments(forces, self.floor)
         half = self.factors * spread
-        return middle, np.stack([middle - half, middle + half], axis=-1)
+        return mean, np.stack([mean - half, mean + half], axis=-1)
 
 
 @dataclass(frozen=True)
 class ForceIntervals:
-    """Force heads that say how sure they are.
+    """Force heads that give an interval with each force.
 
     Parameters
     ----------
     heads : sequence of Forces
+        Networks of the same kind, trained with different seeds.
     calibrated : CalibratedEnsemble
     """
 
@@ -97,40 +104,66 @@ class ForceIntervals:
     def fitted(
         cls, heads: Sequence[Forces], given: Tensor, true: Any, trajectories: Any, level: float = LEVEL
     ) -> ForceIntervals:
-        """Heads of several seeds, calibrated on what they take (n, ...), of forces (n, 3), N, and trajectories (n,).
+        """Heads of several seeds, calibrated on frames that none has learned from.
+
+        Parameters
+        ----------
+        heads : sequence of Forces
+        given : (n, ...) Tensor
+            Inputs of the heads.
+        true : (n, 3) N
+            Measured forces.
+        trajectories : (n,) str
+            Trajectory of each frame.
+        level : float
+            Probability that an interval holds the truth.
 
         Raises
         ------
         UsageError
-            One head only, or too few trajectories for the level.
+            There is only one head, or there are too few trajectories for the level.
         """
-        found = forces_of_heads(heads, given)
-        return cls(heads, CalibratedEnsemble.fitted(found, true, trajectories, floor_of(heads), level))
+        forces = forces_of_heads(heads, given)
+        return cls(heads, CalibratedEnsemble.fitted(forces, true, trajectories, floor_of(heads), level))
 
     def predict(self, given: Tensor) -> tuple[Array, Array]:
-        """Forces (n, 3), N, and their intervals (n, 3, 2), N, of what the heads take (n, ...)."""
+        """Forces (n, 3), N, and their intervals (n, 3, 2), N, for inputs of the heads (n, ...)."""
         return self.calibrated.intervals(forces_of_heads(self.heads, given))
 
 
 def forces_of_heads(heads: Sequence[Forces], given: Tensor) -> Array:
-    """Forces (h, n, 3), N, of what the heads take."""
+    """Forces (h, n, 3), N, that each head predicts for the same inputs (n, ...)."""
     with torch.no_grad():
         return np.stack([head.eval().forces(given.to(head.device)).double().cpu().numpy() for head in heads])
 
 
 def floor_of(heads: Sequence[Forces]) -> Array:
-    """Smallest disagreement (3,), N, that counts."""
+    """Amount (3,), N, that is added to the disagreement of heads: `FLOOR` times the forces' spread."""
     floor: Array = FLOOR * heads[0].spread.double().cpu().numpy()
     return floor
 
 
 def least_trajectories(level: float) -> int:
-    """How many trajectories a level needs: with fewer the interval would have to be endless."""
+    """Least number of trajectories that a level can be calibrated on; with fewer the intervals would be infinite."""
     return int(np.ceil(level / (1 - level) - 1e-9))
 
 
 def group_quantile(scores: Any, groups: Any, level: float) -> float:
-    """The quantile of scores (n,) where each of k groups has the weight 1 / (k + 1), and infinity the rest."""
+    """Quantile of scores (n,) when each of k groups has weight 1 / (k + 1), and infinity the rest.
+
+    Parameters
+    ----------
+    scores : (n,)
+    groups : (n,) str
+        Group of each score; its scores share the group's weight equally.
+    level : float
+        Level of the quantile.
+
+    Returns
+    -------
+    float
+        One of the scores, or infinity where their weights do not reach the level.
+    """
     _, group, counts = np.unique(np.asarray(groups, dtype=str), return_inverse=True, return_counts=True)
     order = np.argsort(scores, kind="stable")
     reached = np.cumsum(1.0 / counts[group[order]]) / (len(counts) + 1)
@@ -138,7 +171,7 @@ def group_quantile(scores: Any, groups: Any, level: float) -> float:
     return float(np.asarray(scores)[order][place]) if place < len(order) else float("inf")
 
 
-def _moments(found: Any, floor: Any) -> tuple[Array, Array]:
-    """Mean of the heads and what their disagreement counts as, both (n, 3)."""
-    forces = np.asarray(found, np.float64)
+def _moments(forces_of_heads: Any, floor: Any) -> tuple[Array, Array]:
+    """Mean of the heads' forces, and their standard deviation plus the floor, (n, 3) each, N."""
+    forces = np.asarray(forces_of_heads, np.float64)
     return forces.mean(axis=0), forces.std(axis=0, ddof=1) + np.asarray(floor, np.float64)

@@ -1,4 +1,4 @@
-"""Meshes of pictures side by side: the recorded picture, the simulated mesh, each method's."""
+"""The figure of meshes side by side: the recorded picture, the simulated mesh, and each method's mesh."""
 
 from __future__ import annotations
 
@@ -18,29 +18,33 @@ from tactiledata.optics.surface import GelSurface
 def mesh_figure(
     methods: Mapping[str, Any], frames: TouchFrames, surface: GelSurface, recorded: str = "recorded", count: int = 6
 ) -> tuple[list[list[PictureArray]], list[str], list[str]]:
-    """For some frames, evenly spaced, a row of pictures; titles of columns and of rows.
+    """Pictures of meshes for some evenly spaced frames, one row each; then titles of the columns and of the rows.
 
-    Colours of a row are as deep as its simulated mesh; titles of rows say how deep, and each method's RMSE.
+    The colour scale of a row ends at the deepest point of its simulated mesh. Titles of rows state that depth, and the
+    RMSE of each method.
 
     Parameters
     ----------
-    methods : dict, name -> method, trained
+    methods : dict
+        Trained image-to-mesh methods by name.
     frames : TouchFrames
+        Frames of a part of the split.
     surface : GelSurface
+        Surface of the mesh.
     recorded : str
-        The title over the recorded pictures.
+        Title over the recorded pictures.
     count : int
-        Rows at most.
+        Largest number of rows.
     """
     assert frames.size is not None  # recipes state it
     shown, labels = [], []
     for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
         sensor, true = frames.sensors[number], frames.displacements([int(number)])
         picture, background = frames.pictures([int(number)]), frames.background(sensor)
-        made = {name: for_sensor(one, sensor).predict(picture, background) for name, one in methods.items()}
+        made = {name: for_sensor(method, sensor).predict(picture, background) for name, method in methods.items()}
         deepest = float(-true[0, :, 2].min())
         drawn = MeshPictures(surface, frames.size, deepest)
-        shown.append([picture[0], drawn.draw(true[0]), *(drawn.draw(one[0]) for one in made.values())])
-        errors = "".join(f"\n{title_of(name)}: {rmse(one, true)[0]:.3f} mm" for name, one in made.items())
+        shown.append([picture[0], drawn.draw(true[0]), *(drawn.draw(mesh[0]) for mesh in made.values())])
+        errors = "".join(f"\n{title_of(name)}: {rmse(mesh, true)[0]:.3f} mm" for name, mesh in made.items())
         labels.append(f"{frames.indenters[number]} on {sensor}, {1e3 * deepest:.2f} mm deep{errors}")
     return shown, [recorded, "simulated mesh", *(title_of(name) for name in methods)], labels

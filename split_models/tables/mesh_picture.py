@@ -1,4 +1,4 @@
-"""Pictures of deformed meshes for people: depth as colour, slopes as light and shade; no graphics library."""
+"""Pictures of deformed meshes for people: depth as colour, slopes as shading; no graphics library is needed."""
 
 from __future__ import annotations
 
@@ -14,22 +14,24 @@ from tactiledata.optics.view import View
 from tactiledata.sensors.digit import DIGIT
 
 LIGHT = np.array([-0.5, -0.5, 0.7])
-"""Where light comes from: columns, rows, towards the camera."""
+"""Direction towards the light: along columns, along rows, towards the camera."""
 STEEPER = 1.5
-"""Slopes are shown so many times as steep as they are."""
+"""Factor by which slopes are exaggerated in the shading."""
 BULGE = 0.15
-"""Share of the colours that is left for gel that bulges."""
+"""Share of the colour scale that shows gel bulging outwards."""
 
 
 class MeshPictures:
-    """Pictures of meshes on one surface, seen as the nominal camera sees them.
+    """Renderer of meshes on one surface, seen by the nominal camera.
 
     Parameters
     ----------
     surface : GelSurface
+        Undeformed surface.
     shape : (rows, columns)
-    deepest : float
-        m: the indentation that the last colour stands for.
+        Size of the pictures in px.
+    deepest : float, m
+        Indentation at the end of the colour scale.
     """
 
     def __init__(self, surface: GelSurface, shape: tuple[int, int], deepest: float) -> None:

@@ -1,4 +1,4 @@
-"""Transferred pictures against the target's own pictures of the same touches."""
+"""Scores of transferred pictures against the target's own pictures of the same touches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Masks = NDArray[np.bool_]
 
 
 def overlap(ours: Masks, theirs: Masks) -> NDArray[np.float64]:
-    """Intersection over union (n,) of masks (n, H, W); NaN where the second one is empty."""
+    """Intersection over union (n,) of masks (n, H, W); NaN where the mask in ``theirs`` is empty."""
     either = (ours | theirs).sum(axis=(1, 2))
     share = (ours & theirs).sum(axis=(1, 2)) / np.maximum(either, 1)
     return np.where(theirs.any(axis=(1, 2)), share, np.nan)
@@ -26,7 +26,7 @@ PAIRED_SCORES = {
     "overlap": Score("overlap", "overlap of the contact (IoU)", "", "higher", 1.0, overlap),
     "overlap_of_change": Score("overlap_of_change", "overlap of the change (IoU)", "", "higher", 1.0, overlap),
 }
-"""By name; a style distance is added where one is asked for."""
+"""Scores of paired pictures by name; callers may add a style distance."""
 
 
 def paired_values(
@@ -36,34 +36,35 @@ def paired_values(
     untouched: PictureArray,
     style: Score | None = None,
 ) -> Values:
-    """Scores (n,) of transferred pictures beside the true ones.
+    """Scores (n,) of transferred pictures against the true ones, by name.
 
-    Of the full frame, and under ``<name>_contact`` inside the region in which the true picture shows the touch.
-    ``overlap`` is that of the true region with the one in which the transferred picture differs from the target's
-    background, as whoever receives it would look for the touch; ``overlap_of_change`` with the one in which it
-    differs from what the method makes of no touch, which forgives a wrong background.
+    ``ssim`` and ``l1`` are of the full frame, and under ``<name>_contact`` of the region in which the true picture
+    shows the touch. ``overlap`` compares that region with the one in which the transferred picture differs from the
+    target's background, where a user would look for the touch. ``overlap_of_change`` compares it with the region in
+    which the transferred picture differs from the transfer of no touch, and so tolerates a wrong background.
 
     Parameters
     ----------
     pictures, truth : (n, H, W, 3) uint8
-        For a style distance, of one touch: each picture is held against the mean of all true ones.
+        Transferred and true pictures. For a style distance all of one touch: each picture is compared with the mean of
+        all true ones.
     background : (H, W, 3) uint8
-        The target without contact.
+        The target's picture without contact.
     untouched : (H, W, 3) uint8
-        What the method makes of the source without contact.
+        The method's transfer of the source's picture without contact.
     style : Score, optional
-        Inside the contact.
+        Style distance, inside the contact.
     """
     region = contact_region(truth, background)
-    found: Values = {}
+    values_of: Values = {}
     for name in ("ssim", "l1"):
         score = PAIRED_SCORES[name]
-        found[name] = score(pictures, truth)
-        found[f"{name}{MASKED}"] = score(pictures, truth, region)
+        values_of[name] = score(pictures, truth)
+        values_of[f"{name}{MASKED}"] = score(pictures, truth, region)
     if style is not None:
         there = region.any()
         values = style.compute(pictures, truth, region, region) if there else np.full(len(truth), np.nan)
-        found[f"{style.name}{MASKED}"] = values
-    found["overlap"] = overlap(contact_region(pictures, background), region)
-    found["overlap_of_change"] = overlap(contact_region(pictures, untouched), region)
-    return found
+        values_of[f"{style.name}{MASKED}"] = values
+    values_of["overlap"] = overlap(contact_region(pictures, background), region)
+    values_of["overlap_of_change"] = overlap(contact_region(pictures, untouched), region)
+    return values_of

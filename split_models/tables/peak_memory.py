@@ -1,4 +1,4 @@
-"""The largest memory of a process that does one thing."""
+"""Peak memory of a new process that calls one function."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from typing import Any
 from tactiledata.contract.worker_pool import worker_pool
 
 STATUS = Path("/proc/self/status")
+"""Linux' file with a process's peak memory."""
 
 
 def peak_memory(work: Callable[..., Any], *arguments: Any) -> float:
-    """Peak resident memory, MB, of a new process that calls ``work`` once; it can be sent to another process.
+    """Peak resident memory, MB, of a new process that calls ``work(*arguments)`` once; all must be picklable.
 
-    Python, its libraries and what ``work`` is made of are in it.
+    It includes Python, its libraries and the unpickled arguments.
     """
     with worker_pool(1) as pool:
         # plain pickles: PyTorch would share the memory of tensors that queues send, and so change what is measured
@@ -24,11 +25,12 @@ def peak_memory(work: Callable[..., Any], *arguments: Any) -> float:
 
 
 def _measured(pickled: bytes) -> float:
+    """Peak resident memory, MB, of this process after calling the pickled function."""
     work, arguments = pickle.loads(pickled)
     work(*arguments)
     if STATUS.exists():
         # getrusage would give the peak of the process that started this one where that was larger
-        line = next(one for one in STATUS.read_text().splitlines() if one.startswith("VmHWM"))
+        line = next(status_line for status_line in STATUS.read_text().splitlines() if status_line.startswith("VmHWM"))
         return int(line.split()[1]) * 1024 / 1e6
     import resource
 

@@ -1,4 +1,4 @@
-"""Pictures side by side in one file, with words over the columns and beside the rows."""
+"""A grid of pictures in one file, with titles over the columns and beside the rows."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from tactiledata.arrays import PictureArray
 from tactiledata.contract.atomic import write_atomic
 
 LEAST_WIDTH = 150
-"""Pixels: narrower pictures are enlarged by a whole number, so that words fit over them."""
+"""Width in px below which pictures are enlarged by a whole factor, so that titles fit over them."""
 GAP = 4
+"""Pixels between pictures."""
 LINE = 15
-"""Pixels from one line of words to the next."""
+"""Pixels from one line of text to the next."""
 FONT, SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.42
 BACKDROP, INK = 255, 30
 
@@ -26,17 +27,18 @@ def write_grid(
     columns: Sequence[str] = (),
     labels: Sequence[str] = (),
 ) -> None:
-    """A PNG of rows of pictures (h, w, 3), uint8, all of one size.
+    """Write a PNG with rows of pictures (h, w, 3), uint8, all of one size.
 
     Parameters
     ----------
     path : Path
     rows : sequence of sequences of pictures
+        The grid, row by row.
     columns, labels : sequences of str
-        Words over each column, and to the left of each row; none unless given.
+        Titles over the columns, and to the left of the rows; none unless given.
     """
     times = -(-LEAST_WIDTH // rows[0][0].shape[1])
-    enlarged = [[one.repeat(times, axis=0).repeat(times, axis=1) for one in row] for row in rows]
+    enlarged = [[picture.repeat(times, axis=0).repeat(times, axis=1) for picture in row] for row in rows]
     bodies = [_joined(row, axis=1) for row in enlarged]
     width = enlarged[0][0].shape[1]
     if labels:
@@ -52,7 +54,7 @@ def write_grid(
 
 
 def _joined(pictures: Sequence[PictureArray], axis: int) -> PictureArray:
-    """Pictures one after the other, with a gap between."""
+    """Pictures side by side along an axis, with a gap between them."""
     shape = list(pictures[0].shape)
     shape[axis] = GAP
     gap = np.full(shape, BACKDROP, np.uint8)
@@ -61,7 +63,7 @@ def _joined(pictures: Sequence[PictureArray], axis: int) -> PictureArray:
 
 
 def _worded(text: str, width: int, height: int) -> PictureArray:
-    """Words on a plain picture (height, width, 3), from the top."""
+    """A plain picture (height, width, 3) with text from the top."""
     plain = np.full((height, width, 3), BACKDROP, np.uint8)
     for number, line in enumerate(_lines(text, width)):
         cv2.putText(plain, line, (2, LINE * (number + 1) - 3), FONT, SIZE, (INK, INK, INK), 1, cv2.LINE_AA)
@@ -69,7 +71,7 @@ def _worded(text: str, width: int, height: int) -> PictureArray:
 
 
 def _lines(text: str, width: int) -> list[str]:
-    """Words in lines that fit; a line break stays one, and a word that is too long has a line of its own."""
+    """Text in lines that fit a width in px; line breaks are kept, and a word that is too long gets its own line."""
     lines: list[str] = []
     for part in text.split("\n"):
         line = ""

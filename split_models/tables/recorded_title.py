@@ -1,4 +1,4 @@
-"""What stands over a store's own pictures beside those that methods make."""
+"""Titles of a store's own pictures beside those that methods make."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from tactiledata.store.read.simulated import simulated_recordings
 
 
 def recorded_title(store: str | Path) -> str:
-    """A column's title for a store's own pictures: ``"recorded"``, or that they are simulated recordings."""
+    """Title of a column with a store's own pictures: ``"recorded"``, or a label that marks simulated recordings."""
     return simulated_recordings(Store.open(store)).label or "recorded"
 
 
 def recorded_row(store: str | Path) -> str:
-    """The title of a row for a store's own pictures; the paper's ``Real`` only where all recordings state it."""
+    """Title of a row with a store's own pictures; the paper's ``Real`` only where all recordings state to be real."""
     count = simulated_recordings(Store.open(store))
     if count.total and count.real == count.total:
         return "as recorded (Real)"

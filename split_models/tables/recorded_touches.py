@@ -1,4 +1,4 @@
-"""Touches of a store for the gel, with the pictures that were recorded of them."""
+"""Touches of a store as the gel simulation plays them, with the pictures that were recorded of them."""
 
 from __future__ import annotations
 
@@ -23,18 +23,19 @@ from tactiledata.store.read.reader import Store
 
 @dataclass(frozen=True)
 class RecordedTouches:
-    """Touches of one part of a split.
+    """Touches of one part of a split, ready for the gel simulation.
 
     Parameters
     ----------
     pad : Pad
-        What they press.
+        The gel pad that they press.
     touches : list of GelTouch
     sensors : list of str
-        The unit of each.
-    numbers : dict, (touch, frame) -> number of the frame in the part
+        Sensor of each touch.
+    numbers : dict
+        Number in ``frames`` of each (touch, frame), where the part has the frame.
     frames : TouchFrames
-        The part.
+        Frames of the part.
     """
 
     pad: Pad
@@ -45,12 +46,21 @@ class RecordedTouches:
 
 
 def recorded_touches(recipe_run: RecipeRun, part: str, count: int) -> RecordedTouches:
-    """Evenly spaced trajectories of a part, so many that they have ``count`` of its frames, where it has so many.
+    """Evenly spaced trajectories of a part that together have about ``count`` of its frames.
+
+    Parameters
+    ----------
+    recipe_run : RecipeRun
+        The run whose store is used.
+    part : str
+        Part of the recipe's split.
+    count : int
+        Number of frames after which no more trajectories are taken.
 
     Raises
     ------
     UsageError
-        None of them can be replayed, or the store's mesh is not the low-resolution pad.
+        No trajectory can be replayed, or the store's mesh is not the low-resolution pad.
     """
     frames, store = recipe_run.frames(part), Store.open(recipe_run.store)
     options = _options(recipe_run)
@@ -59,6 +69,7 @@ def recorded_touches(recipe_run: RecipeRun, part: str, count: int) -> RecordedTo
     playable = [touch for touch in plan.touches if touch.obstacle is None and touch.uid in own]
     if not playable:
         raise UsageError(f"no trajectory of {part} can be replayed", "poses and described indenters", "")
+    # about as many trajectories, evenly spaced, as hold the frames
     place_of = {int(row): number for number, row in enumerate(frames.rows)}
     step = max(1, len(playable) * count // max(len(frames), 1))
     chosen = playable[:: max(1, len(playable) // step)]
@@ -75,18 +86,20 @@ def recorded_touches(recipe_run: RecipeRun, part: str, count: int) -> RecordedTo
 
 
 def _pad(recipe_run: RecipeRun, pads: Any, touch: PlannedTouch, options: ReplayOptions) -> Pad:
+    """The pad of a planned touch; a store whose mesh is not the low-resolution pad is refused."""
     planned = pads[touch.pad]
     surface, topology = surface_of_pad(planned.mesh, options.keep), recipe_run.topology
     if surface.places.shape != topology.places.shape or not np.allclose(surface.places, topology.places, atol=1e-7):
         raise UsageError(
-            f"a mesh of {len(topology.places)} vertices in the store, another than the low-resolution pad",
-            f"its {len(surface.places)} vertices, in one run with the high-resolution pad",
+            f"a mesh of {len(topology.places)} vertices in the store, which is not the low-resolution pad",
+            f"the low-resolution pad of {len(surface.places)} vertices, to compare with the high-resolution pad",
             "Name a mesh of `tactiledata replay --resolution low` under `data.mesh`.",
         )
     return Pad(planned.sensor, planned.geometry, options.material, options.fidelity, options.keep)
 
 
 def _options(recipe_run: RecipeRun) -> ReplayOptions:
+    """Options with which the store was replayed, at low resolution."""
     data = recipe_run.recipe.data
     if data["world"]:
         return replay_options({**data["replay"], "resolution": "low"}, load_scenario(find_scenario(data["world"])))

@@ -1,4 +1,4 @@
-"""A finished table: one document for machines, one page of Markdown for people."""
+"""A finished table: a JSON document for programs, and a page of Markdown for people."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from tactiledata.contract.provenance import provenance
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 
 RESULT = "table"
+"""Stem of both files."""
 ARROWS = {"higher": "↑", "lower": "↓"}
 
 
@@ -23,15 +24,17 @@ def result_document(
     store_digest: str,
     simulated: SimulatedCount = NOTHING_STATED,
 ) -> dict[str, Any]:
-    """The table with what it was made of.
+    """The table as a document, with the digests of recipe and store that it was made from.
 
     Parameters
     ----------
     recipe : Recipe
     rows : sequence of dict
+        Rows of the table.
     store_digest : str
+        Digest of the store.
     simulated : SimulatedCount
-        Of the store's recordings.
+        How many of the store's recordings are simulated.
     """
     return {
         "format": "tactiledata-table/1",
@@ -48,7 +51,7 @@ def result_document(
 
 
 def write_result(folder: Path, document: Mapping[str, Any]) -> dict[str, Path]:
-    """``table.json`` and ``table.md`` in a folder."""
+    """Write ``table.json`` and ``table.md`` into a folder; their paths by ``json`` and ``markdown``."""
     paths = {"json": folder / f"{RESULT}.json", "markdown": folder / f"{RESULT}.md"}
     write_json_atomic(paths["json"], document)
     write_atomic(paths["markdown"], markdown(document).encode())
@@ -56,7 +59,7 @@ def write_result(folder: Path, document: Mapping[str, Any]) -> dict[str, Path]:
 
 
 def markdown(document: Mapping[str, Any]) -> str:
-    """The table of each part of the split, and below it the paper's own figures."""
+    """The page of a table: each part of the split, followed by the paper's own figures where the recipe has them."""
     lines = [
         f"# {document['title']}",
         "",
@@ -74,7 +77,7 @@ def markdown(document: Mapping[str, Any]) -> str:
 
 
 def table_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Rows as a table of Markdown."""
+    """Lines of a Markdown table with a column for each score."""
     names = list(dict.fromkeys(name for row in rows for name in row["scores"]))
     heads = [_head(name, next(row["scores"][name] for row in rows if name in row["scores"])) for name in names]
     return [
@@ -85,13 +88,13 @@ def table_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def row_title(row: Mapping[str, Any]) -> str:
-    """A row's name for people."""
+    """Title of a row for people, with its cycle where it has one."""
     title = title_of(row["method"])
     return f"{title}, cycle {row['cycle']}" if "cycle" in row else title
 
 
 def cell(score: Mapping[str, Any] | None) -> str:
-    """A value with its interval, or its standard deviation over seeds."""
+    """A score as text: its value with its interval, or with its standard deviation over seeds."""
     if score is None or score["value"] is None:
         return "–"
     text = f"{score['value']:.4g}"
@@ -103,20 +106,24 @@ def cell(score: Mapping[str, Any] | None) -> str:
 
 
 def _head(name: str, score: Mapping[str, Any]) -> str:
+    """Heading of a score: name, region, unit, and an arrow towards better values."""
     where = " in contact" if name.endswith(MASKED) else ""
     unit = f", {score['unit']}" if score["unit"] else ""
     return f"{name.removesuffix(MASKED)}{where}{unit} {ARROWS[score['better']]}"
 
 
 def _size(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Numbers of frames and trajectories, or of seeds, behind the rows of a part."""
     score = next(iter(rows[0]["scores"].values()))
     if "seeds" in score:
         counts = {row["method"]: next(iter(row["scores"].values()))["seeds"] for row in rows}
-        each = [
+        seeds = [
             f"{count} ({', '.join(title_of(method) for method, own in counts.items() if own == count)})"
             for count in sorted(set(counts.values()))
         ]
-        return f"mean and standard deviation over seeds: {'; '.join(each) if each[1:] else next(iter(counts.values()))}"
+        return (
+            f"mean and standard deviation over seeds: {'; '.join(seeds) if seeds[1:] else next(iter(counts.values()))}"
+        )
     trajectories = (
         f" of {score['trajectories']} trajectories, 95 % over trajectories" if "trajectories" in score else ""
     )
@@ -124,6 +131,7 @@ def _size(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _published_lines(published: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Lines of a Markdown table with the paper's own figures."""
     names = list(dict.fromkeys(name for row in published.values() for name in row))
     return [
         f"| | {' | '.join(names)} |",

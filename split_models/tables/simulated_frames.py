@@ -1,4 +1,4 @@
-"""The same frames of the same touches on the low- and on the high-resolution pad, with what they cost."""
+"""The same frames of the same touches, simulated on the low- and on the high-resolution pad, with time and memory."""
 
 from __future__ import annotations
 
@@ -28,7 +28,19 @@ Engine = FemEngine | EmbeddedEngine
 
 @dataclass(frozen=True)
 class Pad:
-    """What is simulated: a sensor model's pad, its material and law, and which nodes' displacements are kept."""
+    """A sensor model's gel pad, its material and constitutive law, and the nodes whose displacements are kept.
+
+    Parameters
+    ----------
+    sensor : str
+        Sensor model.
+    geometry : GelGeometry
+    material : GelMaterial
+    fidelity : str
+        Constitutive law: finite strain or linear.
+    keep : "all" or "surface"
+        Nodes whose displacements are kept at low resolution.
+    """
 
     sensor: str
     geometry: GelGeometry
@@ -37,7 +49,7 @@ class Pad:
     keep: Keep
 
     def engine(self, resolution: Resolution) -> Engine:
-        """What simulates it; building it is no frame's work."""
+        """The simulation of the pad at a resolution; building it is not counted as a frame's time."""
         if resolution == "high":
             return EmbeddedEngine(self.sensor, self.geometry, self.material.poisson_ratio, self.fidelity)
         mesh = pad_mesh(self.sensor, self.geometry, "low")
@@ -46,21 +58,22 @@ class Pad:
 
 @dataclass
 class SimulatedFrames:
-    """Frames of touches at one resolution.
+    """Frames of touches, simulated at one resolution.
 
     Parameters
     ----------
     surface : GelSurface
-        Of the pad, over the nodes that are kept.
+        Surface of the pad, over the kept nodes.
     vertices : int
-        Of the whole pad.
-    seconds : list
-        A solved frame, touch by touch.
+        Number of vertices of the whole pad.
+    seconds : list of float
+        Mean time of a solved frame, touch by touch.
     displacements : list of (k, 3), m
+        Displacements of each solved frame.
     frames : list of (touch, frame)
-        What each displacement is of.
+        Touch and frame of each displacement.
     memory : float
-        Peak resident memory, MB, of a process that sets the pad up and plays the first touch.
+        Peak resident memory, MB, of a process that builds the pad and plays the first touch.
     """
 
     surface: GelSurface
@@ -72,22 +85,31 @@ class SimulatedFrames:
 
 
 def simulate(
-    pad: Pad, touches: Sequence[GelTouch], tell: Progress | None = None, weighs: bool = True
+    pad: Pad, touches: Sequence[GelTouch], tell: Progress | None = None, measures_memory: bool = True
 ) -> dict[Resolution, SimulatedFrames]:
-    """Every touch at both resolutions in turn, each alone, its frames one after the other.
+    """Simulated frames by resolution: every touch at both resolutions in turn, with its time.
 
-    At high resolution the surface's nodes are kept, which is all that pictures need. ``weighs``: memory as well, each
-    resolution in a process of its own.
+    At high resolution only the surface's nodes are kept, which is all that pictures need.
+
+    Parameters
+    ----------
+    pad : Pad
+    touches : sequence of GelTouch
+        Touches, each played alone.
+    tell : callable, optional
+        Called with touches done, touches in all, and words.
+    measures_memory : bool
+        Whether memory is measured as well, in a process of its own for each resolution.
     """
     resolutions: tuple[Resolution, ...] = ("low", "high")
     keeps: dict[Resolution, Keep] = {"low": pad.keep, "high": "surface"}
     engines = {resolution: pad.engine(resolution) for resolution in resolutions}
-    found = {
+    simulated = {
         resolution: SimulatedFrames(surface_of_pad(engine.mesh, keeps[resolution]), len(engine.mesh.vertices))
         for resolution, engine in engines.items()
     }
     for resolution, engine in engines.items():
-        next(engine.play(touches[:1], pad.material, keeps[resolution]))  # the first one compiles
+        next(engine.play(touches[:1], pad.material, keeps[resolution]))  # the first call compiles
     for number, touch in enumerate(touches):
         if tell is not None:
             tell(number, len(touches), "simulation: touches at both resolutions")
@@ -96,17 +118,17 @@ def simulate(
             _, history = next(engine.play([touch], pad.material, keeps[resolution]))
             seconds = time.perf_counter() - started
             solved = np.flatnonzero(history.status == FrameStatus.SOLVED)
-            one = found[resolution]
-            one.seconds += [seconds / len(solved)] if len(solved) else []
-            one.displacements += list(history.displacement[solved])
-            one.frames += [(number, int(frame)) for frame in solved]
-    for resolution, one in found.items() if weighs else ():
-        one.memory = peak_memory(partial(_played, pad, resolution, touches[0], keeps[resolution]))
-    return found
+            result = simulated[resolution]
+            result.seconds += [seconds / len(solved)] if len(solved) else []
+            result.displacements += list(history.displacement[solved])
+            result.frames += [(number, int(frame)) for frame in solved]
+    for resolution, result in simulated.items() if measures_memory else ():
+        result.memory = peak_memory(partial(_played, pad, resolution, touches[0], keeps[resolution]))
+    return simulated
 
 
 def surface_of_pad(mesh: PadMesh, keep: Keep) -> GelSurface:
-    """The outer surface over all nodes, or over those of the surface."""
+    """The pad's outer surface, over all nodes or over the surface's nodes."""
     if keep == "all":
         return GelSurface(np.asarray(mesh.vertices, np.float64), mesh.triangles)
     nodes = mesh.surface
@@ -114,4 +136,5 @@ def surface_of_pad(mesh: PadMesh, keep: Keep) -> GelSurface:
 
 
 def _played(pad: Pad, resolution: Resolution, touch: GelTouch, keep: Keep) -> Any:
+    """History of a touch on a pad that is built for it."""
     return next(pad.engine(resolution).play([touch], pad.material, keep))

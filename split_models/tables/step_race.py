@@ -1,4 +1,4 @@
-"""Methods that draw the same frames in turn, each step on the clock."""
+"""Times of methods that make pictures of the same frames in turn, step by step, and their memory."""
 
 from __future__ import annotations
 
@@ -20,24 +20,25 @@ from tactiledata.gel.mesh.structured_pad import Resolution
 Simulated = Mapping[Resolution, SimulatedFrames]
 Steps = list[tuple[str, Callable[[Any], Any]]]
 WARM_UP = 3
-"""Frames before the clock starts: first ones allocate and choose kernels."""
+"""Frames before times are measured; the first frames allocate memory and choose kernels."""
 
 
 @dataclass
-class Contender:
-    """A method at the resolution of the meshes that it is given.
+class TimedMethod:
+    """A method with its measured times, at one resolution of the meshes that it gets.
 
     Parameters
     ----------
     name : str
-        Of its row.
+        Name of its row.
     method : MeshToImage
     resolution : "low" or "high"
-    seconds : dict
-        Of each step, frame by frame.
-    pictures : list of (h, w, 3)
+    seconds : dict of list
+        Seconds of each step, frame by frame.
+    pictures : list of (h, w, 3) uint8
+        Pictures of all frames.
     memory : float
-        Peak resident memory, MB, of a process that draws with it.
+        Peak resident memory, MB, of a process that makes a picture.
     """
 
     name: str
@@ -49,12 +50,12 @@ class Contender:
 
     @property
     def title(self) -> str:
-        """For people."""
+        """Title for people, with the resolution."""
         return f"{title_of(self.name)}, {self.resolution} resolution"
 
     @property
     def is_optical(self) -> bool:
-        """Whether it draws height maps: then the mesh may have any resolution."""
+        """Whether the method draws height maps, so that the mesh may have any resolution."""
         return isinstance(self.method, OpticalMethod) or hasattr(self.method, "for_sensor")
 
     def of_unit(self, sensor: str, simulated: Simulated) -> Any:
@@ -64,69 +65,83 @@ class Contender:
         return replace(method, surface=simulated[self.resolution].surface) if is_optical else method
 
     def drawing_seconds(self) -> float:
-        """Median over frames of all steps together."""
+        """Median over frames of the seconds of all steps together."""
         return float(np.median(np.sum(list(self.seconds.values()), axis=0)))
 
 
-def contenders(methods: Mapping[str, Any]) -> list[Contender]:
-    """Methods that draw height maps at both resolutions, networks at that of their meshes, the low one."""
-    found = []
+def timed_methods(methods: Mapping[str, Any]) -> list[TimedMethod]:
+    """Methods to be timed: those that draw height maps at both resolutions, networks at the low one of their meshes."""
+    timed = []
     for name, method in methods.items():
-        found.append(Contender(name, method, "low"))
-        if found[-1].is_optical:
-            found.append(Contender(name, method, "high"))
-    return found
+        timed.append(TimedMethod(name, method, "low"))
+        if timed[-1].is_optical:
+            timed.append(TimedMethod(name, method, "high"))
+    return timed
 
 
-def race(
-    runners: Sequence[Contender],
+def time_methods(
+    timed: Sequence[TimedMethod],
     simulated: Simulated,
     frames: Sequence[tuple[int, str]],
     backgrounds: Mapping[str, PictureArray],
     tell: Progress | None = None,
 ) -> None:
-    """Each contender draws each frame, taking turns, so that whatever else the machine does falls on all alike.
+    """Let each method make a picture of each frame, in turn, so that other load on the machine affects all alike.
 
     Parameters
     ----------
-    runners : sequence of Contender
-        Seconds and pictures are written into them.
+    timed : sequence of TimedMethod
+        Methods; their seconds and pictures are filled in.
     simulated : dict
-        By resolution.
+        Simulated frames by resolution.
     frames : sequence of (number, sensor)
-        Number of a simulated frame, and the unit whose picture is drawn.
-    backgrounds : dict, sensor -> (h, w, 3) uint8
+        Number of a simulated frame, and the sensor whose picture is made.
+    backgrounds : dict of (h, w, 3) uint8
+        Background of each sensor.
     tell : callable, optional
+        Called with frames done, frames in all, and words.
     """
     ready: dict[tuple[int, str], Steps] = {}
     for turn, (number, sensor) in enumerate([*frames[:WARM_UP], *frames]):
         if tell is not None:
             tell(turn, len(frames) + WARM_UP, "pictures: each method in turn")
-        for place, one in enumerate(runners):
+        for place, method in enumerate(timed):
             if (place, sensor) not in ready:
-                ready[place, sensor] = steps_of(one.of_unit(sensor, simulated), backgrounds[sensor])
-            found: Any = simulated[one.resolution].displacements[number][None]
+                ready[place, sensor] = steps_of(method.of_unit(sensor, simulated), backgrounds[sensor])
+            result: Any = simulated[method.resolution].displacements[number][None]
             for name, step in ready[place, sensor]:
                 started = time.perf_counter()
-                found = step(found)
+                result = step(result)
                 if turn >= WARM_UP:
-                    one.seconds.setdefault(name, []).append(time.perf_counter() - started)
+                    method.seconds.setdefault(name, []).append(time.perf_counter() - started)
             if turn >= WARM_UP:
-                one.pictures.append(found[0])
+                method.pictures.append(result[0])
 
 
-def weigh(
-    runners: Sequence[Contender], simulated: Simulated, frame: tuple[int, str], backgrounds: Mapping[str, PictureArray]
+def measure_memory(
+    timed: Sequence[TimedMethod], simulated: Simulated, frame: tuple[int, str], backgrounds: Mapping[str, PictureArray]
 ) -> None:
-    """Each contender's memory while it draws a frame, (number, sensor) as in `race`, in a process of its own."""
+    """Measure each method's memory while it makes a picture, in a process of its own.
+
+    Parameters
+    ----------
+    timed : sequence of TimedMethod
+        Methods; their memory is filled in.
+    simulated : dict
+        Simulated frames by resolution.
+    frame : (number, sensor)
+        Number of a simulated frame, and the sensor whose picture is made.
+    backgrounds : dict of (h, w, 3) uint8
+        Background of each sensor.
+    """
     number, sensor = frame
-    for one in runners:
-        moved = simulated[one.resolution].displacements[number][None]
-        one.memory = peak_memory(_drawn, one.of_unit(sensor, simulated), moved, backgrounds[sensor])
+    for method in timed:
+        moved = simulated[method.resolution].displacements[number][None]
+        method.memory = peak_memory(_drawn, method.of_unit(sensor, simulated), moved, backgrounds[sensor])
 
 
 def steps_of(method: Any, background: PictureArray) -> Steps:
-    """What a method does with a displacement (1, k, 3), step by step; a method that does not tell has one step."""
+    """Named steps of a method for a displacement (1, k, 3); a method without ``steps`` has a single one."""
     if hasattr(method, "steps"):
         steps: Steps = method.steps(background)
         return steps
@@ -134,9 +149,9 @@ def steps_of(method: Any, background: PictureArray) -> Steps:
 
 
 def _drawn(method: Any, displacement: Any, background: Any) -> None:
-    """A picture, step by step, twice: what the first one allocates for good may not be all."""
+    """Make a picture step by step, twice: the first may not allocate all memory that stays allocated."""
     steps = steps_of(method, background)
     for _ in range(2):
-        found = displacement
+        result = displacement
         for _, step in steps:
-            found = step(found)
+            result = step(result)

@@ -1,4 +1,4 @@
-"""The tables of the paper: what each needs, and its rows."""
+"""The tables of the paper by name: what each one trains, and its rows."""
 
 from __future__ import annotations
 
@@ -28,18 +28,19 @@ from tactiledata.metrics.mesh_distance import MESH_DISTANCE
 
 Rows = list[dict[str, Any]]
 
+# rows of each table unless the recipe names others
 IMAGE_METHODS = ("no_contact", "end_to_end", "nosplit", "split")
 MESH_METHODS = ("at_rest", "nosplit", "split")
 FORCE_INPUTS = ("raw_mesh", "raw_image", "mesh", "image", "deformation", "projected_nosplit", "projected_split")
 
 
-def asked(recipe_run: RecipeRun, default: Sequence[str]) -> list[str]:
-    """The rows that a recipe names, or those of the paper."""
+def chosen_rows(recipe_run: RecipeRun, default: Sequence[str]) -> list[str]:
+    """Rows that a recipe names, or the paper's where it names none."""
     return list(recipe_run.recipe.rows["methods"] or default)
 
 
 def scores_of(recipe_run: RecipeRun, default: Sequence[str]) -> list[str]:
-    """The scores that a recipe names, or all."""
+    """Scores that a recipe names, or all where it names none."""
     return list(recipe_run.recipe.rows["scores"] or default)
 
 
@@ -51,7 +52,7 @@ def _scored(
     values_of: Callable[..., Any],
     metric: Metric,
 ) -> Rows:
-    """A part's row of each method: the scores of a metric that the recipe asks for, over trajectories."""
+    """A row for each method: the recipe's scores of a metric on a part, with intervals over trajectories."""
     names = scores_of(recipe_run, list(metric.scores))
     rows: Rows = []
     for done, (name, method) in enumerate(methods.items()):
@@ -66,12 +67,12 @@ def _scored(
 
 
 def prepare_images(recipe_run: RecipeRun) -> dict[str, Any]:
-    """The methods of the table of pictures, trained."""
-    return {name: mesh_to_image(recipe_run, name) for name in asked(recipe_run, IMAGE_METHODS)}
+    """Trained methods of the table of pictures, by name."""
+    return {name: mesh_to_image(recipe_run, name) for name in chosen_rows(recipe_run, IMAGE_METHODS)}
 
 
 def image_rows(recipe_run: RecipeRun) -> Rows:
-    """A row for each part and method: l1, MSE, SSIM, PSNR, full frame and inside the contact region."""
+    """A row for each part and method: l1, MSE, SSIM and PSNR, of the full frame and inside the contact region."""
     methods = prepare_images(recipe_run)
     rows: Rows = []
     for part, frames in parts(recipe_run):
@@ -84,21 +85,23 @@ def image_rows(recipe_run: RecipeRun) -> Rows:
 def side_by_side(
     methods: dict[str, Any], frames: TouchFrames, recorded: str = "recorded", count: int = 6
 ) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
-    """Return a row for each of some evenly spaced frames (recorded, then each method's), and all titles.
+    """Rows of pictures of evenly spaced frames, recorded and of each method; then titles of columns and of rows.
 
     Parameters
     ----------
-    methods : dict, name -> method, trained
+    methods : dict
+        Trained mesh-to-image methods by name.
     frames : TouchFrames
+        Frames of a part of the split.
     recorded : str
-        The title over the recorded pictures.
+        Title over the recorded pictures.
     count : int
-        Rows at most.
+        Largest number of rows.
     """
     shown, labels = [], []
     for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
         sensor, moved = frames.sensors[number], frames.displacements([int(number)])
-        made = [for_sensor(one, sensor).predict(moved, frames.background(sensor))[0] for one in methods.values()]
+        made = [for_sensor(method, sensor).predict(moved, frames.background(sensor))[0] for method in methods.values()]
         shown.append([frames.pictures([int(number)])[0], *made])
         labels.append(f"{frames.indenters[number]} on {sensor}")
     return shown, [recorded, *(title_of(name) for name in methods)], labels
@@ -108,12 +111,12 @@ def side_by_side(
 
 
 def prepare_meshes(recipe_run: RecipeRun) -> dict[str, Any]:
-    """The methods of the table of meshes, trained."""
-    return {name: image_to_mesh(recipe_run, name) for name in asked(recipe_run, MESH_METHODS)}
+    """Trained methods of the table of meshes, by name."""
+    return {name: image_to_mesh(recipe_run, name) for name in chosen_rows(recipe_run, MESH_METHODS)}
 
 
 def mesh_rows(recipe_run: RecipeRun) -> Rows:
-    """A row for each part and method: RMSE, l1, Euclidean distance, mm."""
+    """A row for each part and method: RMSE, l1 and Euclidean distance, mm."""
     methods = prepare_meshes(recipe_run)
     rows: Rows = []
     for part, frames in parts(recipe_run):
@@ -127,39 +130,48 @@ def mesh_rows(recipe_run: RecipeRun) -> Rows:
 
 
 def prepare_forces(recipe_run: RecipeRun) -> dict[str, list[Any]]:
-    """Networks of each input, one a seed."""
+    """Trained networks of each input, one for each seed.
+
+    Raises
+    ------
+    UsageError
+        The recipe has no wrench, or names an unknown input.
+    """
     if not recipe_run.recipe.data["wrench"]:
-        raise UsageError("a table of forces of data without a wrench", "`wrench: contact_wrench`", "Mend the recipe.")
-    found: dict[str, list[Any]] = {}
-    for name in asked(recipe_run, FORCE_INPUTS):
+        raise UsageError(
+            "a table of forces of data without a wrench", "`wrench: contact_wrench`", "Correct the recipe."
+        )
+    networks: dict[str, list[Any]] = {}
+    for name in chosen_rows(recipe_run, FORCE_INPUTS):
         if name not in FORCE_INPUTS:
             raise UsageError(f"the force table has no row {name!r}", f"of {', '.join(FORCE_INPUTS)}", "")
         if name == "raw_mesh":
-            found[name] = [recipe_run.raw_forces("mesh", seed) for seed in _seeds(recipe_run, "raw_seeds")]
+            networks[name] = [recipe_run.raw_forces("mesh", seed) for seed in _seeds(recipe_run, "raw_seeds")]
         elif name == "raw_image":
-            found[name] = [recipe_run.raw_forces("image", seed) for seed in _seeds(recipe_run, "raw_seeds")]
+            networks[name] = [recipe_run.raw_forces("image", seed) for seed in _seeds(recipe_run, "raw_seeds")]
         else:
-            found[name] = [recipe_run.force_head(name, seed) for seed in _seeds(recipe_run, "head_seeds")]
-    return found
+            networks[name] = [recipe_run.force_head(name, seed) for seed in _seeds(recipe_run, "head_seeds")]
+    return networks
 
 
 def force_rows(recipe_run: RecipeRun) -> Rows:
-    """A row for each part and input: MAE of fx, fy, fz and of the norm, N; mean and standard deviation over seeds.
+    """A row for each part and input: MAE of fx, fy, fz and of the norm, N, as mean and standard deviation over seeds.
 
-    Below them, how often intervals of each input's heads together, calibrated on the validation part, hold the truth.
+    Further rows say how often intervals hold the truth; they use all heads of an input and are calibrated on the
+    validation part.
     """
     heads = prepare_forces(recipe_run)
     known, rows = recipe_run.frames("val"), []
     calibration = (_forces_of_all(recipe_run, "val", heads), known.forces(), known.trajectories)
     held: Rows = []
     for part, frames in parts(recipe_run):
-        true, found = frames.forces(), _forces_of_all(recipe_run, part, heads)
-        held += interval_rows(part, heads, found, true, frames.trajectories, calibration)
-        for name, forces in found.items():
+        true, predicted = frames.forces(), _forces_of_all(recipe_run, part, heads)
+        held += interval_rows(part, heads, predicted, true, frames.trajectories, calibration)
+        for name, forces in predicted.items():
             means: dict[str, list[float]] = {score: [] for score in FORCE_ERROR.scores}
-            for one in forces:
+            for of_seed in forces:
                 for score in means:
-                    means[score].append(float(FORCE_ERROR.scores[score](one, true).mean()))
+                    means[score].append(float(FORCE_ERROR.scores[score](of_seed, true).mean()))
             summary = {
                 score: {
                     "value": float(np.mean(values)),
@@ -175,7 +187,7 @@ def force_rows(recipe_run: RecipeRun) -> Rows:
 
 
 def _forces_of_all(recipe_run: RecipeRun, part: str, heads: dict[str, list[Any]]) -> dict[str, np.ndarray]:
-    """Forces (h, n, 3), N, of each input's networks."""
+    """Forces (h, n, 3), N, of a part's frames from each network, by input."""
     return {
         name: np.stack([_forces_of(recipe_run, part, name, network) for network in networks])
         for name, networks in heads.items()
@@ -183,11 +195,13 @@ def _forces_of_all(recipe_run: RecipeRun, part: str, heads: dict[str, list[Any]]
 
 
 def _seeds(recipe_run: RecipeRun, which: str) -> range:
+    """Seeds of an input's networks, from the recipe's own seed upwards."""
     first = recipe_run.recipe.seed
     return range(first, first + recipe_run.recipe.rows[which])
 
 
 def _forces_of(recipe_run: RecipeRun, part: str, name: str, network: Any) -> np.ndarray:
+    """Forces (n, 3), N, of a part's frames from one network."""
     frames = recipe_run.frames(part)
     if not name.startswith("raw_"):
         return predicted_forces(network, recipe_run.latents(part, name))
@@ -197,18 +211,18 @@ def _forces_of(recipe_run: RecipeRun, part: str, name: str, network: Any) -> np.
 
     pieces = []
     for start in range(0, len(frames), 64):
-        some = range(start, min(start + 64, len(frames)))
+        numbers = range(start, min(start + 64, len(frames)))
         given = (
-            torch.from_numpy(frames.displacements(some))
+            torch.from_numpy(frames.displacements(numbers))
             if name == "raw_mesh"
-            else as_input(torch.from_numpy(frames.pictures(some)))
+            else as_input(torch.from_numpy(frames.pictures(numbers)))
         )
         pieces.append(predicted_forces(network, given))
     return np.concatenate(pieces)
 
 
 def parts(recipe_run: RecipeRun) -> list[tuple[str, Any]]:
-    """Parts of the split that a recipe asks for, with their frames; one without frames is an error that says so."""
+    """The parts of the split that a recipe names, with their frames; a part without frames is refused."""
     return [(part, recipe_run.frames(part)) for part in recipe_run.recipe.rows["parts"]]
 
 
@@ -220,7 +234,7 @@ PREPARE: dict[str, Callable[[RecipeRun], Any]] = {
     "cyclic": prepare_cyclic,
     "domain_alignment": prepare_alignment,
 }
-"""What trains all that a table needs."""
+"""Functions that train all networks of a table."""
 
 ROWS: dict[str, Callable[[RecipeRun], Rows]] = {
     "digit_images": image_rows,
@@ -230,4 +244,4 @@ ROWS: dict[str, Callable[[RecipeRun], Rows]] = {
     "cyclic": cyclic_rows,
     "domain_alignment": alignment_rows,
 }
-"""What gives a table's rows."""
+"""Functions that give the rows of a table."""

@@ -1,8 +1,7 @@
-"""Transfer between sensors by features: their statistics exchanged for the target background's (AdaIN), then decoded.
+"""Transfer between sensors in feature space: AdaIN with the target background's statistics, then decoding.
 
-The features are those that the encoder ends with, a plane of 4 x 3 places: the only ones that the decoder knows a way
-back from. That way leads through the latent vector, a bottleneck that the source of AdaIN, whose decoder takes features
-as they are, has not.
+The features are the last ones of the encoder, a plane of 4 x 3 positions, because the decoder starts from no others. It
+starts from the latent vector, which is a bottleneck; the decoder of AdaIN's source takes the features themselves.
 """
 
 from __future__ import annotations
@@ -24,17 +23,18 @@ from tactiledata.arrays import PictureArray
 
 @dataclass(frozen=True)
 class AdainTransfer:
-    """AdaIN in an image VAE's feature space, picture by picture; the source background plays no part in it.
+    """AdaIN in an image VAE's feature space, picture by picture; the source background is not used.
 
     Parameters
     ----------
     name : str
+        Name of the method.
     vae : ImageVae
         Pictures are scaled to its size, and back to the target background's.
     model, recipe : str
         SHA-256 of the checkpoint's file, and of the recipe that it was trained by.
     scales : bool
-        Source and target may have pictures of different sizes.
+        Whether source and target may have pictures of different sizes.
 
     Source
     ------
@@ -55,7 +55,17 @@ class AdainTransfer:
     def transfer(
         self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
     ) -> PictureArray:
-        """The touches (n, H, W, 3) uint8 with the target background's statistics, in that background's size."""
+        """Pictures (n, H, W, 3) uint8 with the target background's statistics, in that background's size.
+
+        Parameters
+        ----------
+        images : (n, H, W, 3) uint8 RGB
+            Pictures of the source sensor.
+        source_background : (H, W, 3) uint8 RGB
+            Not used.
+        target_background : (H, W, 3) uint8 RGB
+            The target without contact.
+        """
         size = target_background.shape[:2]
         if not len(images):
             return np.zeros((0, *size, 3), np.uint8)
@@ -64,6 +74,7 @@ class AdainTransfer:
 
     @torch.no_grad()
     def _latent(self, images: PictureArray, target_background: PictureArray) -> Iterator[Tensor]:
+        """Yield latent vectors of the pictures' features with the target's style, some pictures at a time."""
         self.vae.eval()
         style = self._features(target_background[None])
         for start in range(0, len(images), CHUNK):
@@ -71,6 +82,7 @@ class AdainTransfer:
             yield self.vae.to_mean(adaptive_instance_norm(features, style).flatten(1)).cpu()
 
     def _features(self, pictures: PictureArray) -> Tensor:
+        """Encoder features (n, C, h, w) of pictures (n, H, W, 3)."""
         given = as_input(torch.from_numpy(scaled(pictures, self.vae.size)).to(self.vae.device))
         features: Tensor = self.vae.encoder(given)
         return features

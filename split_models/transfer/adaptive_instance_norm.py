@@ -1,4 +1,4 @@
-"""Features given another sensor's style: mean and spread of each channel exchanged (AdaIN)."""
+"""Adaptive instance normalisation (AdaIN): features take mean and spread of another sensor's, channel by channel."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ import torch
 from tactiledata.errors import UsageError
 
 LEAST_VARIANCE = 1e-5
-"""Added to variances before the root, as the source does: a channel that is constant stays finite."""
+"""Amount that is added to variances before the root, as in the source, so that constant channels stay finite."""
 
 
 def adaptive_instance_norm(content: torch.Tensor, style: torch.Tensor) -> torch.Tensor:
-    """Content with the style's mean and standard deviation over the plane, channel by channel.
+    """Content features with the style's mean and standard deviation over the plane, channel by channel.
 
     Parameters
     ----------
     content : (n, C, H, W)
         Features of touches.
     style : (n or 1, C, h, w)
-        Features of pictures that have the wanted style; the plane may have another size.
+        Features of pictures in the desired style; the plane may have another size.
 
     Returns
     -------
@@ -27,7 +27,7 @@ def adaptive_instance_norm(content: torch.Tensor, style: torch.Tensor) -> torch.
     Raises
     ------
     UsageError
-        Shapes that do not go together.
+        The shapes do not fit each other.
 
     Source
     ------
@@ -45,5 +45,6 @@ def adaptive_instance_norm(content: torch.Tensor, style: torch.Tensor) -> torch.
 
 
 def _statistics(features: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean and standard deviation (n, C, 1, 1) over the plane."""
     variance, mean = torch.var_mean(features, dim=(2, 3), keepdim=True, correction=0)
     return mean, (variance + LEAST_VARIANCE).sqrt()

@@ -1,4 +1,4 @@
-"""An image VAE that learns another kind of sensor: all that goes with it, mesh VAE and projections, stays as it is."""
+"""Fine-tuning of an image VAE on another sensor's pictures; mesh VAE and projections stay as they are."""
 
 from __future__ import annotations
 
@@ -25,22 +25,23 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
 
 AUGMENTATION = Augmentation(noise=0.02, contrast=0.05, brightness=0.05)
-"""Pictures are neither mirrored nor turned: their light is what is learned."""
+"""Random changes of pictures; none is mirrored or rotated, because their light is what is learned."""
 DIVERGENCE_WEIGHT = 0.001
+"""Weight of the divergence in the loss, as in the recipes."""
 BACKGROUND_COPIES = 16
-"""How often a sensor's picture without contact is among the items, as in the recipes."""
+"""Number of times that a sensor's picture without contact is among the items, as in the recipes."""
 
 
 @dataclass(frozen=True)
 class FineTuned:
-    """What came of it.
+    """Result of a fine-tuning.
 
     Parameters
     ----------
     checkpoint : Path
-        Of an image VAE, as `--model` takes it.
+        Checkpoint of the image VAE, as `--model` takes it.
     pictures : int
-        Learned from.
+        Number of pictures that were learned from.
     before, after : float
         Mean difference of the decoded validation pictures to the recorded ones, grey levels.
     """
@@ -52,7 +53,16 @@ class FineTuned:
 
 
 class SizedPictures:
-    """``image`` (n, h, w, 3), uint8: a part's pictures at a VAE's size, then its sensors' backgrounds."""
+    """Items ``image`` (n, h, w, 3), uint8: a part's pictures at a VAE's size, then backgrounds of its sensors.
+
+    Parameters
+    ----------
+    frames : TouchFrames
+    size : (height, width) px
+        Size of the VAE's pictures.
+    background_copies : int
+        How often each sensor's picture without contact is among the items.
+    """
 
     def __init__(self, frames: TouchFrames, size: tuple[int, int], background_copies: int = 0) -> None:
         self.frames, self.size = frames, size
@@ -60,24 +70,25 @@ class SizedPictures:
 
     @property
     def fingerprint(self) -> str:
-        """The same for the same pictures."""
+        """Digest of the frames, the size and the backgrounds."""
         return digest_of([self.frames.fingerprint, list(self.size), self._names])
 
     def __len__(self) -> int:
         return len(self.frames) + len(self._names)
 
     def batch(self, numbers: Sequence[int]) -> Batch:
-        """``image``."""
+        """Tensor ``image`` (n, h, w, 3), uint8, of items by their number."""
         pictures = np.concatenate([scaled(self._picture(number), self.size) for number in numbers])
         return {"image": torch.from_numpy(np.ascontiguousarray(pictures))}
 
     def where(self, number: int) -> str:
-        """Store and frame."""
+        """Store and frame of an item, or the sensor of a background."""
         if number < len(self.frames):
             return frame_of(self.frames, number)
         return f"the background of {self._names[number - len(self.frames)]}"
 
     def _picture(self, number: int) -> np.ndarray:
+        """Picture (1, H, W, 3) of an item in its own size."""
         if number < len(self.frames):
             return self.frames.pictures([number])
         return self.frames.background(self._names[number - len(self.frames)])[None]
@@ -92,32 +103,34 @@ def fine_tune(
     folder: Path,
     tell: Progress | None = None,
 ) -> FineTuned:
-    """The VAE trained further on another sensor's pictures; killed and called again it goes on.
+    """The result of training a VAE further on another sensor's pictures; a killed training is resumed by the same call.
 
     Parameters
     ----------
     vae : ImageVae
-        Learns in place.
+        The network, which is trained in place.
     parent : str
-        SHA-256 of the checkpoint that it is from.
+        SHA-256 of the checkpoint that it was read from.
     train_frames, validation : TouchFrames
-        At their own size; pictures that lie are turned upright for a VAE of upright ones.
+        Pictures in their own size; pictures in landscape format are rotated for a VAE of upright ones.
     options : TrainOptions
     folder : Path
-        Checkpoints and the curve go there.
+        Folder for checkpoints and the curve.
     tell : callable, optional
+        Called after each epoch with epochs done, epochs in all, and the losses in words.
 
     Raises
     ------
     CheckpointError
-        The folder holds a training of other pictures, options or parent.
+        The folder holds a training with other pictures, options or parent.
     """
     items = SizedPictures(train_frames, vae.size, BACKGROUND_COPIES)
     held = SizedPictures(validation, vae.size)
     before = reconstruction_error(vae, held)
     recipe = digest_of({"fine-tuned from": parent, "augmentation": vars(AUGMENTATION), "options": vars(options)})
     stamps = TrainedOn(recipe, train_frames.split_digest, digest_of([items.fingerprint, held.fingerprint]), "")
-    if vae.learned_from:  # of a parent that does not say, nobody knows all
+    # a parent without a list of its sensors stays without one: a partial list would seem complete
+    if vae.learned_from:
         vae.learned_from += kept_small(list(train_frames.backgrounds().items()))
     objective = ImageVaeObjective(vae, DIVERGENCE_WEIGHT, 0, AUGMENTATION)
     train(objective, items, held, options, folder, stamps, torch.device("cpu"), tell=tell)
@@ -125,6 +138,6 @@ def fine_tune(
 
 
 def reconstruction_error(vae: ImageVae, items: SizedPictures) -> float:
-    """Mean difference, grey levels, of what the VAE makes of pictures to these."""
+    """Mean difference, grey levels, between pictures and what the VAE encodes and decodes of them."""
     true = items.batch(range(len(items)))["image"].numpy()
     return float(IMAGE_SIMILARITY.scores["l1"](decode_pictures(vae, encode_pictures(vae, true)), true).mean())

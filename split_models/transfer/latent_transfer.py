@@ -19,27 +19,29 @@ from tactiledata.errors import CheckpointError
 
 Laid = Literal["", "change", "ratio"]
 LAID: dict[str, Laid] = {"latent": "", "latent_on_background": "change", "latent_ratio_on_background": "ratio"}
-"""What each method lays on the target's own background; empty: nothing, the picture is the decoder's."""
+"""How each method uses the target's recorded background; empty: not at all, the picture is the decoder's."""
 DARKEST = 8.0
-"""Grey levels of the decoded background below which a ratio counts as if it were so bright."""
+"""Least grey level in a ratio of light; darker pixels count as this level, because their ratio is mostly noise."""
 
 
 @dataclass(frozen=True)
 class LatentTransfer:
-    """The paper's transfer, by an image VAE.
+    """The paper's transfer by an image VAE.
 
     Parameters
     ----------
     name : str
+        Name of the method.
     vae : ImageVae
         Pictures are scaled to its size, and back to the target background's.
     laid : "", "change" or "ratio"
-        Of what is decoded only the change against the decoded background is taken, as a difference or as a ratio of
-        light, and laid on the target's own background: what the VAE smooths away of that stays.
+        How the decoded picture is combined with the target's recorded background. ``change`` adds its difference to the
+        decoded background, ``ratio`` multiplies by its ratio to it; both keep the details that decoding loses. Empty
+        gives the decoded picture itself.
     model, recipe : str
         SHA-256 of the checkpoint's file, and of the recipe that it was trained by.
     scales : bool
-        Source and target may have pictures of different sizes.
+        Whether source and target may have pictures of different sizes.
     """
 
     name: str
@@ -57,13 +59,21 @@ class LatentTransfer:
     def transfer(
         self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
     ) -> PictureArray:
-        """The touches (n, H, W, 3) uint8 as the target sensor might have seen them, in its background's size."""
+        """Pictures (n, H, W, 3) uint8 as the target sensor might have recorded them, in its background's size.
+
+        Parameters
+        ----------
+        images : (n, h, w, 3) uint8 RGB
+            Pictures of the source sensor.
+        source_background, target_background : (h, w, 3) and (H, W, 3) uint8 RGB
+            Source and target without contact.
+        """
         size = target_background.shape[:2]
         if not len(images):
             return np.zeros((0, *size, 3), np.uint8)
         source, target = (
-            encode_pictures(self.vae, scaled(one[None], self.vae.size))
-            for one in (source_background, target_background)
+            encode_pictures(self.vae, scaled(background[None], self.vae.size))
+            for background in (source_background, target_background)
         )
         touched = encode_pictures(self.vae, scaled(images, self.vae.size))
         drawn = scaled(decode_pictures(self.vae, add(subtract(touched, source), target)), size)
@@ -73,18 +83,31 @@ class LatentTransfer:
 
 
 def laid_on(background: PictureArray, drawn: PictureArray, untouched: PictureArray, laid: Laid) -> PictureArray:
-    """What tells drawn pictures (n, H, W, 3) from an untouched one (1, H, W, 3), laid on a background (H, W, 3)."""
+    """Pictures (n, H, W, 3), uint8: the touches of decoded pictures on a recorded background.
+
+    Parameters
+    ----------
+    background : (H, W, 3) uint8
+        Recorded background of the target.
+    drawn : (n, H, W, 3) uint8
+        Decoded pictures of touches.
+    untouched : (1, H, W, 3) uint8
+        Decoded background of the target.
+    laid : "change" or "ratio"
+        Whether the decoded pictures' difference to the decoded background is added, or their ratio multiplies.
+    """
     if laid == "change":
-        whole = background + (drawn.astype(np.float32) - untouched)
+        combined = background + (drawn.astype(np.float32) - untouched)
     else:
-        whole = background * (np.maximum(drawn, DARKEST) / np.maximum(untouched, DARKEST).astype(np.float32))
-    return np.clip(np.rint(whole), 0, 255).astype(np.uint8)
+        combined = background * (np.maximum(drawn, DARKEST) / np.maximum(untouched, DARKEST).astype(np.float32))
+    return np.clip(np.rint(combined), 0, 255).astype(np.uint8)
 
 
 def scaled(pictures: PictureArray, size: tuple[int, int]) -> PictureArray:
-    """Pictures (n, *size, 3): averaged where they shrink, interpolated where they grow; as they are where they fit.
+    """Pictures scaled to (n, *size, 3), averaged where they shrink and interpolated where they grow.
 
-    Where pictures lie and the size is upright they are turned a quarter, and back the other way round.
+    Pictures that already have the size are returned as they are. Landscape pictures are rotated by a quarter turn for
+    an upright size, and upright ones the other way for a landscape size.
     """
     if pictures.shape[1:3] == tuple(size):
         return pictures
@@ -94,16 +117,18 @@ def scaled(pictures: PictureArray, size: tuple[int, int]) -> PictureArray:
     if pictures.shape[1:3] == tuple(size):
         return pictures
     way = cv2.INTER_AREA if size[0] < pictures.shape[1] else cv2.INTER_LINEAR
-    return np.stack([np.asarray(cv2.resize(one, size[::-1], interpolation=way), np.uint8) for one in pictures])
+    return np.stack([np.asarray(cv2.resize(picture, size[::-1], interpolation=way), np.uint8) for picture in pictures])
 
 
 def load_image_vae(path: Path) -> tuple[ImageVae, str, str]:
-    """The image VAE in a checkpoint, and SHA-256 of the file and of the recipe that it was trained by.
+    """The image VAE in a checkpoint, the SHA-256 of its file, and that of the recipe that it was trained by.
 
     Raises
     ------
-    MissingFile, CheckpointError
-        No such file; not a checkpoint; one of another kind of network.
+    MissingFile
+        The file does not exist.
+    CheckpointError
+        The file is no checkpoint, or one of another kind of network.
     """
     checkpoint = load_checkpoint(path)
     network = checkpoint.network()

@@ -1,4 +1,4 @@
-"""Vectors of touches to compare sensors by: an image VAE's, or without a model the pictures themselves, small."""
+"""Vectors of pictures by which sensors are compared: an image VAE's latent vectors, or small pictures without one."""
 
 from __future__ import annotations
 
@@ -13,34 +13,36 @@ from tactiledata.arrays import PictureArray
 
 Vectors = dict[str, NDArray[np.float32]]
 SIZE = (20, 15)
-"""Rows and columns of a picture as a vector."""
+"""Rows and columns of a picture that becomes a vector."""
 
 
 def picture_vectors(pictures: PictureArray, background: PictureArray | None) -> Vectors:
-    """Pictures (n, H, W, 3) shrunk to 20 x 15, as vectors, and their difference to the background's.
+    """Vectors (n, 300) of pictures (n, H, W, 3) scaled to 20 x 15, and their differences to the background's vector.
 
-    The stand-in for latent vectors where there is no model: ``pixels`` for Z_image, ``pixels - background`` for
-    Z_deform.
+    They replace latent vectors where there is no model: ``pixels`` for Z_image, ``pixels - background`` for Z_deform.
     """
     small = _small(pictures)
-    found = {"pixels": small}
+    vectors = {"pixels": small}
     if background is not None:
-        found["pixels - background"] = small - _small(background[None])
-    return found
+        vectors["pixels - background"] = small - _small(background[None])
+    return vectors
 
 
 def _small(pictures: PictureArray) -> NDArray[np.float32]:
-    shrunk = [cv2.resize(one.astype(np.float32), SIZE[::-1], interpolation=cv2.INTER_AREA) for one in pictures]
+    """Vectors (n, 300) of pictures, scaled by area."""
+    shrunk = [cv2.resize(picture.astype(np.float32), SIZE[::-1], interpolation=cv2.INTER_AREA) for picture in pictures]
     return np.stack(shrunk).reshape(len(pictures), -1)
 
 
 def vectors_by_model(path: Path) -> Callable[[PictureArray, PictureArray | None], Vectors]:
-    """Z_image, and Z_deform where the sensor has a background, by the image VAE in a checkpoint.
+    """A function of pictures and background that gives Z_image, and with a background Z_deform, by an image VAE.
 
     Raises
     ------
-    MissingFile, CheckpointError
-        No such file; not an image VAE's.
+    MissingFile
+        The file does not exist.
+    CheckpointError
+        The file holds no image VAE.
     """
     from split_models.networks.latent import encode_pictures, subtract
     from split_models.transfer.latent_transfer import load_image_vae, scaled
@@ -49,10 +51,10 @@ def vectors_by_model(path: Path) -> Callable[[PictureArray, PictureArray | None]
 
     def encode(pictures: PictureArray, background: PictureArray | None) -> Vectors:
         image = encode_pictures(vae, scaled(pictures, vae.size))
-        found = {"Z_image": image.numpy()}
+        vectors = {"Z_image": image.numpy()}
         if background is not None:
             base = encode_pictures(vae, scaled(background[None], vae.size))
-            found["Z_deform"] = subtract(image, base).numpy()
-        return found
+            vectors["Z_deform"] = subtract(image, base).numpy()
+        return vectors
 
     return encode

@@ -1,4 +1,4 @@
-"""Ways to transfer pictures between sensors, by name: by pixels, or by a model's latent vectors."""
+"""Transfer methods by name: by pixels, or by an image VAE."""
 
 from __future__ import annotations
 
@@ -18,42 +18,52 @@ LATENT = {
     "latent_ratio_on_background": "latent arithmetic, its ratio on the target background",
     "adain": "AdaIN in the VAE's feature space",
 }
-"""Methods that need a model, with titles for people."""
+"""Methods that need an image VAE, with titles for people."""
 BUNDLED_MODEL = Path(__file__).parents[1] / "weights" / "image_vae.ckpt"
-"""The model that is taken where none is named."""
+"""Checkpoint of the image VAE that is used unless another is named."""
 
 
 class TransferMethod(Protocol):
-    """What a store is transferred by."""
+    """A method that transfers pictures of one sensor to the style of another."""
 
     @property
     def name(self) -> str:
-        """As on the command line."""
+        """Name of the method, as on the command line."""
 
     def transfer(
         self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
     ) -> PictureArray:
-        """Pictures (n, H, W, 3) uint8 of a source sensor, as the target might have seen them."""
+        """Pictures (n, H, W, 3) uint8 as the target sensor might have recorded them.
+
+        Parameters
+        ----------
+        images : (n, H, W, 3) uint8 RGB
+            Pictures of the source sensor.
+        source_background, target_background : (H, W, 3) uint8 RGB
+            Source and target without contact.
+        """
 
 
 def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
-    """The method of a name; ``-`` is as good as ``_``.
+    """The transfer method of a name, in which ``-`` and ``_`` are equivalent.
 
     Parameters
     ----------
     name : str
-        One of `LATENT`, or one of the table of pixel transfers.
+        A name in `LATENT` or in `PIXEL_TRANSFERS`.
     model : Path, optional
-        Checkpoint of an image VAE; the bundled one by default.
+        Checkpoint of an image VAE; the bundled one unless given.
 
     Raises
     ------
     UnknownName
-        No such method.
-    UsageError, MissingFile
-        A model for a method that takes none; a model that is not there.
+        There is no such method.
+    UsageError
+        A model is given for a method that takes none.
+    MissingFile
+        The model does not exist.
     CheckpointError
-        A file that is no image VAE.
+        The file holds no image VAE.
     """
     key = name.replace("-", "_")
     if key not in LATENT:
@@ -68,12 +78,12 @@ def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
 
 
 def model_file(model: Path | None, wanted_by: str) -> Path:
-    """The checkpoint of a name, or the bundled one.
+    """The checkpoint that was given, or the bundled one; ``wanted_by`` names the command in the message.
 
     Raises
     ------
     MissingFile
-        None was named, and none is bundled.
+        None was given, and none is bundled.
     """
     if model is None and not BUNDLED_MODEL.is_file():
         raise MissingFile(
@@ -86,11 +96,12 @@ def model_file(model: Path | None, wanted_by: str) -> Path:
 
 
 def vae_transfer(name: str, vae: ImageVae, model: str = "", recipe: str = "") -> TransferMethod:
-    """A method of `LATENT` by an image VAE that is at hand.
+    """A method of `LATENT` that uses an image VAE in memory.
 
     Parameters
     ----------
     name : str
+        A name in `LATENT`.
     vae : ImageVae
     model, recipe : str
         SHA-256 of the checkpoint's file and of the recipe that it was trained by, where they are known.
@@ -104,5 +115,5 @@ def vae_transfer(name: str, vae: ImageVae, model: str = "", recipe: str = "") ->
 
 
 def title_of(name: str) -> str:
-    """A method's name for people."""
+    """Title of a transfer method for people."""
     return LATENT.get(name) or str(PIXEL_TRANSFERS[name].title)

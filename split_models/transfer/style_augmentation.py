@@ -1,4 +1,4 @@
-"""Transfer as augmentation: some of a batch's pictures moved onto other sensors' styles, while a network learns."""
+"""Transfer as augmentation: some pictures of a training batch get the style of other sensors."""
 
 from __future__ import annotations
 
@@ -17,37 +17,40 @@ from tactiledata.splits.manifest import read_split
 from tactiledata.store.read.targets import find_target
 
 OWN = ""
-"""Under ``style``, of pictures that stay as they are."""
+"""Value under ``style`` of pictures that are not transferred."""
 DEFAULT_METHOD = "background_ratio"
+"""Name of the transfer method that is used unless another is given."""
 
 
 class StyleAugmentation:
-    """Batch -> batch, with a share of its pictures as other sensors might have taken them.
+    """A function of batches that transfers a share of their pictures to other sensors.
 
-    Which pictures, and onto whose background, depends on the seed, the epoch and the frame alone: not on the order of
-    frames, nor on workers. Under ``style`` the batch says onto whose; ``sensor`` stays whose touch it is.
+    Seed, epoch and frame alone decide which pictures are transferred, and to which sensor; neither the order of frames
+    nor the number of workers matters. ``style`` of the batch names the target of each picture; ``sensor`` stays the
+    source.
 
     Parameters
     ----------
     dataset : TactileDataset
-        Of the train part, in frame mode, pictures not normalised.
+        Dataset of the train part, in frame mode, whose pictures are not normalised.
     targets : sequence of str
-        As `tactiledata transfer --to` takes them: sensors of the store, bundled backgrounds.
+        Sensors of the store or bundled backgrounds, as `tactiledata transfer --to` takes them.
     method : TransferMethod, optional
-        The ratio of backgrounds unless stated; see `transfer_method`.
+        Transfer method; the ratio of backgrounds unless given.
     share : float
-        Of the pictures, those that are moved.
+        Share of the pictures that is transferred.
     seed : int
+        Seed of the choices.
 
     Raises
     ------
     UsageError
-        A target that is held out of the train part, or of another size than the pictures; a dataset of another part,
-        of trajectories, or without plain pictures; a share beyond [0, 1].
+        A target is held out of the train part, or has another size than the pictures; the dataset is of another part,
+        of trajectories, or without plain pictures; the share is beyond [0, 1].
     UnknownName
-        A target that does not exist.
+        A target does not exist.
     StoreError
-        A sensor of the dataset without a picture without contact.
+        A sensor of the dataset has no picture without contact.
     """
 
     def __init__(
@@ -81,7 +84,7 @@ class StyleAugmentation:
             refuse_held_out(name, picture, store, known, "Leave it out of the targets.")
 
     def __call__(self, batch: Item, epoch: int = 0) -> Item:
-        """The batch with new pictures, (n, 3, H, W) of the type they had; the one that was given stays as it is."""
+        """The batch with new pictures (n, 3, H, W) of the same type, and ``style``; the given batch is not changed."""
         pictures = batch[self.camera].clone()
         styles = [self._drawn(int(frame), epoch) for frame in batch["frame"]]
         groups: dict[tuple[str, str], list[int]] = {}
@@ -94,27 +97,28 @@ class StyleAugmentation:
         return {**batch, self.camera: pictures, "style": styles}
 
     def _drawn(self, frame: int, epoch: int) -> str:
+        """Target of a frame in an epoch, or `OWN`."""
         rng = np.random.default_rng([self.seed, epoch, frame])
         return list(self._targets)[rng.integers(len(self._targets))] if rng.random() < self.share else OWN
 
 
 def _camera(arrays: TactileArrays) -> str:
-    """The dataset's stream of pictures, which must be plain."""
+    """Name of the dataset's stream of pictures; datasets of trajectories and of normalised pictures are refused."""
     cameras = [stream.name for stream in arrays.streams if stream.kind == "image"]
     if arrays.unit != "frame" or not cameras or cameras[0] in arrays.normalisers:
-        found = "trajectories" if arrays.unit != "frame" else "normalised pictures" if cameras else "no pictures"
+        content = "trajectories" if arrays.unit != "frame" else "normalised pictures" if cameras else "no pictures"
         raise UsageError(
-            f"a dataset of {found}", "frames with pictures that are not normalised", "Normalise them after it."
+            f"a dataset of {content}", "frames with pictures that are not normalised", "Normalise them after it."
         )
     return cameras[0]
 
 
 def _train_sensors(arrays: TactileArrays) -> set[str]:
-    """Sensors with a trajectory in the train part of the dataset's split."""
+    """Sensors with a trajectory in the train part of the dataset's split; a dataset of another part is refused."""
     split, _, part = arrays.report.split.partition("/")
     if part != "train":
         raise UsageError(
-            f"augmentation of {arrays.report.split}", "a train part: what is tested on stays as it was recorded", ""
+            f"augmentation of {arrays.report.split}", "a train part; test pictures stay as they were recorded", ""
         )
     trained = read_split(arrays.store, split).table
     uids = {row["uid"] for row in trained.to_pylist() if row["partition"] == "train"}
@@ -124,10 +128,12 @@ def _train_sensors(arrays: TactileArrays) -> set[str]:
 
 
 def _as_bytes(pictures: torch.Tensor) -> NDArray[np.uint8]:
+    """Pictures (n, H, W, 3), uint8, from a tensor (n, 3, H, W) of uint8 or of floats in [0, 1]."""
     last = pictures.movedim(1, -1)
     return np.ascontiguousarray((last if last.dtype == torch.uint8 else (last * 255).round().byte()).numpy())
 
 
 def _as_tensor(pictures: NDArray[np.uint8], dtype: torch.dtype) -> torch.Tensor:
+    """A tensor (n, 3, H, W) of a type, floats in [0, 1], from pictures (n, H, W, 3), uint8."""
     first = torch.from_numpy(pictures).movedim(-1, 1)
     return first if dtype == torch.uint8 else first.to(dtype) / 255

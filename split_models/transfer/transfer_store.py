@@ -1,4 +1,4 @@
-"""A whole store as another sensor might have recorded it: a store of its own, whose trajectories name their parents."""
+"""Transfer of a whole store: a new store as the target might have recorded it, whose trajectories name parents."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from tactiledata.store.write.writer import StagedTake, find_staged
 
 @dataclass(frozen=True)
 class TransferReport:
-    """What came of a transfer.
+    """Report of a store's transfer.
 
     Parameters
     ----------
@@ -40,17 +40,19 @@ class TransferReport:
         The store that was written.
     target : Target
     method : str
+        Name of the method.
     sensors : tuple of str
-        Whose frames were transferred.
+        Sensors whose frames were transferred.
     recordings, frames : int
-        That the store holds now.
+        Recordings and frames that the store holds now.
     added : int
-        Recordings that this call added; the others were there.
+        Recordings that this call added; the others were there before.
     left_out : int
         Frames of the source store that were not transferred: other cameras, no whole image, in no trajectory.
     notes : tuple of str
+        Remarks for the user.
     findings : tuple of Finding
-        Where the target is no unseen sensor.
+        Warnings where the target is a sensor of the source store, or one that the model was trained on.
     """
 
     out: str
@@ -65,7 +67,7 @@ class TransferReport:
     findings: tuple[Finding, ...] = ()
 
     def document(self) -> dict[str, Any]:
-        """The report as JSON."""
+        """The report as JSON values."""
         facts = {name: value for name, value in vars(self).items() if name not in ("target", "findings")}
         target = {name: value for name, value in vars(self.target).items() if name != "background"}
         return {**facts, "target": target, "findings": [vars(finding) for finding in self.findings]}
@@ -79,31 +81,35 @@ def transfer_store(
     sensors: Sequence[str] | None = None,
     progress: Progress | None = None,
 ) -> TransferReport:
-    """A store with every touch of a store as the target sensor might have seen it.
+    """Write a store with every touch of a store as the target sensor might have recorded it, and report on it.
 
-    Signals, forces and times are the parents'; pictures are new, lossless; meshes stay with the parents. Each
+    Signals, forces and times are the parents'. Pictures are new and lossless, and meshes stay with the parents. Each
     trajectory names its parent, so that `split` and `audit` keep the family together once both stores are merged.
-    Killed and called again, it goes on with the first recording that is not finished and ends with the same bytes.
-    Memory: the source's tables, one recording's numbers, and 64 pictures.
+    A call that was killed and is repeated resumes at the first unfinished recording and ends with the same bytes.
+    Memory holds the source's tables, one recording's numbers, and 64 pictures.
 
     Parameters
     ----------
     store : Store
+        The source store.
     target : Target
+        The sensor whose style is given.
     method : TransferMethod
     out : Path
-        A store that is made, or that an earlier call with the same settings made.
+        A new store, or one that an earlier call with the same settings made.
     sensors : list of str, optional
-        Whose frames; all that have a picture without contact by default.
+        Sensors whose frames are transferred; all with frames unless given.
     progress : callable, optional
-        Called with how many recordings are done, how many there are, and the name of the last one.
+        Called with recordings done, recordings in all, and the name of the last one.
 
     Raises
     ------
-    UnknownName, UsageError
-        A sensor that the store does not know; backgrounds whose sizes differ; another store in ``out``.
+    UnknownName
+        The store does not know a sensor.
+    UsageError
+        Backgrounds have different sizes, or ``out`` holds another store.
     StoreError
-        A sensor without a picture without contact; nothing to transfer.
+        A sensor has no picture without contact, or no frame can be transferred.
     """
     _refuse_itself(store, out)
     backgrounds = _backgrounds(store, target, method, sensors)
@@ -117,6 +123,7 @@ def transfer_store(
             f"whole images of {', '.join(sorted(backgrounds))} in trajectories",
             "`tactiledata info` shows what the store holds.",
         )
+    # resume an earlier call's store, or make a new one
     if (out / MANIFEST).exists():
         _refuse_other_transfer(out, transfer, chosen)
     else:
@@ -141,7 +148,7 @@ def transfer_store(
 
 
 def _write(out: Path, pieces: Sequence[Piece], transfer: Transfer, progress: Progress | None) -> int:
-    """How many recordings were added."""
+    """Stage and commit the recordings that the output store lacks; the number that was added."""
     held = set(Store.open(out).manifest["sources"])
     waiting = find_staged(out)
     fresh = [piece for piece in pieces if transfer.digest(piece) not in held]
@@ -159,7 +166,7 @@ def _write(out: Path, pieces: Sequence[Piece], transfer: Transfer, progress: Pro
 
 
 def _settings(target: Target, method: TransferMethod) -> dict[str, Any]:
-    """What shapes the output, beside the sources and their backgrounds."""
+    """Values that shape the output, beside the recordings and their backgrounds."""
     return {
         "method": method.name,
         "model": getattr(method, "model", ""),
@@ -173,7 +180,7 @@ def _settings(target: Target, method: TransferMethod) -> dict[str, Any]:
 def _backgrounds(
     store: Store, target: Target, method: TransferMethod, sensors: Sequence[str] | None
 ) -> dict[str, NDArray[np.uint8]]:
-    """The pictures without contact of the sensors whose frames are transferred."""
+    """Picture without contact of each sensor whose frames are transferred; sensors without one are refused."""
     if target.model == "digit":
         refuse_swapped_channels(target.background, f"the background of {target.name}")
     facts = store.sensors()
@@ -189,24 +196,26 @@ def _backgrounds(
             "a background for every sensor that is transferred",
             f"`tactiledata sensors add {lacking[0]} --background FILE...`, or name others with --from.",
         )
-    found = {name: store.reference(name).image for name in named}
+    images = {name: store.reference(name).image for name in named}
     if not getattr(method, "scales", False):
-        _refuse_other_sizes(found, target)
-    return found
+        _refuse_other_sizes(images, target)
+    return images
 
 
 def _with_frames(store: Store, names: Sequence[str]) -> list[str]:
+    """The sensors among the names that have a trajectory in the store."""
     there = set(store.trajectories(["sensor"])["sensor"].to_pylist())
     return [name for name in names if name in there]
 
 
 def _refuse_other_sizes(backgrounds: dict[str, NDArray[np.uint8]], target: Target) -> None:
-    wanted = target.background.shape
-    others = {name: image.shape for name, image in backgrounds.items() if image.shape != wanted}
+    """Refuse source backgrounds of another size than the target's."""
+    size = target.background.shape
+    others = {name: image.shape for name, image in backgrounds.items() if image.shape != size}
     if others:
         name, shape = next(iter(others.items()))
         raise UsageError(
-            f"the background of {target.name} is {wanted[0]} rows x {wanted[1]} columns, that of {name} "
+            f"the background of {target.name} is {size[0]} rows x {size[1]} columns, that of {name} "
             f"{shape[0]} x {shape[1]}",
             "backgrounds of one size",
             "Name a target of that size, or leave the sensor out with --from.",
@@ -214,24 +223,25 @@ def _refuse_other_sizes(backgrounds: dict[str, NDArray[np.uint8]], target: Targe
 
 
 def _refuse_itself(store: Store, out: Path) -> None:
+    """Refuse to write the transferred store over its source."""
     if Path(store.location).resolve() == out.resolve():
-        raise UsageError(f"{out} would be transferred into itself", "another store to write", "Name it with --out.")
+        raise UsageError(f"{out} would be transferred into itself", "another store to write to", "Name it with --out.")
 
 
 def _refuse_other_transfer(out: Path, transfer: Transfer, pieces: Sequence[Piece]) -> None:
-    """A store of an earlier call goes on only with that call's settings, and the same frames of what it holds."""
-    wanted, expected = digest_of(transfer.settings), {p.facts["sha256"]: transfer.digest(p) for p in pieces}
+    """Refuse an output store that holds recordings of other settings, sensors or backgrounds than this transfer's."""
+    settings_digest, expected = digest_of(transfer.settings), {p.facts["sha256"]: transfer.digest(p) for p in pieces}
     for row in Store.open(out).sources(["key", "sha256", "provenance"]).to_pylist():
         made = json.loads(row["provenance"])
         if made.get("step") != "transfer":
-            found = f"the recording {row['key']}"
-        elif made["settings_sha256"] != wanted:
+            content = f"the recording {row['key']}"
+        elif made["settings_sha256"] != settings_digest:
             before = made["settings"]
-            found = f"frames transferred to {before['target']} by {before['method']}, with other settings than now"
+            content = f"frames transferred to {before['target']} by {before['method']}, with other settings than now"
         elif expected.get(made["inputs"]["parent"], row["sha256"]) != row["sha256"]:
-            found = f"{row['key']}, with other source sensors or backgrounds than now"
+            content = f"{row['key']}, with other source sensors or backgrounds than now"
         else:
             continue
         raise UsageError(
-            f"{out} holds {found}", "a new store, or one of the same transfer", "Name another one with --out."
+            f"{out} holds {content}", "a new store, or one of the same transfer", "Name another one with --out."
         )

@@ -1,4 +1,4 @@
-"""One recording of a store as another sensor might have recorded it: new pictures, and whose children they are."""
+"""Transfer of one recording: new pictures, and trajectories that name their parents."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ from tactiledata.store.write.spool import Spool
 from tactiledata.store.write.writer import StagedTake, stage, staging_folder
 
 BATCH = 64
-"""Pictures in memory at once."""
+"""Largest number of pictures in memory at once."""
 PARENT = "parent_row"
-"""Frame values that say which row of the source store each frame was made of."""
+"""Name of the frame values that hold the row in the source store from which each frame was made."""
 
 
 @dataclass(frozen=True)
 class Transfer:
-    """What is done to every recording.
+    """The settings of a transfer, which are the same for every recording.
 
     Parameters
     ----------
     target : Target
     method : TransferMethod
-    backgrounds : dict, sensor -> (H, W, 3) uint8
-        Sensors whose frames are transferred.
+    backgrounds : dict of (H, W, 3) uint8
+        Background of each sensor whose frames are transferred.
     settings : dict
-        What shapes the output; JSON values.
+        Values that shape the output, as JSON values.
     """
 
     target: Target
@@ -53,7 +53,7 @@ class Transfer:
     settings: Mapping[str, Any]
 
     def digest(self, piece: Piece) -> str:
-        """Digest by which the output store knows what this makes of a recording."""
+        """Digest of a recording's transfer, by which the output store recognises it."""
         sensors = {
             name: crc_of(self.backgrounds[name])
             for name in sorted(set(piece.contents["sensors"]) & set(self.backgrounds))
@@ -61,10 +61,10 @@ class Transfer:
         return digest_of({"parent": piece.facts["sha256"], "sensors": sensors, **self.settings})
 
     def selected(self, piece: Piece) -> NDArray[np.int64]:
-        """Rows, in the source store, of the piece's frames that are transferred.
+        """Rows, in the source store, of the frames of a recording that are transferred.
 
-        Those of the chosen sensors that lie in a trajectory and have a whole picture: a frame outside every trajectory
-        could name no parent.
+        These are the frames of the chosen sensors that lie in a trajectory and have a whole picture. A frame outside
+        every trajectory could name no parent.
         """
         table = piece.origin.frames.slice(piece.first_frame, piece.facts["frames"])
         whole = (np.asarray(table["flags"]) & UNUSABLE) == 0
@@ -79,7 +79,18 @@ def crc_of(image: NDArray[np.uint8]) -> int:
 
 
 def stage_transfer(out: Path, piece: Piece, transfer: Transfer, largest_payload: int) -> StagedTake:
-    """A recording's transferred take, staged in the output store."""
+    """The transferred recording, staged in the output store.
+
+    Parameters
+    ----------
+    out : Path
+        The output store.
+    piece : Piece
+        The recording in the source store.
+    transfer : Transfer
+    largest_payload : int
+        Largest size in bytes of a chunk of pictures.
+    """
     sha256 = transfer.digest(piece)
     rows = transfer.selected(piece)
     with Spool(staging_folder(out, sha256), largest_payload) as spool:
@@ -89,13 +100,13 @@ def stage_transfer(out: Path, piece: Piece, transfer: Transfer, largest_payload:
 
 
 def _transferred(piece: Piece, transfer: Transfer, rows: NDArray[np.int64]) -> Iterator[Image]:
-    """The new pictures as PNG, in order; BATCH of them in memory, fewer where they are large (`image_batches`)."""
+    """Yield the new pictures as PNG in order; at most `BATCH` are in memory, fewer where they are large."""
     frames = piece.origin.frames.select(["camera", "sensor", "log_ns", "publish_ns", "header_ns"])
     height, width = (piece.origin.frames[side].to_numpy().astype(np.int64)[rows] for side in ("height", "width"))
     for start, stop in image_batches(height * width, BATCH):
-        some = rows[start:stop]
-        facts = frames.take(pa.array(some)).to_pylist()
-        pictures = _batch(transfer, [np.asarray(one) for one in piece.store.images(some)], facts, some)
+        chunk = rows[start:stop]
+        facts = frames.take(pa.array(chunk)).to_pylist()
+        pictures = _batch(transfer, [np.asarray(image) for image in piece.store.images(chunk)], facts, chunk)
         for picture, row in zip(pictures, facts, strict=True):
             content = cv2.imencode(".png", picture[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
             stamps = {name: row[name] for name in ("log_ns", "publish_ns", "header_ns")}
@@ -106,7 +117,7 @@ def _transferred(piece: Piece, transfer: Transfer, rows: NDArray[np.int64]) -> I
 def _batch(
     transfer: Transfer, images: list[NDArray[np.uint8]], facts: list[dict[str, Any]], rows: NDArray[np.int64]
 ) -> list[NDArray[np.uint8]]:
-    """New pictures of a batch, whose sensors may be several."""
+    """New pictures of a batch, whose frames may be of several sensors; frames and background must have one size."""
     changed: list[NDArray[np.uint8]] = list(images)
     sensors = [row["sensor"] for row in facts]
     for sensor in dict.fromkeys(sensors):
@@ -131,7 +142,7 @@ def _batch(
 
 
 def _take(piece: Piece, transfer: Transfer, rows: NDArray[np.int64], sha256: str, spooled: pa.Table) -> Take:
-    """The recording's take with other frames: signals as they are, trajectories as children of its own."""
+    """The transferred recording: signals unchanged, selected frames with new pictures, trajectories as children."""
     target = transfer.target
     local = rows - piece.first_frame
     whole = take_of(piece, pa.table({}), findings_table([]), {})
@@ -153,13 +164,20 @@ def _take(piece: Piece, transfer: Transfer, rows: NDArray[np.int64], sha256: str
         findings=findings_table([]),
         signals=whole.signals,
         aligned={
-            name: type(one)(one.values[local], one.gap_ns[local], one.columns, one.units, one.frame, one.method)
-            for name, one in whole.aligned.items()
+            name: type(signal)(
+                signal.values[local],
+                signal.gap_ns[local],
+                signal.columns,
+                signal.units,
+                signal.frame,
+                signal.method,
+            )
+            for name, signal in whole.aligned.items()
         },
         frame_values={
             **{
-                name: FrameValues(one.values[local], one.columns, one.units, one.note)
-                for name, one in whole.frame_values.items()
+                name: FrameValues(known.values[local], known.columns, known.units, known.note)
+                for name, known in whole.frame_values.items()
             },
             PARENT: parent_row,
         },
@@ -169,14 +187,14 @@ def _take(piece: Piece, transfer: Transfer, rows: NDArray[np.int64], sha256: str
 
 
 def _owners(piece: Piece, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Trajectory of the piece, by its local row, of each frame."""
+    """Row of each frame's trajectory within the recording."""
     return np.asarray(piece.origin.frames["trajectory"].take(pa.array(rows))) - piece.first_trajectory
 
 
 def _trajectories(
     table: pa.Table, transfer: Transfer, sha256: str, local: NDArray[np.int64], owner: NDArray[np.int64]
 ) -> tuple[pa.Table, NDArray[np.int64]]:
-    """The trajectories that keep frames, as children; and each one's new row, -1 for those that keep none."""
+    """Trajectories that keep frames, as children, and the new row of each old trajectory, -1 where it keeps none."""
     counts = np.bincount(owner, minlength=len(table))
     held = np.flatnonzero(counts)
     kept = np.full(len(table), -1, np.int64)
@@ -200,7 +218,7 @@ def _trajectories(
 def _frames(
     piece: Piece, transfer: Transfer, rows: NDArray[np.int64], kept: NDArray[np.int64], spooled: pa.Table
 ) -> pa.Table:
-    """The frames table: times, forces and flags of the parents, pictures of the spool."""
+    """Frames table of the transfer: times, forces and flags of the parents, pictures of the spool."""
     table = piece.origin.frames.take(pa.array(rows))
     n = len(rows)
     sensor = pa.DictionaryArray.from_arrays(pa.array(np.zeros(n, np.int32)), pa.array([transfer.target.name]))
@@ -216,6 +234,7 @@ def _frames(
 
 
 def _replaced(table: pa.Table, columns: Mapping[str, Any]) -> pa.Table:
+    """A table with columns replaced, each cast to the type that it had."""
     for name, values in columns.items():
         field = table.schema.field(name)
         column = values if isinstance(values, pa.Array | pa.ChunkedArray) else pa.array(values)
@@ -224,6 +243,6 @@ def _replaced(table: pa.Table, columns: Mapping[str, Any]) -> pa.Table:
 
 
 def _description(description: Mapping[str, Any], target: Target) -> dict[str, Any]:
-    """The recording's description, which knows the target sensor beside its own."""
+    """The recording's description with the target sensor added to its sensors."""
     sensors = {**description.get("sensors", {}), target.name: {"model": target.model}}
     return {**description, "sensors": sensors}

@@ -1,4 +1,4 @@
-"""One background exchanged for the other, pixel by pixel."""
+"""The source background is exchanged for the target's as a difference, pixel by pixel."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from tactiledata.arrays import SingleArray
 
 
 def swap(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
-    """Picture minus source background plus target background."""
+    """The picture minus the source background plus the target background.
+
+    Parameters
+    ----------
+    images : (n, H, W, 3) float32, grey levels
+        Pictures of the source sensor.
+    source_background, target_background : (H, W, 3) float32, grey levels
+        Source and target without contact.
+    """
     return images - source_background + target_background
 
 

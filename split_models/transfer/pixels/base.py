@@ -1,4 +1,4 @@
-"""What a transfer by pixels is: pictures of one sensor and two pictures without contact in, pictures of another out."""
+"""The base of pixel transfers: pictures of one sensor and two backgrounds in, pictures in the other's style out."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 
 LEVELS = 256
+"""Grey levels of a picture."""
 
 
 @dataclass(frozen=True)
 class PixelTransfer:
-    """One method.
+    """A transfer method that computes on pixels.
 
     Parameters
     ----------
     name : str
-        As on the command line and in tables.
+        Name on the command line and in tables.
     title : str
-        For people.
+        Title for people.
     source : str
-        Where the method is from.
+        Publication or idea that the method comes from.
     change : callable
-        ``change(images, source_background, target_background)``: float32 in and out, grey levels.
+        ``change(images, source_background, target_background)`` of float32 arrays, grey levels, that gives the new
+        pictures, not yet rounded.
     """
 
     name: str
@@ -38,14 +40,14 @@ class PixelTransfer:
     def transfer(
         self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
     ) -> PictureArray:
-        """The touches as the target sensor might have seen them.
+        """Pictures (n, H, W, 3), uint8, as the target sensor might have recorded them.
 
         Parameters
         ----------
         images : (n, H, W, 3) uint8 RGB
-            All of one sensor.
+            Pictures of the source sensor.
         source_background, target_background : (H, W, 3) uint8 RGB
-            That sensor and the target without contact.
+            Source and target without contact.
 
         Returns
         -------
@@ -54,22 +56,29 @@ class PixelTransfer:
         Raises
         ------
         UsageError
-            Other shapes or types, or sizes that differ.
+            Shapes, types or sizes differ from these.
         """
         check_pictures(images, source_background, target_background)
         if not len(images):
             return images.copy()
-        changed = self.change(*(one.astype(np.float32) for one in (images, source_background, target_background)))
+        changed = self.change(
+            *(picture.astype(np.float32) for picture in (images, source_background, target_background))
+        )
         return np.clip(np.rint(changed), 0, LEVELS - 1).astype(np.uint8)
 
 
 def check_pictures(images: PictureArray, source_background: PictureArray, target_background: PictureArray) -> None:
-    """Nothing, where pictures and both backgrounds are uint8 RGB of one size.
+    """Refuse pictures and backgrounds that are not uint8 RGB of one size.
+
+    Parameters
+    ----------
+    images : (n, H, W, 3) uint8 RGB
+    source_background, target_background : (H, W, 3) uint8 RGB
 
     Raises
     ------
     UsageError
-        They are not.
+        A shape, a type or a size differs.
     """
     if images.ndim != 4 or images.shape[3] != 3 or images.dtype != np.uint8:
         raise UsageError(f"pictures of shape {images.shape}, {images.dtype}", "(n, H, W, 3) uint8 RGB")

@@ -1,4 +1,4 @@
-"""The low frequencies' amplitude taken from the target background, all phases left as they are."""
+"""Fourier domain adaptation: low frequencies take the amplitude of the target background, and all phases are kept."""
 
 from __future__ import annotations
 
@@ -10,12 +10,23 @@ from split_models.transfer.pixels.base import PixelTransfer
 from tactiledata.arrays import SingleArray
 
 WINDOW = 0.01
-"""beta of the source: half the side of the square of exchanged frequencies, as a share of the picture's shorter side;
-the smallest of those that the source tries (0.01, 0.05, 0.09), as larger ones leave ringing."""
+"""Half the side of the square of exchanged frequencies, as a share of the picture's shorter side (beta of the source).
+
+It is the smallest that the source tries (0.01, 0.05, 0.09), because larger ones leave ringing."""
 
 
 def swap_amplitude(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
-    """Pictures with the target's amplitude where frequencies are low; the source background is not used."""
+    """Pictures with the target background's amplitude at low frequencies.
+
+    Parameters
+    ----------
+    images : (n, H, W, 3) float32, grey levels
+        Pictures of the source sensor.
+    source_background : (H, W, 3) float32
+        Not used.
+    target_background : (H, W, 3) float32, grey levels
+        The target without contact.
+    """
     goal = np.abs(fft.rfft2(target_background, axes=(0, 1)))
     spectrum = fft.rfft2(images, axes=(1, 2))
     rows, columns = low_frequencies(images.shape[1:3])
@@ -27,7 +38,7 @@ def swap_amplitude(images: SingleArray, source_background: SingleArray, target_b
 
 
 def low_frequencies(shape: tuple[int, int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Rows and columns of a half spectrum (H, W // 2 + 1) that are exchanged."""
+    """Rows and columns of a half spectrum (H, W // 2 + 1) whose amplitudes are exchanged; ``shape`` is (H, W)."""
     reach = max(1, int(np.floor(WINDOW * min(shape))))
     rows = np.unique(np.arange(-reach, reach + 1) % shape[0])
     return rows, np.arange(min(reach, shape[1] // 2) + 1)

@@ -1,4 +1,4 @@
-"""Grey levels mapped, channel by channel, so that the source background gets the target background's histogram."""
+"""Grey levels are mapped channel by channel, so that the source background takes the target background's histogram."""
 
 from __future__ import annotations
 
@@ -9,7 +9,15 @@ from tactiledata.arrays import SingleArray
 
 
 def match(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
-    """Each channel through the map that takes one background's histogram to the other's."""
+    """Pictures whose channels pass the maps that take the source background's histograms to the target background's.
+
+    Parameters
+    ----------
+    images : (n, H, W, 3) float32, grey levels
+        Pictures of the source sensor.
+    source_background, target_background : (H, W, 3) float32, grey levels
+        Source and target without contact.
+    """
     changed = np.empty_like(images)
     for channel in range(3):
         table = level_map(source_background[..., channel], target_background[..., channel])
@@ -18,20 +26,20 @@ def match(images: SingleArray, source_background: SingleArray, target_background
 
 
 def level_map(source: SingleArray, target: SingleArray) -> SingleArray:
-    """New level (256,) of each old one.
+    """New grey level (256,) of each old one, for one channel of the backgrounds (H, W).
 
-    The map comes from the two backgrounds, not from each picture: a touch is what is to be kept, and must not be
-    mistaken for style. Levels that the source background does not reach are moved as far as its nearest end, so that
+    The map comes from the two backgrounds and not from each picture, because a touch must be kept and not be mistaken
+    for style. Levels beyond the source background's range are shifted as far as the nearest end of that range, so that
     highlights and shadows of a touch keep their contrast.
     """
     levels, counts = np.unique(source.astype(np.intp), return_counts=True)
     goals, goal_counts = np.unique(target.astype(np.intp), return_counts=True)
     matched = np.interp(np.cumsum(counts) / source.size, np.cumsum(goal_counts) / target.size, goals)
-    every = np.arange(LEVELS)
-    table = np.interp(every, levels, matched)
-    low, high = every < levels[0], every > levels[-1]
-    table[low] = matched[0] + (every - levels[0])[low]
-    table[high] = matched[-1] + (every - levels[-1])[high]
+    all_levels = np.arange(LEVELS)
+    table = np.interp(all_levels, levels, matched)
+    low, high = all_levels < levels[0], all_levels > levels[-1]
+    table[low] = matched[0] + (all_levels - levels[0])[low]
+    table[high] = matched[-1] + (all_levels - levels[-1])[high]
     return table.astype(np.float32)
 
 

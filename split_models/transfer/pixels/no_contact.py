@@ -1,4 +1,4 @@
-"""The target's picture without contact, whatever the touch: what a score gives to someone who transfers nothing."""
+"""The target background for every touch: the score of transferring nothing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,17 @@ from tactiledata.arrays import SingleArray
 
 
 def target_alone(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
-    """The target background, once for each picture."""
+    """The target background, repeated for each picture.
+
+    Parameters
+    ----------
+    images : (n, H, W, 3) float32
+        Pictures of the source sensor, which give the number.
+    source_background : (H, W, 3) float32
+        Not used.
+    target_background : (H, W, 3) float32, grey levels
+        The target without contact.
+    """
     return np.broadcast_to(target_background, images.shape)
 
 

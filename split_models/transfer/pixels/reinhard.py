@@ -1,4 +1,4 @@
-"""Mean and spread of each axis of a perceptual colour space moved from those of one background to the other's."""
+"""Reinhard colour transfer: mean and spread of each CIELAB axis are moved from one background's to the other's."""
 
 from __future__ import annotations
 
@@ -9,11 +9,19 @@ from split_models.transfer.pixels.base import LEVELS, PixelTransfer
 from tactiledata.arrays import SingleArray
 
 LEAST_SPREAD = 1e-3
-"""Spread, in units of CIELAB, below which a background has none to scale by."""
+"""Least spread of an axis, in units of CIELAB, by which pictures are scaled; below it they are only shifted."""
 
 
 def transfer_colour(images: SingleArray, source_background: SingleArray, target_background: SingleArray) -> SingleArray:
-    """Pictures whose CIELAB axes are shifted and scaled as the two backgrounds say."""
+    """Pictures whose CIELAB axes are shifted and scaled from the source background's statistics to the target's.
+
+    Parameters
+    ----------
+    images : (n, H, W, 3) float32, grey levels
+        Pictures of the source sensor.
+    source_background, target_background : (H, W, 3) float32, grey levels
+        Source and target without contact.
+    """
     mean, spread = statistics(source_background)
     goal_mean, goal_spread = statistics(target_background)
     scale = np.where(spread > LEAST_SPREAD, goal_spread / np.maximum(spread, LEAST_SPREAD), 1.0).astype(np.float32)
@@ -27,10 +35,12 @@ def statistics(picture: SingleArray) -> tuple[SingleArray, SingleArray]:
 
 
 def _lab(picture: SingleArray) -> SingleArray:
+    """A picture (H, W, 3) in CIELAB, from grey levels."""
     return np.asarray(cv2.cvtColor(picture / np.float32(LEVELS - 1), cv2.COLOR_RGB2LAB))
 
 
 def _rgb(lab: SingleArray) -> SingleArray:
+    """A picture (H, W, 3) in grey levels, from CIELAB."""
     return np.asarray(cv2.cvtColor(lab.astype(np.float32), cv2.COLOR_LAB2RGB)) * np.float32(LEVELS - 1)
 
 

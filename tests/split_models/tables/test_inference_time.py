@@ -17,7 +17,7 @@ from split_models.networks.projection import Projection
 from split_models.tables.inference_time import cost_rows
 from split_models.tables.peak_memory import peak_memory
 from split_models.tables.simulated_frames import SimulatedFrames
-from split_models.tables.step_race import Contender, race, steps_of
+from split_models.tables.step_race import TimedMethod, steps_of, time_methods
 from tactiledata.cli.main import run
 from tactiledata.gel.mesh.structured_pad import PLANS, GridPlan
 from tactiledata.optics.surface import GelSurface
@@ -63,20 +63,20 @@ def test_a_race_is_over_the_same_frames():
             GelSurface(finer.places, finer.faces), 3000, [0.2], list(presses(finer, 4)), [(0, n) for n in range(4)], 2.0
         ),
     }
-    runners = [
-        Contender("taxim_published", taxim_published(SURFACE), "low"),
-        Contender("taxim_published", taxim_published(SURFACE), "high"),
-        Contender("no_contact", NoContact(), "low"),
+    timed = [
+        TimedMethod("taxim_published", taxim_published(SURFACE), "low"),
+        TimedMethod("taxim_published", taxim_published(SURFACE), "high"),
+        TimedMethod("no_contact", NoContact(), "low"),
     ]
-    race(runners, simulated, [(number, "D1") for number in (0, 2, 3)], {"D1": BACKGROUND})
-    assert [list(one.seconds) for one in runners] == [["height map", "optics"]] * 2 + [["picture"]]
-    assert all(len(one.pictures) == 3 for one in runners)
-    assert np.array_equal(runners[0].pictures[1], taxim_published(SURFACE).predict(moved[2:3], BACKGROUND)[0])
+    time_methods(timed, simulated, [(number, "D1") for number in (0, 2, 3)], {"D1": BACKGROUND})
+    assert [list(one.seconds) for one in timed] == [["height map", "optics"]] * 2 + [["picture"]]
+    assert all(len(one.pictures) == 3 for one in timed)
+    assert np.array_equal(timed[0].pictures[1], taxim_published(SURFACE).predict(moved[2:3], BACKGROUND)[0])
     on_finer = OpticalMethod(**{**vars(taxim_published(SURFACE)), "surface": simulated["high"].surface})
     assert np.array_equal(
-        runners[1].pictures[2], on_finer.predict(simulated["high"].displacements[3][None], BACKGROUND)[0]
+        timed[1].pictures[2], on_finer.predict(simulated["high"].displacements[3][None], BACKGROUND)[0]
     )
-    low, high, network = cost_rows(runners, simulated)
+    low, high, network = cost_rows(timed, simulated)
     assert (low["simulation"]["value"], high["simulation"]["value"]) == (0.02, 0.2)
     assert high["memory to simulate"]["value"] == 2.0
     for row, resolution in ((low, "low"), (high, "high")):
@@ -105,7 +105,7 @@ def test_the_table_from_a_store(touch_store, tmp_path, monkeypatch, capsys):
 
     code, printed, _ = command()
     assert code == 2
-    assert "another than the low-resolution pad" in printed
+    assert "which is not the low-resolution pad" in printed
     monkeypatch.setitem(PLANS, "low", PLAN)
     monkeypatch.setitem(PLANS, "high", FINER)
     code, printed, err = command()
