@@ -64,6 +64,7 @@ def test_each_event_has_its_own_zero_and_events_are_sorted():
         (0, 7, 0), (50, 1, -4), (100, -2, -3),
     ]  # fmt: skip
     assert contradicted == []
+    assert all(tare.zero.shape == tare.step.shape == (6,) for tare in tares)
 
 
 def test_rows_that_are_not_known_count_in_the_rows_of_events():
@@ -190,14 +191,34 @@ def events(wrong, right):
     return t_ns, load, at, [first + 600 * MS * number + 300 * MS for number in range(right)]
 
 
-@pytest.mark.parametrize(("wrong", "right", "kept"), [(2, 2, 1), (3, 2, 0), (3, 11, 1), (3, 10, 0)])
+@pytest.mark.parametrize(("wrong", "right", "kept"), [(2, 2, 1), (3, 2, 0), (3, 10, 0), (3, 11, 1), (3, 12, 1)])
 def test_a_list_that_is_wrong_often_is_believed_only_where_it_is_seen(wrong, right, kept):
     """From three wrong events, and more than a fifth, on: an event at a zero without a jump is then refused, too."""
     t_ns, load, at, jumps = events(wrong, right)
     quiet = jumps[-1] + 200 * MS
+    load[quiet // (10 * MS) :, 3] += 50  # a torque is no jump
     rows, contradicted = located(t_ns, load, [*at, *jumps, quiet])
     assert len(rows) == right + kept
     assert contradicted == [*at, *[quiet] * (not kept)]
+
+
+@pytest.mark.parametrize(("level", "is_seen"), [(1.03, False), (1.05, True)])
+def test_in_a_doubted_list_a_jump_is_larger_than_noise(level, is_seen):
+    """Six standard deviations of a norm; those before and after it are judged for themselves."""
+    t_ns, load = made([*[(4, 30)] * 4, (0, 30), (level, 30), (0, 30), (5, 30), (0, 30)])
+    wrong = [150 * MS, 450 * MS, 750 * MS]
+    rows, contradicted = located(t_ns, load, [*wrong, 1800 * MS, 2400 * MS], 0.1)
+    assert [row for row, _ in rows] == [180, 240][not is_seen :]
+    assert contradicted == [*wrong, *[1800 * MS] * (not is_seen)]
+
+
+def test_an_event_may_jump_between_the_first_two_samples():
+    """And where no sample is within reach of it, it is at the first one after it."""
+    t_ns, load = made([(5, 1), (0, 50)])
+    assert located(t_ns, load, [20 * MS])[0][0][0] == 1
+    t_ns, load = made([(5, 2), (0, 3)], 500 * MS)
+    assert located(t_ns, load, [750 * MS])[0][0][0] == 2
+    assert located(t_ns, load, [1250 * MS])[0][0][0] == 3
 
 
 def test_moments_within_a_day_are_near():

@@ -73,6 +73,18 @@ def test_a_middle_that_stands_elsewhere_is_left_out(row, count, seconds, is_alon
     assert codes(judged) == ["clock-jump"]
 
 
+@pytest.mark.parametrize("others", [OTHERS, []])
+@pytest.mark.parametrize(("first", "second"), [(60, 60), (60, -60), (5, 60), (60, 5), (5, 5), (-5, -60), (-60, -60)])
+def test_two_middles_that_stand_elsewhere_are_left_out(first, second, others):
+    """Each by itself, also where both stand together behind the end of the stream or before its start."""
+    rows = np.arange(6000)
+    t_ns = TRUE + np.where((rows >= 1000) & (rows < 1200), first * SECOND, 0)
+    t_ns += np.where((rows >= 3000) & (rows < 3300), second * SECOND, 0)
+    judged = judge_steps("wrench", t_ns, VALUES, others)
+    assert (judged.kept == (t_ns == TRUE)).all()
+    assert codes(judged) == ["clock-jump"]
+
+
 @pytest.mark.parametrize("lost", [0, 200, 500])
 def test_rows_that_come_late_beside_lost_ones_are_no_jump(lost):
     """Negative control: a stretch that was written late into its own hole, while others were lost behind it."""
