@@ -124,7 +124,7 @@ def told(located: LocatorResults) -> tuple[set[str], set[str]]:
         axes |= {_axis(one.shares) for one in certain}
         where |= {name for one in certain for name in (one.along, *one.alike, *one.alternatives)}
     if located.is_certain("departures from events on"):
-        departures = [one for one in located.departures if one.p <= LEVEL]
+        departures = [one for one in located.by_table["departures from events on"] if one.p <= LEVEL]
         axes |= {AXES[one.component] for one in departures}
         where |= {one.event for one in departures}
     if located.is_certain("events"):
@@ -132,7 +132,7 @@ def told(located: LocatorResults) -> tuple[set[str], set[str]]:
         axes |= {AXES[each.component] for _, each in clusters}
         where |= {event for event, _ in clusters}
     if located.is_certain("the tree"):
-        leaves = [one for one in located.leaves if one.p <= LEVEL]
+        leaves = [one for one in located.by_table["the tree"] if one.p <= LEVEL]
         axes |= {AXES[one.component] for one in leaves}
         words = " and ".join(one.conditions for one in leaves)
         where |= {name for name in _known(located) if name in words}

@@ -355,7 +355,7 @@ def test_a_common_factor_is_a_calibration(tmp_path):
     table = presses(3, 40)
     table["fz_observed_N"] *= 1.05
     _, explanation, document = diagnose_table(saved(tmp_path, table))
-    assert explanation.located.overall[0].parameter == "the scale of fz"
+    assert explanation.located.by_table["a common offset"][0].parameter == "the scale of fz"
     assert any("throughout" in sentence for sentence in document["sentences"])
 
 

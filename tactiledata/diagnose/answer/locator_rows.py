@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.diagnose.locate import LOCATORS
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.event_locked import EventLocked
 from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
@@ -63,18 +64,6 @@ def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, A
     if located.gate is not None:
         yield "size of the residual", [{"p": located.gate.p, "words": located.gate.words}]
     yield "free air", [{"p": located.free_air.p, "words": located.free_air.words}]
-    yield (
-        "a common offset",
-        [
-            {
-                "p": offset.p,
-                "words": offset.words,
-                "parameter": offset.parameter,
-                "change": change_document(offset.change),
-            }
-            for offset in located.overall
-        ],
-    )
     for locator, drifts in (("drifting parameters", located.drifts), ("trajectories' own parameters", located.own)):
         yield (
             locator,
@@ -97,13 +86,6 @@ def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, A
             if event.clusters
         ],
     )
-    yield (
-        "departures from events on",
-        [
-            {"p": effect.p, "words": effect.words, "event": effect.event, "component": effect.component}
-            for effect in located.departures
-        ],
-    )
     # a contrast is of a parameter or of a component
     parameters = {parameter.name for parameter in located.projection.residuals.parameters}
     yield (
@@ -118,15 +100,15 @@ def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, A
             for contrast in located.contrasts
         ],
     )
-    yield (
-        "steps",
-        [
-            {"p": step.p, "words": step.words, "parameter": step.parameter, "change": change_document(step.change)}
-            for step in located.steps
-        ],
-    )
     yield "the map", [{"p": region.p, "words": region.words, "parameter": region.parameter} for region in located.maps]
-    yield "the tree", [{"p": leaf.p, "words": leaf.words, "component": leaf.component} for leaf in located.leaves]
+    facts = {LOCATORS[name].title: LOCATORS[name].facts for name in LOCATORS}
+    for title, listed in located.by_table.items():
+        yield title, [{"p": finding.p, "words": finding.words, **_row(facts[title](finding))} for finding in listed]
+
+
+def _row(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a finding as JSON values."""
+    return {name: change_document(value) if isinstance(value, Change) else value for name, value in facts.items()}
 
 
 BINS = 7

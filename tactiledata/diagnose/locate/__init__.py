@@ -15,6 +15,26 @@ Read ``locate`` first: it runs every locator and corrects the p-values for their
 - any form: ``contrasts`` (components and parameters along all covariates, where the simulator's errors are known),
   ``tree`` (conditions grown on one half of the trajectories and tested on the other).
 
-``simulator_errors`` raises the p-value of findings that errors of the simulation could explain. The room imports
-``residuals`` only; it names no effect and writes no page.
+A new locator is one file with a `base.Locator`, and one line in the table below. ``simulator_errors`` raises the
+p-value of findings that errors of the simulation could explain. The room imports ``residuals`` only; it names no
+effect and writes no page.
+"""
+
+from __future__ import annotations
+
+from tactiledata.registry import Registry
+
+LOCATORS = Registry(
+    "locator",
+    {
+        "common_offset": "tactiledata.diagnose.locate.common_offset:LOCATOR",
+        "event_effects": "tactiledata.diagnose.locate.event_effects:LOCATOR",
+        "steps": "tactiledata.diagnose.locate.steps:LOCATOR",
+        "tree": "tactiledata.diagnose.locate.tree:LOCATOR",
+    },
+    group="tactiledata.locators",
+)
+"""Locators whose findings are said and listed, and on which nothing else rests.
+
+The others, whose findings pages draw or further tests need, are called by `locate.locate` itself.
 """

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tactiledata.diagnose.locate.base import Locator, LocatorInput
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import Contributions, along
@@ -78,3 +79,13 @@ def _alone(residuals: Residuals, place: int) -> Contributions:
         sensitivities=residuals.slopes[:, :, kept],
     )
     return along(project(others), residuals.slopes[:, :, place], np.ones((len(residuals.values), 1)))
+
+
+def _find(given: LocatorInput) -> tuple[Offset, ...] | None:
+    """The offsets of all shared parameters; ``None`` where they were fitted, or where there are none."""
+    return (None if given.is_fitted else offsets(given.residuals, given.seed + 1, given.draws)) or None
+
+
+LOCATOR = Locator(
+    "a common offset", _find, lambda offset: {"parameter": offset.parameter, "change": offset.change}, most_said=3
+)

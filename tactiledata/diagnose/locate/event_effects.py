@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.diagnose.locate.base import Locator, LocatorInput
 from tactiledata.diagnose.locate.events import Events
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
@@ -125,3 +126,13 @@ def shapes_after(residuals: Residuals, events: Events) -> Array:
     has_begun = last >= residuals.starts[residuals.trajectory]
     faded = np.exp(-frames / FRAMES)
     return np.where(has_begun[:, None], np.column_stack([np.ones(len(last)), 1.0 - faded, faded]), 0.0)
+
+
+def _find(given: LocatorInput) -> tuple[EventEffect, ...] | None:
+    """Departures that begin at any kind of event; ``None`` where the labels show no event."""
+    return event_effects(given.projection, given.events, given.seed + 9, given.draws) or None
+
+
+LOCATOR = Locator(
+    "departures from events on", _find, lambda effect: {"event": effect.event, "component": effect.component}
+)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.diagnose.locate.common_offset import Offset, offsets
+from tactiledata.diagnose.locate import LOCATORS
+from tactiledata.diagnose.locate.base import LocatorFinding, LocatorInput
 from tactiledata.diagnose.locate.contrasts import Contrast, contrasts
 from tactiledata.diagnose.locate.drifts import Drift, parameter_drifts
 from tactiledata.diagnose.locate.energy import EnergyShares, energy_shares
-from tactiledata.diagnose.locate.event_effects import EventEffect, event_effects
 from tactiledata.diagnose.locate.event_locked import EventLocked, event_locked
 from tactiledata.diagnose.locate.events import find_events
 from tactiledata.diagnose.locate.free_air import FreeAir, free_air
@@ -20,8 +20,6 @@ from tactiledata.diagnose.locate.leading_drifts import leading_drifts
 from tactiledata.diagnose.locate.own_offsets import own_drifts
 from tactiledata.diagnose.locate.region_map import RegionMap, region_maps
 from tactiledata.diagnose.locate.simulator_errors import beyond_errors
-from tactiledata.diagnose.locate.steps import ChangePoint, can_step, change_points
-from tactiledata.diagnose.locate.tree import Leaf, honest_tree
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals, project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.sign_flips import DRAWS, holm
@@ -30,6 +28,8 @@ LEVEL = 0.05
 """Error rate over all locators: the largest corrected p-value of a certain locator."""
 MOST_SAID = 3
 """Most findings of a locator that become sentences."""
+SAID_BEFORE = ("a common offset", "departures from events on", "steps")
+"""Locators of the table whose sentences stand among those of the others; all others come behind them."""
 BESIDES = "that allowed for, "
 """Begin of a sentence on a drift that was found with a stronger one fitted."""
 
@@ -78,8 +78,6 @@ class LocatorResults:
         Size and slowness of the residual; ``None`` where the noise is not known.
     free_air : FreeAir
         Structure before contact.
-    overall : tuple of Offset
-        Shifts of the shared parameters in all frames.
     drifts : tuple of Drift
         All pairs of shared parameter and covariate or label.
     leading : tuple of Drift
@@ -88,37 +86,30 @@ class LocatorResults:
         What the trajectories' own parameters follow.
     events : tuple of EventLocked
         Means about each kind of event.
-    departures : tuple of EventEffect
-        Departures that begin at events, beside the parameters.
     contrasts : tuple of Contrast
         Differences beyond errors of the simulation; empty where those are not known.
-    steps : tuple of ChangePoint
-        Steps of parameters between trajectories.
     maps : tuple of RegionMap
         Parameters over the plane.
-    leaves : tuple of Leaf
-        Leaves of the honest tree.
     energy : EnergyShares
         Which data hold the excess.
     p : dict, locator -> float
         Holm's p-value of each locator that had something to test.
+    by_table : dict, locator -> tuple of LocatorFinding
+        Findings of each locator in the table `LOCATORS`, by its title.
     """
 
     projection: ProjectedResiduals
     gate: Gate | None
     free_air: FreeAir
-    overall: tuple[Offset, ...]
     drifts: tuple[Drift, ...]
     leading: tuple[Drift, ...]
     own: tuple[Drift, ...]
     events: tuple[EventLocked, ...]
-    departures: tuple[EventEffect, ...]
     contrasts: tuple[Contrast, ...]
-    steps: tuple[ChangePoint, ...]
     maps: tuple[RegionMap, ...]
-    leaves: tuple[Leaf, ...]
     energy: EnergyShares
     p: dict[str, float]
+    by_table: dict[str, tuple[LocatorFinding, ...]]
 
     @property
     def is_structured(self) -> bool:
@@ -134,6 +125,13 @@ class LocatorResults:
         shared = self.leading if self.is_certain("drifting parameters") else ()
         return [*shared, *(self.own[:1] if self.is_certain("trajectories' own parameters") else ())]
 
+    def _of_table(self, title: str) -> list[str]:
+        """Sentences on the certain findings of one locator of the table; none where it is not certain among all."""
+        if not self.is_certain(title):
+            return []
+        most = next(LOCATORS[name].most_said for name in LOCATORS if LOCATORS[name].title == title)
+        return [_sentence(finding.words) for finding in self.by_table[title] if finding.p <= LEVEL][:most]
+
     def sentences(self) -> list[str]:
         """The certain findings as sentences, simple causes first; one sentence that says so where there are none."""
         if not self.is_structured:
@@ -143,8 +141,7 @@ class LocatorResults:
             sentences.append(self.free_air.words)
         if self.gate is not None and self.is_certain("size of the residual"):
             sentences.append(self.gate.words)
-        if self.is_certain("a common offset"):
-            sentences += [_sentence(offset.words) for offset in self.overall if offset.p <= LEVEL][:MOST_SAID]
+        sentences += self._of_table("a common offset")
         sentences += [_sentence(f"{BESIDES if drift in self.leading[1:] else ''}{drift.words}") for drift in drifts]
         if self.is_certain("contrasts"):
             # a contrast that repeats a drift is left out
@@ -153,16 +150,15 @@ class LocatorResults:
             sentences += [
                 _sentence(contrast.words) for contrast in certain if (contrast.what, contrast.along) not in pairs
             ]
-        if self.is_certain("departures from events on"):
-            sentences.append(_sentence(self.departures[0].words))
-        elif self.is_certain("events"):
+        departures = self._of_table("departures from events on")
+        sentences += departures
+        if not departures and self.is_certain("events"):
             sentences += [_sentence(event.words) for event in self.events if event.p <= LEVEL][:MOST_SAID]
-        if self.is_certain("steps"):
-            sentences += [_sentence(step.words) for step in self.steps][:MOST_SAID]
+        sentences += self._of_table("steps")
         if self.is_certain("the map"):
             sentences += [_sentence(region_map.words) for region_map in self.maps if region_map.p <= LEVEL][:1]
-        if self.is_certain("the tree"):
-            sentences += [_sentence(leaf.words) for leaf in self.leaves if leaf.p <= LEVEL][:1]
+        for title in self.by_table:
+            sentences += [] if title in SAID_BEFORE else self._of_table(title)
         if self.energy.is_uneven:
             sentences.append(_sentence(self.energy.words))
         return sentences
@@ -191,39 +187,39 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locato
     # each locator has a random seed of its own, so that its draws do not depend on the others
     gate_result = None if chosen.noise is None else gate(projection, chosen.noise, seed)
     in_air = free_air(residuals, seed, draws)
-    common_offsets = () if chosen.is_fitted else offsets(residuals, seed + 1, draws)
     drifts = beyond_errors(parameter_drifts(projection, seed + 2, draws), chosen.errors)
     leading = leading_drifts(projection, drifts, seed + 8, draws, chosen.errors)
     own = beyond_errors(own_drifts(projection, seed + 10, draws), chosen.errors)
     found_events = find_events(residuals)
     events = event_locked(refitted, found_events, seed=seed + 3, draws=draws)
-    departures = beyond_errors(event_effects(projection, found_events, seed + 9, draws), chosen.errors)
     differences = _contrasts(projection, chosen)
-    steps = beyond_errors(change_points(projection, chosen.order_by, seed + 4), chosen.errors)
     maps = beyond_errors(region_maps(projection, *chosen.plane, seed=seed + 5, draws=draws), chosen.errors)
-    leaves = beyond_errors(honest_tree(projection, seed + 6, draws), chosen.errors)
     variance = 1.0 if chosen.noise is not None else 0.0
     energy = energy_shares(projection, variance, seed + 7)
+    # the locators of the table; what errors of the simulation could explain loses its certainty
+    given = LocatorInput(residuals, projection, found_events, chosen.order_by, chosen.is_fitted, seed, draws)
+    asked = {locator.title: locator.find(given) for locator in (LOCATORS[name] for name in LOCATORS)}
+    by_table = {title: beyond_errors(findings or (), chosen.errors) for title, findings in asked.items()}
     # the smallest p-value of each locator; None where it had nothing to test
     tests = {
         "size of the residual": None if gate_result is None else gate_result.p,
         "free air": in_air.p if in_air.is_tested else None,
-        "a common offset": min([finding.p for finding in common_offsets], default=None),
         "drifting parameters": min([finding.p for finding in drifts], default=None),
         "trajectories' own parameters": min([finding.p for finding in own], default=None),
         "events": min([finding.p for finding in events], default=None),
-        "departures from events on": min([finding.p for finding in departures], default=None),
         "contrasts": None if differences is None else min([finding.p for finding in differences], default=1.0),
-        "steps": min([finding.p for finding in steps], default=1.0) if can_step(residuals, chosen.order_by) else None,
         "the map": min([finding.p for finding in maps], default=None),
-        "the tree": min([finding.p for finding in leaves], default=None),
+        **{
+            title: None if findings is None else min([finding.p for finding in by_table[title]], default=1.0)
+            for title, findings in asked.items()
+        },
     }
     tested = {name: value for name, value in tests.items() if value is not None}
     holm_values = holm(np.array(list(tested.values())))
     corrected_p = {name: float(value) for name, value in zip(tested, holm_values, strict=True)}
     return LocatorResults(
-        projection, gate_result, in_air, common_offsets, drifts, leading, own, events, departures, differences or (),
-        steps, maps, leaves, energy, corrected_p,
+        projection, gate_result, in_air, drifts, leading, own, events, differences or (), maps, energy, corrected_p,
+        by_table,
     )  # fmt: skip
 
 

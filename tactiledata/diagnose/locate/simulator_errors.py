@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from scipy.stats import norm
 
@@ -21,7 +21,9 @@ from tactiledata.diagnose.residuals.slopes import Change
 
 Z_95 = float(norm.ppf(0.975))
 """Half width of a 95 % interval in standard errors."""
-Finding = TypeVar("Finding", Drift, EventEffect, Leaf, RegionMap, ChangePoint)
+Finding = TypeVar("Finding")
+SIZED = (Drift, EventEffect, Leaf, RegionMap, ChangePoint)
+"""Findings whose size can be held against errors of the simulation."""
 
 
 def beyond_errors(findings: Sequence[Finding], errors: Mapping[str, float] | None) -> tuple[Finding, ...]:
@@ -30,14 +32,19 @@ def beyond_errors(findings: Sequence[Finding], errors: Mapping[str, float] | Non
     Parameters
     ----------
     findings : sequence
-        Findings of one locator.
+        Findings of one locator. Those of a kind whose size is not known here keep their p-value.
     errors : dict, name of a component or parameter -> float, optional
         Standard deviation by errors of the simulation, as in `LocateOptions.errors`. What has no entry keeps its
         p-value; ``None``: all findings are returned unchanged, in their order.
     """
     if errors is None:
         return tuple(findings)
-    amended = [replace(finding, p=max(finding.p, _p(finding, errors, len(findings)))) for finding in findings]
+    amended: list[Any] = [
+        replace(finding, p=max(finding.p, _p(finding, errors, len(findings))))
+        if isinstance(finding, SIZED)
+        else finding
+        for finding in findings
+    ]
     return tuple(sorted(amended, key=lambda finding: finding.p))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
+from tactiledata.diagnose.locate.base import Locator, LocatorInput
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, ResidualParameter, Residuals
 from tactiledata.diagnose.residuals.slopes import Change
@@ -253,3 +254,13 @@ def _relabelled(projection: ProjectedResiduals, before: int, after: int) -> str:
     changed = [name for name, texts in residuals.labels.items() if texts[rows[0]] != texts[rows[1]]]
     phrases = [f"{name} {residuals.labels[name][rows[0]]} to {residuals.labels[name][rows[1]]}" for name in changed]
     return f", where {' and '.join(phrases)} changes" if phrases else ""
+
+
+def _find(given: LocatorInput) -> tuple[ChangePoint, ...] | None:
+    """Steps of the shared parameters between trajectories; ``None`` where steps cannot be asked for."""
+    if not can_step(given.residuals, given.order_by):
+        return None
+    return change_points(given.projection, given.order_by, given.seed + 4)
+
+
+LOCATOR = Locator("steps", _find, lambda step: {"parameter": step.parameter, "change": step.change}, most_said=3)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.diagnose.locate.base import Locator, LocatorInput
 from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
@@ -182,3 +183,11 @@ def _paths(tree: object, features: list[str | tuple[str, str]], residuals: Resid
                 condition = f"{feature} {side} {quantity(threshold, residuals.covariates[feature].unit)}"
             open_nodes.append((int(child), {**path, (feature, side): condition}))
     return paths
+
+
+def _find(given: LocatorInput) -> tuple[Leaf, ...] | None:
+    """Leaves of a tree over all covariates and labels; ``None`` where no tree can be grown."""
+    return honest_tree(given.projection, given.seed + 6, given.draws) or None
+
+
+LOCATOR = Locator("the tree", _find, lambda leaf: {"component": leaf.component})
