@@ -189,6 +189,7 @@ def _all(chosen: tuple[_Condition, ...], residuals: Residuals) -> tuple[Mask, Ma
 def _conditions(residuals: Residuals) -> Iterator[_Condition]:
     """Every single condition: components, levels of labels, and thirds of covariates."""
     all_frames: Mask = np.ones(len(residuals.values), dtype=bool)
+    # single components and groups of them, then levels of labels, then thirds of covariates
     names = residuals.components
     for group in (*((name,) for name in names), *TOGETHER):
         columns = np.isin(names, group)

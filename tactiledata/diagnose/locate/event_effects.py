@@ -1,4 +1,4 @@
-"""Departures that begin at an event and that no parameter can imitate: which event explains a departure best?
+"""Departures that begin at an event and that no parameter can imitate, with the event that explains each best.
 
 After a calibration has absorbed part of an effect, the rest shows at every event. A departure that begins at one event
 and stays, rises or fades is therefore fitted together with all parameters, and the events are compared.

@@ -120,6 +120,7 @@ class Residuals:
     scale: str = "times the noise"
 
     def __post_init__(self) -> None:
+        """Refuse shapes that do not fit, values that are not finite, and trajectories in several pieces."""
         rows, width = self.values.shape
         _fits(width == len(self.components), f"{width} columns and {len(self.components)} names of components")
         _finite("residuals", self.values)

@@ -41,6 +41,7 @@ def read_table(path: Path) -> pd.DataFrame:
         raise UsageError(f"{path} is in no table format", f"a file that ends in {', '.join(SUFFIXES)}")
     if not path.is_file():
         raise UsageError(f"{path} is a folder or a device", "a file", "Name the table itself.")
+    # the libraries' errors become refusals that name the file and a remedy
     refuse_lfs_pointer(path)
     try:
         frame = _parquet(path) if suffix == ".parquet" else _text(path, SEPARATORS[suffix])

@@ -180,6 +180,7 @@ def _drift(zeros: ForceZeros, scale: Array, time: float) -> _Model:
     names = ("fx", "fy", "fz", "tx", "ty", "tz")
 
     def words(values: dict[str, float]) -> str:
+        """A clause on the size of the drift over these recordings."""
         size = float(np.linalg.norm([values[name] for name in names[:3]]))
         span = float(np.ptp(warm))
         return (
@@ -203,6 +204,7 @@ def _cable(zeros: ForceZeros, scale: Array) -> _Model:
     columns = np.concatenate([shapes[:, None, k, None] * np.eye(6) for k in range(3)], axis=2)
 
     def words(values: dict[str, float]) -> str:
+        """A clause on the amplitude of the cable's force."""
         size = np.hypot(values["sine"], values["cosine"])
         return f"the force follows the angle of the last joint, by up to {size:.2f} N, as if a cable pulled on the tool"
 
