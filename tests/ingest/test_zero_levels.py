@@ -141,9 +141,7 @@ def test_a_neighbour_whose_beginning_was_lost_is_passed_over():
     assert pressed((0.1, 9), (7, 7), (0, 0), lost="ab", tares=[350]) == "a"
 
 
-@pytest.mark.parametrize(
-    ("row", "found"), [(200, ""), (201, "b"), (299, "b"), (350, "b"), (400, "b"), (401, "")]
-)
+@pytest.mark.parametrize(("row", "found"), [(200, ""), (201, "b"), (299, "b"), (350, "b"), (400, "b"), (401, "")])
 def test_a_tare_inside_parts_a_trajectory_from_the_next(row, found):
     """From behind its own first row to the first row of the next one."""
     assert pressed((9, 9), (0.1, 5), (0, 0), lost="b", tares=[row]) == found

@@ -164,7 +164,9 @@ def test_zeros_that_move_are_said():
     """By more than 0.2 N from the least to the largest in each component; one trajectory alone does not move."""
     _, said = zeroed([(1, 50), (9, 50), (1.19, 50), (9, 50), (1, 300)], [(0, 100), (100, 200)])
     assert "zero-drift" not in said
-    _, said = zeroed([(1, 50), (9, 50), (1.21, 50), (9, 50), (1, 50), (9, 50), (1, 300)], [(0, 100), (100, 200), (200, 300)])
+    _, said = zeroed(
+        [(1, 50), (9, 50), (1.21, 50), (9, 50), (1, 50), (9, 50), (1, 300)], [(0, 100), (100, 200), (200, 300)]
+    )
     assert (said["zero-drift"].severity, said["zero-drift"].count) == ("info", 3)
     assert "its zero moves by 0.21 N over 3 trajectories" in said["zero-drift"].message
     _, said = zeroed([(1, 50), (9, 50), (1, 300)], [(0, 100)])
