@@ -33,8 +33,8 @@ def planted(late=0, touches=1, rate=30, spans=None, curve=press, noise=0.0, **co
     seen = seen + np.random.default_rng(0).normal(0, noise, len(seen))
     t_wrench = np.arange(-1000, 2 * SPAN * len(spans), 5)
     number, into = np.divmod(t_wrench, 2 * SPAN)
-    force = np.concatenate([[0], [curve(i * SPAN / spans[min(n, len(spans) - 1)]) for n, i in zip(number, into)]])[1:]
-    force = np.array(force, float) * (t_wrench >= 0)
+    stretched = into * SPAN / np.array(spans)[np.maximum(number, 0)]
+    force = np.asarray(curve(stretched)) * (t_wrench >= 0)
     wrench = np.zeros((len(force), 6))
     wrench[:, 1], wrench[:, 3] = -force, 99
     count = len(rows)
@@ -120,7 +120,7 @@ def test_some_images_that_do_not_decode_are_left_out():
     def decode(count):
         return lambda rows: [pictures[row] if place < count else None for place, row in enumerate(rows)]
 
-    evenly = [one for one in camera_lag(made, lambda rows: [pictures[row] if row % 2 else None for row in rows])]
+    evenly = camera_lag(made, lambda rows: [pictures[row] if row % 2 else None for row in rows])
     assert len(evenly) == 1
     rows = []
     camera_lag(made, lambda some: rows.extend(some) or [None] * len(some))

@@ -25,8 +25,8 @@ TOUCHES = (2000, 58_000)
 
 def shift(own, other=LONG, touches=TOUCHES):
     """By how much (ms) a stream with a span (ms) is late against another one; None where nothing is said."""
-    spans = {name: (first * MS, last * MS) for name, (first, last) in (("own", own), ("other", other))}
-    found = shift_of("own", spans, (touches[0] * MS, touches[1] * MS))
+    spans = {name: (START + first * MS, START + last * MS) for name, (first, last) in (("own", own), ("other", other))}
+    found = shift_of("own", spans, (START + touches[0] * MS, START + touches[1] * MS))
     assert found is None or found.against == "other"
     return None if found is None else found.late_ns / MS
 
@@ -82,7 +82,9 @@ def test_spans():
     assert touched_span(recording(((4, 6), (2, 5))), cameras) == (2 * MS, 6 * MS)
 
 
-@pytest.mark.parametrize(("late", "way"), [(10**15, "1000000.000 s later"), (-(10**15), "1000000.000 s earlier")])
+@pytest.mark.parametrize(
+    ("late", "way"), [(10**15, "1000000.000 s later"), (-(10**15), "1000000.000 s earlier"), (1, "0.000 s later")]
+)
 def test_what_is_said_of_a_shift(late, way):
     """By how much, which offset would mend it, and when its samples were."""
     t_ns = START + late + np.array([5, 0, 9])
@@ -146,7 +148,11 @@ def test_a_camera_that_jumps_is_judged_by_the_signals_only():
     assert "the 400 images were kept without forces and poses" in judged(jumped)[2][0].message
     assert judged(jumped, {})[:2] == ([], [])
     assert judged(jumped, {"tcp": SIGNALS["tcp"][:1]})[:2] == ([], [])
+    assert judged(jumped, {"tcp": SIGNALS["tcp"][:0]})[:2] == ([], [])
     assert judged(FILMED)[:2] == ([], [])
+    few = FILMED[:10] + np.where(np.arange(10) >= 5, 5 * SECOND, 0)
+    assert judged(few, {"tcp": SIGNALS["tcp"][:1]})[:2] == ([], [])
+    assert judged(few, {"tcp": SIGNALS["tcp"][:2]})[:2] == (list(range(5, 10)), [("clock-jump", 5)])
 
 
 def test_a_camera_with_three_long_pauses_is_not_judged_by_jumps():
