@@ -123,7 +123,7 @@ def test_torques_are_about_the_origin_of_the_gel():
 
 def test_what_is_kept_of_a_contact_wrench():
     """Where it comes from, in words; attributes of the wrench stay."""
-    values, spans = touches((0, 0, 3))
+    values, _ = touches((0, 0, 3))
     values[:, 0] = 0.01 * (np.arange(len(values)) % 2)
     wrench = signal("wrench", START + np.arange(len(values)) * 10 * MS, values, clock="log")
     found = contact_wrench(described(**STATED), wrench, None, [("t", START, START + 400 * MS)])

@@ -89,9 +89,9 @@ def test_a_frame_that_names_its_trajectory_belongs_there():
 
 def test_a_frame_lies_within_its_own_trajectory():
     """Half-open; a frame of none lies within none, whatever the last one holds."""
-    rows = np.array([0, 0, 0, 1, 1, -1, 2], np.int32)
-    t_ns = np.array([0, 9, 10, 4, 5, 25, 29])
-    assert within(TWO, rows, t_ns).tolist() == [True, True, False, False, True, False, True]
+    rows = np.array([0, 0, 0, 1, 1, -1, 2, 0], np.int32)
+    t_ns = np.array([0, 9, 10, 4, 5, 25, 29, 15])
+    assert within(TWO, rows, t_ns).tolist() == [True, True, False, False, True, False, True, False]
     assert within((), np.array([-1], np.int32), np.array([5])).tolist() == [False]
 
 

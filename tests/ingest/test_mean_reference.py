@@ -65,8 +65,8 @@ def test_three_pictures_are_needed(pictures, used):
 
 def test_pictures_of_another_size_than_the_first_are_left_out():
     """Three of the first size make a mean, two do not."""
-    pictures = [grey(1), grey(50, (5, 5)), grey(2), grey(3)]
-    np.testing.assert_array_equal(found([0.0] * 4, pictures)[0]["D1"].image, grey(2))
+    pictures = [grey(1), grey(50, (5, 5)), grey(2), grey(3), grey(50, (5, 5))]
+    np.testing.assert_array_equal(found([0.0] * 5, pictures)[0]["D1"].image, grey(2))
     assert found([0.0] * 3, pictures[:3])[0] == {}
 
 

@@ -33,9 +33,12 @@ def test_a_contact_lasts_from_its_first_to_its_last_sample():
 def test_a_contact_of_fifty_milliseconds_is_a_touch():
     """A shorter one is a knock; two contacts less than 300 ms apart are one, and may be long enough together."""
     assert spans((100, 150)) == [(100, 150)]
-    assert spans((100, 149)) == []
+    t_ns, force = forces((100, 150))
+    t_ns[150] -= 1
+    assert contact_spans(t_ns, force, 0.0) == []
     assert spans((100, 200), (500, 600)) == [(100, 200), (500, 600)]
     assert spans((100, 200), (499, 600)) == [(100, 600)]
+    assert spans((100, 200), (1000, 1100), (1200, 1300)) == [(100, 200), (1000, 1300)]
     assert spans((100, 101), (399, 400), (698, 699), (1500, 1600)) == [(100, 699), (1500, 1600)]
 
 

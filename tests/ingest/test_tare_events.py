@@ -87,7 +87,7 @@ def test_a_jump_is_larger_than_noise():
 def test_the_largest_jump_towards_zero_is_the_event():
     """Not a jump away from zero, and not along a torque."""
     t_ns, load = made([(3, 45), (9, 5), (4, 3), (0, 47)])
-    load[40:, 3] = 50
+    load[:40, 3] = 50
     assert located(t_ns, load, [500 * MS])[0][0][0] == 50
     t_ns, load = made([(-3, 45), (-2, 5), (0, 50)])
     assert located(t_ns, load, [450 * MS])[0][0][0] == 50
@@ -101,6 +101,14 @@ def test_a_reading_is_zero_within_half_a_newton(level, noise, is_zero):
     t_ns, load = made([(9, 50), (level, 50)])
     rows, contradicted = located(t_ns, load, [500 * MS], noise)
     assert (len(rows), len(contradicted)) == (int(is_zero), int(not is_zero))
+
+
+def test_a_jump_is_towards_the_load_of_a_reading_of_zero():
+    """From -3 N to 3 N where that is a reading of zero."""
+    t_ns, load = made([(-3, 50), (3, 50)])
+    zeros = np.zeros((1, 6))
+    zeros[0, 2] = 3
+    assert located(t_ns, load, [530 * MS], zeros=zeros) == ([(50, 6.0)], [])
 
 
 def test_a_reading_that_is_zero_for_a_moment_was_zeroed():
@@ -140,7 +148,7 @@ def test_a_press_on_the_way_is_no_part_of_the_step():
 
 def test_of_two_samples_a_side_only_levels_are_compared():
     """A slope would follow the noise: the step is the difference of the means."""
-    for before, after in ((2, 10), (10, 2)):
+    for before, after in ((2, 10), (10, 2), (1, 10), (10, 1)):
         t_ns, load = made([(5, before), (0, after)])
         load[:, 2] += 0.1 * (np.arange(before + after) - before)
         expected = -5.0 + 0.1 * ((after - 1) / 2 + (before + 1) / 2)
@@ -161,6 +169,17 @@ def test_samples_beyond_a_pause_do_not_count(pause, is_left_out):
             load[:48, 2] -= 1.5
         moment = int(times[50]) - START
         assert (located(times, load, [moment])[0] == [(50, -5.0)]) == is_left_out
+
+
+def test_of_two_samples_behind_a_pause_only_levels_are_compared():
+    """The slope of what lies before the pause is of another time; of several pauses the nearest counts."""
+    t_ns, load = made([(5, 50), (0, 50)])
+    load[:, 2] += 0.01 * (np.arange(100) - 50)
+    for pauses in ((48,), (44, 48), (48, 53), (44, 48, 53, 56)):
+        times = t_ns + sum(np.where(np.arange(100) >= row, 300 * MS, 0) for row in pauses)
+        after = (53 if 53 in pauses else 60) - 50
+        expected = -5.0 + 0.01 * ((after - 1) / 2 + 1.5)
+        assert located(times, load, [int(times[50]) - START])[0] == [(50, round(expected, 9))], pauses
 
 
 def test_a_pause_at_the_event_is_crossed():

@@ -1,5 +1,7 @@
 """The zero of a force sensor in readings of a few levels, at the borders of its rules."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -37,7 +39,7 @@ def runs(values):
     """A sequence of numbers as (value, count)."""
     values = np.round(values, 9)
     borders = [0, *(np.flatnonzero(np.diff(values)) + 1), len(values)]
-    return [(float(values[a]), b - a) for a, b in zip(borders[:-1], borders[1:], strict=True)]
+    return [(float(values[a]), b - a) for a, b in itertools.pairwise(borders)]
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Recording, Times
-from tactiledata.ingest.clocks.clock_steps import AGREE, AGREE_SHARE, SIGNAL, Witness, judge_steps, pauses_of
+from tactiledata.ingest.clocks.clock_steps import AGREE, SIGNAL, Witness, judge_steps, pauses_of
 
 LEAST_SHIFT = 1_000_000_000
 """ns. Recorders of several streams start and stop them one after another within less."""
@@ -52,7 +52,7 @@ def shift_of(name: str, spans: Mapping[str, Span], touches: Span | None) -> Shif
     start, end = spans[name]
     for other, span in spans.items():
         late, ends_late = start - span[0], end - span[1]
-        is_same_length = abs(late - ends_late) <= max(AGREE, int(AGREE_SHARE * LEAST_SHIFT))
+        is_same_length = abs(late - ends_late) <= AGREE
         if other != name and is_same_length and abs(late) >= LEAST_SHIFT and _covers(span, touches):
             return Shift((late + ends_late) // 2, other)
     return None
@@ -144,7 +144,7 @@ def judge_frames(
             is_off[rows[~judged.kept]] = True
             findings.extend(finding for finding in judged.findings if finding.code == "clock-jump")
         kept = rows[~is_off[rows]]
-        shift = shift_of(camera, {**spans, camera: span_of(t_ns[kept])}, touches) if len(kept) > 1 else None
+        shift = shift_of(camera, {**spans, camera: span_of(t_ns[kept])}, touches) if len(kept) else None
         if shift is not None:
             is_off[rows] = True
             stated = recording.description.stated_clock_offset("frames") or 0
@@ -166,16 +166,15 @@ def named_elsewhere(recording: Recording, t_ns: Times, named: Sequence[str]) -> 
     beyond = np.full(len(t_ns), unknown)
     for trajectory in recording.trajectories:  # several may have one name
         rows = names == trajectory.name
-        outside = np.maximum(np.maximum(trajectory.start_ns - t_ns[rows], t_ns[rows] - trajectory.end_ns), 0)
+        outside = np.maximum(trajectory.start_ns - t_ns[rows], t_ns[rows] - trajectory.end_ns)
         beyond[rows] = np.minimum(beyond[rows], outside)
-    beyond[beyond == unknown] = 0
-    is_off = beyond > FAR
+    is_off = (beyond > FAR) & (beyond < unknown)
     if not is_off.any():
         return DisplacedFrames(is_off, ())
     count = int(is_off.sum())
     text = (
-        f"frames: {count} of {len(t_ns)} images lie up to {beyond.max() / 1e9:.3f} s outside the trajectories that "
-        f"they name (for example of {names[is_off][0]!r}): their times or the trajectories' are wrong. They were kept "
-        "without forces and poses. Mend the times, or state `clocks: {frames: {offset_ns: ...}}`, and ingest again"
+        f"frames: {count} of {len(t_ns)} images lie up to {beyond[is_off].max() / 1e9:.3f} s outside the trajectories "
+        f"that they name (for example of {names[is_off][0]!r}): their times or the trajectories' are wrong. They were "
+        "kept without forces and poses. Mend the times, or state `clocks: {frames: {offset_ns: ...}}`, and ingest again"
     )
     return DisplacedFrames(is_off, (Finding("frame-elsewhere", "damage", text, "frames", count=count),))

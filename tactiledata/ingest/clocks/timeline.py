@@ -27,7 +27,7 @@ from tactiledata.ingest.clocks.clocks import ClockChoice, choose_clock, time_ord
 from tactiledata.ingest.clocks.rates import measure_rate, rate_findings
 
 LATEST = 2.0**62
-"""ns since the epoch, in either direction: the year 2116. Differences of such times still fit an int64."""
+"""ns since the epoch, in either direction: the year 2116. Differences of times before it still fit an int64."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def _stored(signal: Signal, choice: ClockChoice, kept: NDArray[np.bool_]) -> tup
 
 def _possible(signal: Signal) -> tuple[Signal, list[Finding]]:
     """The samples whose time a clock can show; the others cannot be placed, nor their distances computed in int64."""
-    beyond = np.abs(signal.stamps.log.astype(np.float64)) > LATEST
+    beyond = np.abs(signal.stamps.log.astype(np.float64)) >= LATEST
     if not beyond.any():
         return signal, []
     text = f"{signal.name}: {int(beyond.sum())} of {len(beyond)} samples have a time beyond the year 2116; left out"

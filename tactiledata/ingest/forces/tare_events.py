@@ -136,18 +136,16 @@ def _place_of_jump(times: Times, rows: Values, moment: int, zero: Values, noise:
     """The row at which the load comes nearer to its zero than by noise; the first after the moment where none does."""
     first = max(int(np.searchsorted(times, moment - LATENCY)), 1)
     last = int(np.searchsorted(times, moment + LATENCY, side="right"))
-    if first >= last:
-        return int(np.searchsorted(times, moment))
     off = np.linalg.norm((rows[first - 1 : last] - zero)[:, :3], axis=1)
     nearer = off[:-1] - off[1:]
-    if nearer.max() <= CLEAR * noise * np.sqrt(3):
+    if nearer.max(initial=0.0) <= CLEAR * noise * np.sqrt(3):
         return int(np.searchsorted(times, moment))
     return first + int(np.argmax(nearer))
 
 
 def _reads_zero(times: Times, rows: Values, place: int, moment: int, zero: Values, noise: float) -> bool:
     """Whether the load is at its zero near the moment; nobody knows where no sample is near."""
-    near = (times[place:] <= max(moment, int(times[place - 1])) + LATENCY).nonzero()[0]
+    near = np.flatnonzero(times[place:] <= max(moment, int(times[place - 1])) + LATENCY)
     if not len(near) or times[place] - times[place - 1] > LATENCY:
         return True
     off = np.linalg.norm((rows[place + near] - zero)[:, :3], axis=1)

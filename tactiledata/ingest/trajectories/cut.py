@@ -117,7 +117,7 @@ def trajectory_table(
             "end_ns": trajectory.end_ns,
             "frame_start": start,
             "frame_stop": stop,
-            "signal_rows": json.dumps(ranges, sort_keys=True),
+            "signal_rows": json.dumps(ranges),
             "peak_force": _peak(signals, ranges, contact_force[start:stop]),
             "segmented": segmented,
             "parent": "",

@@ -52,26 +52,27 @@ def find_references(
             references[sensor] = Reference(recording.references[sensor], origin, licence, model)
             continue
         free = np.flatnonzero((names == sensor) & (contact_force < FREE_AIR))
-        mean, used = _mean_image(decode, order, free)
-        if mean is None:
+        found = _mean_image(decode, order, free)
+        if found is None:
             text = (
                 f"sensor {sensor!r} has no picture without contact: none is stated, and fewer than {MIN_FRAMES} frames "
                 f"lie in free air. Add one with `tactiledata sensors add {quote(sensor)} --background FILE --store S`"
             )
             say(Finding("no-background", "warning", text))
             continue
+        mean, used = found
         references[sensor] = Reference(mean, f"mean of {used} frames below {FREE_AIR} N", licence, model)
     return references
 
 
 def _mean_image(
     decode: Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]], order: NDArray[np.int64], free: NDArray
-) -> tuple[NDArray[np.uint8] | None, int]:
+) -> tuple[NDArray[np.uint8], int] | None:
     if len(free) < MIN_FRAMES:
-        return None, 0
+        return None
     chosen = free[np.unique(np.linspace(0, len(free) - 1, MAX_FRAMES).astype(int))]
     images = [image for image in decode(order[chosen]) if image is not None]
     images = [image for image in images if image.shape == images[0].shape]
     if len(images) < MIN_FRAMES:
-        return None, 0
+        return None
     return np.rint(np.mean(images, axis=0)).astype(np.uint8), len(images)
