@@ -117,7 +117,7 @@ def read_hold_out(value: HoldOut | str | None) -> HoldOut:
     Examples
     --------
     >>> read_hold_out("sensor=D20542,indenter=star,cross")
-    {'sensor': ('D20542',), 'indenter': ('star', 'cross')}
+    {'sensor': ('D20542',), 'indenter': ('cross', 'star')}
     """
     if value is None or value == "none" or value == "auto":
         return "none" if value is None else value  # type: ignore[return-value]
