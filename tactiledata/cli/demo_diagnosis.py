@@ -51,6 +51,8 @@ def diagnose_touches(
 def _concealed(scenario: Scenario) -> str:
     from tactiledata.diagnose.residuals.residuals import joined_names
     from tactiledata.effects import EFFECTS
+    from tactiledata.rig.hidden.effects import name_of
 
-    titles = {str(EFFECTS[name]().number): EFFECTS[name]().title for name in EFFECTS}
-    return joined_names([titles.get(one.NUMBER, type(one).__name__) for one in scenario.hidden] or ["nothing else"])
+    names = [name_of(effect) for effect in scenario.hidden]
+    titles = [EFFECTS[name].title if name in EFFECTS else name.replace("_", " ") for name in names]
+    return joined_names(titles or ["nothing else"])

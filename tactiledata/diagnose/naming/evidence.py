@@ -226,7 +226,7 @@ def score_candidate(
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # what is another one for each indenter cannot be told of one that is held out
     is_told = len(out.by_indenter) > 0 and not any(
-        setting.member.each in OF_INDENTERS for setting in fit.model.settings
+        setting.member.varies_by in OF_INDENTERS for setting in fit.model.settings
     )
     of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion if is_told else np.zeros(0)
     groups = base_out.by_indenter if is_told else base_out.by_trajectory

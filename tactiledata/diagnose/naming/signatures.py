@@ -174,9 +174,9 @@ def _looked_at(parameter: Parameter, look: int) -> float:
 
 def places_of(cases: WhitenedTouches, effect: Effect) -> tuple[str, ...]:
     """Where an effect has strengths of its own: one empty name where it is the same everywhere."""
-    if not effect.each:
+    if not effect.varies_by:
         return ("",)
-    names = {getattr(case.touch, effect.each) for case in cases.touch_set.touches}
+    names = {getattr(case.touch, effect.varies_by) for case in cases.touch_set.touches}
     return tuple(sorted(names)) if all(names) else ("",)
 
 

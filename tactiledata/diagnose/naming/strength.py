@@ -34,7 +34,7 @@ class Strength(NamedTuple):
 
 def set_at(effect: str, values: dict[str, float], place: str) -> EffectSetting:
     """An effect with values, at one place where it is another one for each; everywhere where no place is named."""
-    return EffectSetting(effect, values, {EFFECTS[effect]().each: place} if place else {})
+    return EffectSetting(effect, values, {EFFECTS[effect]().varies_by: place} if place else {})
 
 
 def strength_of(setting: EffectSetting, parameter: Parameter) -> Strength:
