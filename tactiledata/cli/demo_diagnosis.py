@@ -74,6 +74,6 @@ def _concealed(scenario: Scenario) -> str:
     from tactiledata.effects import EFFECTS
     from tactiledata.rig.hidden.effects import name_of
 
-    titles = {str(EFFECTS[name]().number): EFFECTS[name]().title for name in EFFECTS}
-    names = [titles.get(effect.NUMBER, name_of(effect).replace("_", " ")) for effect in scenario.hidden]
-    return joined_names(names or ["nothing else"])
+    names = [name_of(effect) for effect in scenario.hidden]
+    titles = [EFFECTS[name].title if name in EFFECTS else name.replace("_", " ") for name in names]
+    return joined_names(titles or ["nothing else"])

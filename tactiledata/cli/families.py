@@ -88,7 +88,7 @@ def effects(as_json: bool = JSON_OPTION) -> None:
         emit(listed)
         return
     for entry in listed:
-        say(f"{entry['name']} ({entry['slot']}, {entry['slot_title']}): {entry['title']}")
+        say(f"{entry['name']} ({entry['slot']}): {entry['title']}")
         for parameter in entry["parameters"]:
             low, high = parameter["plausible"]
             kind = "" if parameter["null"] is not None else ", form only"

@@ -1,4 +1,18 @@
-"""Missing physics: what a simulation may have left out, one effect a file and one line in the table below."""
+"""Missing physics: which effects may a simulation have left out, and what would each change in a touch?
+
+An effect is one file, in the folder of its slot, and one line in the table below. Read in this order:
+
+- ``base`` and ``parameter``: what an effect declares, and what each of its numbers means; ``design`` interpolates
+  between variants of the gel that the gel engine has played.
+- ``touch``: what a recorded touch states, what an effect may change of it, and operators that several effects share.
+- ``pose``, ``geometry``, ``material``, ``interface``, ``time``, ``sensor``: the effects, by slot, in the order in which
+  they act.
+- ``closed_form``: contacts in closed form, for previews, examples and tests.
+- ``simulate``: settings of effects, and the simulator that plays a touch with them.
+
+An effect imports ``base``, ``parameter`` and ``touch``, never another effect. Nothing here solves the gel: whoever
+simulates implements ``touch.response.BaseResponse``.
+"""
 
 from tactiledata.registry import Registry
 
@@ -9,7 +23,7 @@ EFFECTS = Registry(
         "arm_compliance": "tactiledata.effects.pose.arm_compliance:ArmCompliance",
         "stem_bending": "tactiledata.effects.pose.stem_bending:StemBending",
         "thickness": "tactiledata.effects.geometry.thickness:Thickness",
-        "dome": "tactiledata.effects.geometry.dome:Dome",
+        "dome": "tactiledata.effects.geometry.dome:DomeCurvature",
         "soft_region": "tactiledata.effects.geometry.soft_region:SoftRegion",
         "pad_edge": "tactiledata.effects.geometry.pad_edge:PadEdge",
         "strain_stiffening": "tactiledata.effects.material.strain_stiffening:StrainStiffening",
@@ -36,4 +50,4 @@ EFFECTS = Registry(
     },
     group="tactiledata.effects",
 )
-"""In the order in which effects of one slot act: partial slip mixes all friction before it, clipping comes last."""
+"""Effects by name, in the order in which they act: partial slip mixes all friction before it, clipping comes last."""

@@ -1,4 +1,4 @@
-"""What every effect offers; a new effect is one file with one such class and one line in the table."""
+"""What every effect declares and offers; a new effect is one file with one such class and one line in the table."""
 
 from __future__ import annotations
 
@@ -11,56 +11,56 @@ from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.state import TouchState
 from tactiledata.errors import UnknownName
 
-Slot = Literal["P", "K", "C", "I", "T", "S"]
-SLOTS: tuple[Slot, ...] = ("P", "K", "C", "I", "T", "S")
-"""Pose, contact kinematics, constitutive law, interface, time, sensor: the order in which effects act."""
+Slot = Literal["pose", "geometry", "material", "interface", "time", "sensor"]
+SLOTS: tuple[Slot, ...] = ("pose", "geometry", "material", "interface", "time", "sensor")
+"""Slots in the order in which their effects act; an effect lies in the folder of its slot."""
 CONTACT_SLOTS = SLOTS[:4]
-"""Effects that change what is asked of the gel; the others work on its answer."""
+"""Slots of effects that change what the gel is asked; effects of the others work on its answer."""
 SLOT_TITLES: dict[Slot, str] = {
-    "P": "pose",
-    "K": "contact geometry",
-    "C": "constitutive law",
-    "I": "interface",
-    "T": "time",
-    "S": "sensor",
+    "pose": "pose",
+    "geometry": "contact geometry",
+    "material": "constitutive law",
+    "interface": "interface",
+    "time": "time",
+    "sensor": "sensor",
 }
+"""Titles of the slots, for pages."""
 
 
 class Effect:
-    """A piece of physics that a simulation may lack. Members are stateless.
+    """A piece of physics that a simulation may lack; members are stateless.
 
     Attributes
     ----------
     name : str
-        In the table and in settings.
-    number : int, optional
-        In the catalogue of docs/effects.md.
+        Key in the table and in settings.
     title : str
-        A few words.
-    slot : one of ``SLOTS``
+        What it is in a few words.
+    slot : str
+        One of ``SLOTS``; the folder of an effect of this package has the same name.
     parameters : tuple of Parameter
+        Numbers of the effect, strengths and shapes.
     look_alikes : tuple of str
-        Names of effects that leave similar traces.
+        Names of effects that leave similar traces in the data.
     distinguishing_trial : str
-        The trial that separates it from them.
+        The trial that separates the effect from its look-alikes.
     detectability : str
-        What of it can be seen on such a rig, with a number.
+        What can be seen of the effect on such a rig, with a number.
     reference : str
         Where equation and ranges come from.
     needs : tuple of str
-        Fields of the touch, optional ones, without which it cannot be played.
+        Optional fields of `Touch` without which the effect cannot be played.
     feeds_back : bool
-        Whether it depends on the wrench that it changes; the simulator then looks for the balance.
+        Whether the effect depends on the wrench that it changes; the simulator then solves for the force balance.
     designs : dict, parameter -> values
-        Of effects that are played by the gel engine: design points, other than the null, at which it must have played
-        `variant` beforehand; one parameter at a time.
-    each : str
-        Of effects that are another one for each: of ``sensor``, ``indenter_name`` or ``mount``; empty where all touches
-        share the numbers. Naming then fits strengths for each.
+        Design points, other than the null, at which the gel engine plays `variant` beforehand, one parameter at a time;
+        empty for effects that the gel engine does not play.
+    varies_by : str
+        Field of a touch by whose value the strengths differ: ``sensor``, ``indenter_name`` or ``mount``. Naming then
+        fits strengths for each value. Empty where all touches share the numbers.
     """
 
     name: ClassVar[str]
-    number: ClassVar[int | None] = None
     title: ClassVar[str]
     slot: ClassVar[Slot]
     parameters: ClassVar[tuple[Parameter, ...]]
@@ -71,10 +71,10 @@ class Effect:
     needs: ClassVar[tuple[str, ...]] = ()
     feeds_back: ClassVar[bool] = False
     designs: ClassVar[Mapping[str, tuple[float, ...]]] = {}
-    each: ClassVar[str] = ""
+    varies_by: ClassVar[str] = ""
 
     def complete(self, values: Mapping[str, float]) -> dict[str, float]:
-        """All parameters by name: those given, checked, and the defaults of the others.
+        """Return all parameters by name: the given values, checked, and the defaults of the others.
 
         Raises
         ------
@@ -93,26 +93,28 @@ class Effect:
         }
 
     def is_null(self, values: Mapping[str, float]) -> bool:
-        """Whether every strength has its null value."""
-        return self._is_nothing(self.complete(values))
+        """Whether every strength has its null value, so that the effect changes nothing."""
+        return self._has_no_strength(self.complete(values))
 
-    def _is_nothing(self, complete: Mapping[str, float]) -> bool:
+    def _has_no_strength(self, complete: Mapping[str, float]) -> bool:
+        """Whether every strength of complete values has its null value; shapes have none and do not count."""
         return all(parameter.null in (None, complete[parameter.name]) for parameter in self.parameters)
 
     def apply(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        """The state with the effect; the very same object where its strengths are null.
+        """Return the state with the effect; the very same object where every strength is null.
 
         Raises
         ------
         UsageError
-            Values that it cannot have, or a covariate that the touch does not tell.
+            A value outside its bounds, or a covariate that the touch does not state.
         """
         complete = self.complete(values)
-        return state if self._is_nothing(complete) else self.applied(state, complete)
+        return state if self._has_no_strength(complete) else self.applied(state, complete)
 
     def applied(self, state: TouchState, complete: Mapping[str, float]) -> TouchState:
-        """The same with values that are known to be complete, and not all null."""
+        """Return the state with the effect, for values that were completed before and are not all null."""
         state = self.change(state, complete)
+        # what the gel engine has played at design points, interpolated
         for name, places in self.designs.items():
             if complete[name] != 0.0:
                 weights = null_exact_weights(places, complete[name])
@@ -121,23 +123,26 @@ class Effect:
         return state
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        """The state with the effect, values complete and not all null; without what ``designs`` add."""
+        """Return the state with all of the effect that is not played at ``designs``.
+
+        A member overrides it; ``values`` are complete and not all null.
+        """
         return state
 
     def variant(self, values: Mapping[str, float]) -> GelVariant:
-        """The gel, or the indenter, that values stand for; those not given are null.
+        """Return the gel or the indenter that values stand for; parameters that are not given are null.
 
-        What deformed meshes are to be played with. At design points it is played beforehand, for wrenches.
+        It is played for deformed meshes, and beforehand at the design points for wrenches.
         """
         return GelVariant()
 
     def material_of(self, values: Mapping[str, float]) -> Mapping[str, str]:
-        """Of what E, nu and mu are, by their names, where the effect makes them depend on something; values complete.
+        """Return for which state of the gel ``E``, ``nu`` or ``mu`` holds, where the effect makes it depend on one.
 
-        "mu is that of", and then what stands here.
+        A report continues "mu is that of" with the text; ``values`` are complete.
         """
         return {}
 
     def parameters_not_played_by_gel(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """The values that are left to `change` where the gel engine itself plays `variant`; all of them for most."""
+        """Return the values that `change` still has to apply where the gel engine itself plays `variant`."""
         return values

@@ -1,4 +1,4 @@
-"""A parameter of an effect: what it means, in which unit, and what of it can be believed."""
+"""A parameter of an effect: its meaning, its unit, and which of its values can be believed."""
 
 from __future__ import annotations
 
@@ -27,11 +27,13 @@ DIMENSIONS: dict[str, tuple[int, int, int]] = {
     "kg": (-1, 1, 2),
     "kg m": (0, 1, 2),
 }
-"""Units that parameters have, as exponents of length, force and time; another unit is added here."""
+"""Exponents of length, force and time of each unit that a parameter may have; another unit is added here."""
 
 FARTHER = 2.0
-"""Times the end of a plausible range: ranges are estimates, and what is a tenth beyond is no proof of another cause."""
+"""Factor on the ends of a plausible range beyond which another cause is suspected: ranges are estimates, and a tenth
+more proves nothing."""
 Interval = tuple[float, float]
+"""Lower and upper end of a range."""
 
 
 @dataclass(frozen=True)
@@ -40,22 +42,28 @@ class Parameter:
 
     Parameters
     ----------
-    name, unit, meaning : str
-        The unit is one of ``DIMENSIONS``.
+    name : str
+        Name in settings.
+    unit : str
+        One of ``DIMENSIONS``.
+    meaning : str
+        What the number says, for pages and messages.
     null : float, optional
-        Where the effect is absent. ``None`` for a shape parameter, which alone changes nothing.
+        Value at which the effect is absent; ``None`` for a shape, which alone changes nothing.
     default : float
-        What it is where nobody says it; the null of a strength.
+        Value where none is given; the null of a strength.
     bounds : (low, high)
-        What a fit may try, and a setting may hold.
+        Values that a fit may try, and a setting may hold.
     plausible : (low, high)
-        What can be believed on such a rig; a fit outside names another cause.
+        Values that can be believed on such a rig; a fit outside suggests another cause.
     deviation : float, optional
-        Standard deviation of the normal prior about the null, of a strength; a shape's prior is flat within its bounds.
+        Standard deviation of the normal prior of a strength about its null; ``None`` for a shape, whose prior is flat
+        within its bounds.
     source : str
         Where the plausible range comes from; an estimate of ours says so.
     grid : tuple of float
-        Values of a shape that a screen tries; of a strength that acts from a threshold on, sizes at which it looks.
+        Values of a shape that a screen tries. For a strength that acts from a threshold on, the sizes that a screen
+        tries.
     """
 
     name: str
@@ -70,12 +78,12 @@ class Parameter:
     grid: tuple[float, ...] = ()
 
     def check(self, value: float, effect: str) -> float:
-        """The value, where it is a number within the bounds.
+        """Return the value, as a float, where it is a finite number within the bounds.
 
         Raises
         ------
         UsageError
-            It is not.
+            The value is no number, not finite, or out of bounds.
         """
         low, high = self.bounds
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -90,16 +98,16 @@ class Parameter:
         return float(value)
 
     def is_plausible(self, value: float) -> bool:
-        """Whether a fitted value can be believed."""
+        """Whether a fitted value lies within the plausible range."""
         return self.plausible[0] <= value <= self.plausible[1]
 
     def beyond(self, value: float) -> float:
-        """By how much a value lies farther from nothing than ``FARTHER`` times what is plausible, or 0."""
+        """Distance of a value from the plausible range stretched by ``FARTHER`` away from 0; 0 within it."""
         low, high = self.plausible
         return max(min(low, FARTHER * low) - value, value - max(high, FARTHER * high), 0.0)
 
     def log_prior(self, value: float) -> float:
-        """Logarithm of the prior density, up to a constant."""
+        """Logarithm of the prior density of a value, up to a constant; minus infinity out of bounds."""
         if not self.bounds[0] <= value <= self.bounds[1]:
             return -math.inf
         if self.null is None or self.deviation is None:
@@ -111,12 +119,46 @@ def strength(
     name: str, unit: str, meaning: str, *, bounds: Interval, plausible: Interval, deviation: float, source: str,
     grid: tuple[float, ...] = (),
 ) -> Parameter:  # fmt: skip
-    """How strong an effect is; at its null value, 0, the effect is absent."""
-    return Parameter(name, unit, meaning, 0.0, 0.0, bounds, plausible, deviation, source, grid)
+    """Return a parameter that says how strong an effect is; at its null, 0, the effect is absent.
+
+    Parameters
+    ----------
+    name, unit, meaning : str
+        As in `Parameter`.
+    bounds, plausible : (low, high)
+        As in `Parameter`; both hold 0.
+    deviation : float
+        Standard deviation of the normal prior about 0, in the unit of the parameter.
+    source : str
+        Where the plausible range comes from.
+    grid : tuple of float
+        Sizes that a screen tries where the effect acts from a threshold on; empty where it grows in proportion.
+    """
+    return Parameter(
+        name, unit, meaning, null=0.0, default=0.0, bounds=bounds, plausible=plausible, deviation=deviation,
+        source=source, grid=grid,
+    )  # fmt: skip
 
 
 def shape(
     name: str, unit: str, meaning: str, *, default: float, bounds: Interval, grid: tuple[float, ...], source: str
 ) -> Parameter:
-    """What form an effect has; without strength it changes nothing."""
-    return Parameter(name, unit, meaning, None, default, bounds, bounds, None, source, grid)
+    """Return a parameter that says what form an effect has; where every strength is null it changes nothing.
+
+    Parameters
+    ----------
+    name, unit, meaning : str
+        As in `Parameter`.
+    default : float
+        Value where none is given.
+    bounds : (low, high)
+        Values that a setting may hold; they count as plausible, too.
+    grid : tuple of float
+        Values that a screen tries.
+    source : str
+        Where the bounds come from.
+    """
+    return Parameter(
+        name, unit, meaning, null=None, default=default, bounds=bounds, plausible=bounds, deviation=None,
+        source=source, grid=grid,
+    )  # fmt: skip

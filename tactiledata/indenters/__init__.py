@@ -1,4 +1,16 @@
-"""Indenters: thirteen parametric solids, one file and one line each, and any mesh."""
+"""Indenters: which rigid solid touches the gel?
+
+There are thirteen parametric solids, one file and one line in the table below each, and any solid from a mesh file.
+Read in this order:
+
+- ``base``: what every indenter offers, a signed distance, a mesh and a height; ``base.planar`` and ``base.surface``
+  are the geometry that several solids share.
+- ``sphere``, ``dome``, ``torus``, ...: the parametric solids.
+- ``mesh_indenter``: a solid from an STL, OBJ or PLY file.
+- ``scaled``: a solid of another size. ``gallery``: a picture of all solids.
+
+Solids know nothing of gel, poses or logs. One solid imports ``base``, never another one.
+"""
 
 from __future__ import annotations
 
@@ -31,14 +43,14 @@ INDENTERS = Registry(
     },
     group="tactiledata.indenters",
 )
-"""Parametric solids by name, smooth ones first; a class that takes its sizes as keyword arguments, all optional."""
+"""Parametric solids by name, smooth ones first; each class takes its sizes as keyword arguments, all optional."""
 
 NOT_SIZES = frozenset({"shape", "mesh", "unit", "base_from_indenter"})
 """Keys of an entry that are not sizes of the shape."""
 
 
 def make_indenter(entry: Mapping[str, Any], folder: Path | None, where: str) -> Indenter:
-    """The solid that an entry of a log or a scenario describes.
+    """Return the solid that an entry of a log or a scenario describes.
 
     Parameters
     ----------
@@ -46,16 +58,16 @@ def make_indenter(entry: Mapping[str, Any], folder: Path | None, where: str) -> 
         ``{shape, <sizes>}`` or ``{mesh, unit}``, as under ``indenters:`` in ``schemas/log.json``; where both are given
         the mesh wins. Sizes that are not given have the shape's defaults.
     folder : Path, optional
-        The folder that a mesh's path is relative to.
+        Folder to which the path of a mesh is relative; ``None`` where a mesh is not allowed.
     where : str
-        The document and the place in it, for messages.
+        Document and place in it, for messages.
 
     Raises
     ------
     SchemaError
-        No such shape, a size that the shape does not have or cannot have, a mesh without a unit.
-    MissingFile, UnsafeContent
-        A mesh that is not there, or lies outside ``folder``.
+        An unknown shape, a size that the shape does not have or cannot have, or a mesh without a unit.
+    LostFile, UnsafeContent
+        A mesh file that does not exist, or lies outside ``folder``.
 
     Examples
     --------
@@ -86,6 +98,7 @@ def make_indenter(entry: Mapping[str, Any], folder: Path | None, where: str) -> 
 
 
 def _check_keys(entry: Mapping[str, Any], shape: str, names: list[str], where: str) -> None:
+    """Refuse an entry that states a unit other than metres, or a size that the shape does not have."""
     if entry.get("unit") not in (None, "m"):
         raise SchemaError(
             f"{where} states the unit {entry['unit']!r} beside shape {shape!r}",

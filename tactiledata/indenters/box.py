@@ -1,4 +1,4 @@
-"""A box."""
+"""A box that stands on a face."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.indenters.base.surface import prism_mesh
 
 @dataclass(frozen=True)
 class Box(ParametricIndenter):
-    """A box that stands on a face; ``width`` along x, ``breadth`` along y. A cube where all three are equal."""
+    """A box that stands on a face: ``width`` along x, ``breadth`` along y, ``length`` along z, m."""
 
     shape = "box"
     title = "box or cube on a face"
@@ -26,6 +26,7 @@ class Box(ParametricIndenter):
 
     @property
     def _corners(self) -> Array:
+        """Corners (4, 2) of the section, m, counter-clockwise."""
         return np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [self.width / 2, self.breadth / 2]
 
     def signed_distance(self, points: Array) -> Array:

@@ -1,4 +1,4 @@
-"""A cone with a rounded tip."""
+"""A cone with a rounded tip, which points down."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ from tactiledata.indenters.base.surface import revolved_mesh
 
 @dataclass(frozen=True)
 class Cone(ParametricIndenter):
-    """A cone, tip down; tip and upper rim are rounded with ``tip_radius``, as every print's are."""
+    """A cone, tip down, whose tip and upper rim are rounded with ``tip_radius``, as in every print.
+
+    ``half_angle`` is that between axis and flank, rad; ``length`` is the height, m.
+    """
 
     shape = "cone"
     title = "cone with a rounded tip"

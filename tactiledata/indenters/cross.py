@@ -1,4 +1,4 @@
-"""A cross-shaped punch."""
+"""A flat punch with the section of a cross."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.indenters.base.surface import prism_mesh
 
 @dataclass(frozen=True)
 class Cross(ParametricIndenter):
-    """A punch with the section of a plus sign; inner corners press where bars meet."""
+    """A punch with the section of a plus sign: two bars of length ``span`` and width ``bar``, m, with inner corners."""
 
     shape = "cross"
     title = "cross-shaped punch"
@@ -29,6 +29,7 @@ class Cross(ParametricIndenter):
 
     @property
     def _corners(self) -> Array:
+        """Corners (12, 2) of the section, m, counter-clockwise."""
         s, b = self.span / 2, self.bar / 2
         quarter = np.array([[s, -b], [s, b], [b, b]])
         turn = np.array([[0.0, 1.0], [-1.0, 0.0]])

@@ -1,4 +1,4 @@
-"""A flat punch."""
+"""A flat punch: a cylinder on its end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A lying cylinder."""
+"""A cylinder that lies on its side."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.indenters.base.surface import circle, prism_mesh
 
 @dataclass(frozen=True)
 class CylinderSide(ParametricIndenter):
-    """A cylinder that lies on its side, axis along x: touches along a line."""
+    """A cylinder that lies on its side, axis along x, ``width`` long; it touches along a line."""
 
     shape = "cylinder_side"
     title = "lying cylinder, axis along x"
@@ -29,6 +29,7 @@ class CylinderSide(ParametricIndenter):
 
     def mesh(self) -> trimesh.Trimesh:
         rod = prism_mesh(circle(self.radius), self.width)
+        # the prism stands on its section: lay it down along x
         across, up, along = rod.vertices.T
         rod.vertices = np.column_stack([along - self.width / 2, across, up + self.radius])
         return rod

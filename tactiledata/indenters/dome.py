@@ -1,4 +1,4 @@
-"""A shallow dome on a cylinder."""
+"""A cylinder with a shallow dome at its end."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from tactiledata.indenters.base.surface import revolved_mesh
 
 @dataclass(frozen=True)
 class Dome(ParametricIndenter):
-    """A cylinder whose end is a shallow spherical cap: a large ball's curvature on a part that fits the gel."""
+    """A cylinder of ``radius`` that ends in a spherical cap of ``curvature_radius``, m.
+
+    It has the curvature of a large ball, and fits the gel.
+    """
 
     shape = "dome"
     title = "shallow spherical cap on a cylinder"
@@ -32,6 +35,7 @@ class Dome(ParametricIndenter):
 
     @property
     def _cap(self) -> float:
+        """Height of the cap, m."""
         return self.curvature_radius - float(np.sqrt(self.curvature_radius**2 - self.radius**2))
 
     def signed_distance(self, points: Array) -> Array:

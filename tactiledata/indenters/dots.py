@@ -1,4 +1,4 @@
-"""Nine round-ended pins on a plate."""
+"""Nine pins with round ends on a plate."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from tactiledata.indenters.base.planar import swept_distance
 from tactiledata.indenters.base.surface import circle, lofted_faces, sealed
 
 GRID = np.array([[column, row] for row in (-1, 0, 1) for column in (-1, 0, 1)], dtype=float)
-"""Places of the pins, in pitches."""
+"""Places (9, 2) of the pins, in pitches."""
 PIN_SECTIONS = 32
-"""Segments of a pin's turn in the mesh; a multiple of 8, so that corners of the plate's cells are among them."""
+"""Segments of a full turn of a pin in the mesh; a multiple of 8, so that corners of the cells are among them."""
 
 
 @dataclass(frozen=True)
 class Dots(ParametricIndenter):
     """Nine pins with round ends, in a square grid of 3 x 3, on a plate: many small contacts at once.
 
-    The origin is the tip of the middle pin. Inside the body the signed distance is a bound, not exact: near the
-    feet of the pins the true depth is larger.
+    The origin is the tip of the middle pin. Pins have ``pin_radius`` and reach ``pin_length`` below the plate, whose
+    top is at ``length``, m. Inside the body the signed distance is a bound, not exact: near the feet of the pins the
+    true depth is larger.
     """
 
     shape = "dots"
@@ -47,6 +48,7 @@ class Dots(ParametricIndenter):
         places = self.pitch * np.clip(np.rint(points[:, :2] / self.pitch), -1, 1)
         shaft = np.clip(points[:, 2], self.pin_radius, self.pin_length)
         to_pin = np.linalg.norm(points - np.column_stack([places, shaft]), axis=1) - self.pin_radius
+        # the plate above the pins
         beyond = np.abs(points[:, :2]) - 1.5 * self.pitch
         section = np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0)
         half = (self.length - self.pin_length) / 2
@@ -69,7 +71,8 @@ class Dots(ParametricIndenter):
         return sealed(vertices, np.concatenate([under.faces, *walls, top]))
 
     def _cell(self) -> trimesh.Trimesh:
-        """One pin and the plate's underside around it, open at the square's edge."""
+        """Mesh of one pin and of the plate's underside around it, open at the edge of the square."""
+        # rings of vertices from the tip up the pin, then out to the edge of the square
         polar = np.linspace(0.0, np.pi / 2, 9)[1:]
         around = circle(1.0, PIN_SECTIONS)
         radii = [*(self.pin_radius * np.sin(polar)), self.pin_radius]

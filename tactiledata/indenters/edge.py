@@ -1,4 +1,4 @@
-"""A wedge with a rounded edge."""
+"""A wedge with a rounded edge, which points down."""
 
 from __future__ import annotations
 
@@ -21,7 +21,11 @@ from tactiledata.indenters.base.surface import prism_mesh
 
 @dataclass(frozen=True)
 class Edge(ParametricIndenter):
-    """A wedge, edge down and along x; its three edges are rounded with ``edge_radius``, its ends are flat."""
+    """A wedge whose edge points down and runs along x, ``width`` long, with flat ends.
+
+    Its three edges are rounded with ``edge_radius``, m; ``half_angle`` is that between plane of symmetry and flank,
+    rad; ``length`` is the height, m.
+    """
 
     shape = "edge"
     title = "wedge with a rounded edge"

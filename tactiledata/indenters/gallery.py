@@ -1,4 +1,4 @@
-"""A picture of all indenters, each as it meets the gel."""
+"""A picture of all indenters: each as the gel sees it, and its footprint."""
 
 from __future__ import annotations
 
@@ -16,22 +16,31 @@ if TYPE_CHECKING:
     from tactiledata.indenters.base import Indenter
 
 COLUMNS = 5
+"""Solids in a row of the picture."""
 VIEW = {"elev": -28.0, "azim": -62.0}
-"""Seen from below, where the gel is: the side that touches."""
+"""Direction of view, degrees: from below, where the gel is, on the side that touches."""
 FOOTPRINT_HALF_WIDTH = 0.0062
-"""Half the width of the gel that a footprint shows, metres."""
+"""Half the width, m, of the gel that a footprint shows."""
 FOOTPRINT_DEPTH = 0.001
-"""Depth of the press whose footprint is shown, metres."""
+"""Depth, m, of the press whose footprint is shown."""
 
 
 def draw_gallery(path: Path, solids: Mapping[str, Indenter] | None = None) -> None:
-    """A PNG of solids, by default all of the table: seen from the gel, and the footprint of a 1 mm press below.
+    """Write a PNG of solids: each as seen from the gel, and below it the footprint of a 1 mm press.
 
-    Needs matplotlib (extra ``report``).
+    It needs matplotlib (extra ``report``).
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    solids : dict, name -> Indenter, optional
+        Solids to draw; all of the table with their default sizes unless stated.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    # a grid of caption, solid and footprint for each solid
     shown = {name: INDENTERS[name]() for name in INDENTERS} if solids is None else dict(solids)
     rows = -(-len(shown) // COLUMNS)
     height = 4.0 * rows + 0.5  # inches
@@ -53,6 +62,7 @@ def draw_gallery(path: Path, solids: Mapping[str, Indenter] | None = None) -> No
         _write_caption(figure.add_subplot(grid[3 * row, column]), name, solid)
         _draw_solid(figure.add_subplot(grid[3 * row + 1, column], projection="3d"), solid)
         image = _draw_footprint(figure.add_subplot(grid[3 * row + 2, column]), solid)
+    # one scale of depths for all footprints
     scale = figure.colorbar(
         image, cax=figure.add_axes((0.68, 0.5 / height, 0.27, 0.11 / height)), orientation="horizontal"
     )
@@ -62,6 +72,7 @@ def draw_gallery(path: Path, solids: Mapping[str, Indenter] | None = None) -> No
 
 
 def _write_caption(axes: Axes, name: str, solid: Indenter) -> None:
+    """Write the name of a solid and its sizes."""
     from textwrap import fill
 
     sizes = ", ".join(_size(key, value) for key, value in solid.sizes.items())
@@ -71,6 +82,7 @@ def _write_caption(axes: Axes, name: str, solid: Indenter) -> None:
 
 
 def _draw_solid(axes: Any, solid: Indenter) -> None:
+    """Draw the surface of a solid, shaded, as seen from the gel."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     surface = solid.mesh()
@@ -94,11 +106,13 @@ def _draw_solid(axes: Any, solid: Indenter) -> None:
 
 
 def _size(name: str, value: float) -> str:
+    """Return a size in words: lengths in mm, angles in degrees."""
     label = name.replace("_", " ")
     return f"{label} {np.degrees(value):.0f}°" if name.endswith("angle") else f"{label} {1e3 * value:g} mm"
 
 
 def _draw_footprint(axes: Axes, solid: Indenter) -> Any:
+    """Draw the depth over x and y to which the solid reaches below the surface; return the image."""
     steps = np.linspace(-FOOTPRINT_HALF_WIDTH, FOOTPRINT_HALF_WIDTH, 301)
     x, y = np.meshgrid(steps, steps)
     depth = np.maximum(FOOTPRINT_DEPTH - solid.height(x, y), 0.0)

@@ -1,4 +1,4 @@
-"""A hexagonal prism."""
+"""A hexagonal prism on its end."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.indenters.base.surface import prism_mesh
 
 @dataclass(frozen=True)
 class Hexagon(ParametricIndenter):
-    """A hexagonal prism on its end, flats towards +x and -x: the end of a hex key."""
+    """A hexagonal prism on its end, with flats towards +x and -x ``across_flats`` apart, m: the end of a hex key."""
 
     shape = "hexagon"
     title = "hexagonal prism on its end"
@@ -25,6 +25,7 @@ class Hexagon(ParametricIndenter):
 
     @property
     def _corners(self) -> Array:
+        """Corners (6, 2) of the section, m, counter-clockwise."""
         angles = np.pi / 6 + np.pi / 3 * np.arange(6)
         return self.across_flats / np.sqrt(3) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 

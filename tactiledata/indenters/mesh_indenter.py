@@ -1,4 +1,4 @@
-"""Any solid, from a mesh file that stands beside a log or a scenario."""
+"""Any solid, from a mesh file beside a log or a scenario."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from tactiledata.indenters.base import LARGEST_PART, SMALLEST_PART, Indenter
 from tactiledata.units import metres
 
 UNITS = ("m", "mm")
-"""Units that a document may state for a mesh, as in ``schemas/log.json``."""
+"""Units of length that a document may state for a mesh, as in ``schemas/log.json``."""
 FILE_TYPES = ("stl", "obj", "ply")
-"""Formats that hold triangles and nothing that runs. Materials and textures that they name are not looked at."""
+"""Suffixes of formats that hold triangles and no code; materials and textures that they name are ignored."""
 MAX_MESH_BYTES = 64 * 2**20
-"""Largest mesh file that is read: about 1.3 million triangles of binary STL."""
+"""Largest size, bytes, of a mesh file that is read: about 1.3 million triangles of binary STL."""
 RAY_SCALE = 1e5
-"""Factor on lengths while rays are cast: the caster takes triangles below about 1e-7 in area for degenerate."""
+"""Factor on lengths while rays are cast: below about 1e-7 in area a triangle counts as degenerate there."""
 RAY_OFFSETS = 1e-9 * np.array([[0.1, 0.23], [-0.37, 0.11], [0.29, -0.41]])
-"""Sideways shifts, metres, of the three rays at each place, so that one that slips between two triangles does no harm;
-in no simple ratio, so that they do not lie along one edge."""
+"""Sideways shifts (3, 2), m, of the three rays at each place: a ray may slip between two triangles, three do not.
+Their ratios are not simple, so that the rays do not all lie along one edge."""
 
 
 class MeshIndenter(Indenter):
@@ -43,15 +43,15 @@ class MeshIndenter(Indenter):
     Parameters
     ----------
     surface : trimesh.Trimesh
-        Watertight, metres, indenter frame.
+        Watertight surface, m, indenter frame.
     file : str
-        Its path as the document states it.
+        Path of the mesh as the document states it.
     unit : str
-        The unit of the numbers in the file.
+        Unit of the numbers in the file, one of ``UNITS``.
 
     Not to be confused with
     -----------------------
-    The gel's mesh, which is a volume and deforms.
+    The mesh of the gel, which is a volume and deforms.
     """
 
     shape = "mesh"
@@ -64,24 +64,25 @@ class MeshIndenter(Indenter):
 
     @property
     def sizes(self) -> dict[str, float]:
-        """Nothing: a mesh has no sizes to set."""
+        """An empty dict: a mesh has no sizes to set."""
         return {}
 
     @property
     def document(self) -> dict[str, Any]:
-        """The mesh's file and unit."""
+        """File and unit of the mesh, as ``log.yaml`` states them."""
         return {"mesh": self._file, "unit": self._unit}
 
     @cached_property
     def _arrays(self) -> tuple[Array, NDArray[np.int64]]:
+        """Vertices (v, 3), m, and faces (f, 3) of the surface, as libigl takes them."""
         vertices = np.ascontiguousarray(self._surface.vertices, dtype=np.float64)
         return vertices, np.ascontiguousarray(self._surface.faces, dtype=np.int64)
 
     def signed_distance(self, points: Array) -> Array:
-        """Distances (n,), metres, by libigl: nearest triangle in a box tree, sign from the winding number.
+        """Signed distances (n,), m, of points (n, 3), by libigl: nearest triangle, sign from the winding number.
 
-        About 30,000 points a second for 32,768 triangles, measured on two busy cores. The tree is built in every call:
-        ask for many points at once. Where closed parts overlap the sign is right and the magnitude inside a bound.
+        Some 30,000 points a second for 32,768 triangles, on two busy cores. Each call builds a tree of boxes anew: ask
+        for many points at once. Where closed parts overlap, the sign is right and the magnitude inside is a bound.
         """
         queries = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
         if not len(queries):
@@ -96,6 +97,7 @@ class MeshIndenter(Indenter):
         return self._surface.copy()
 
     def height(self, x: Array, y: Array) -> Array:
+        # rays from below each place; the lowest of three hits counts
         vertices, faces = self._arrays
         start = float(vertices[:, 2].min()) - SMALLEST_PART
         tree = igl.AABB()
@@ -105,23 +107,33 @@ class MeshIndenter(Indenter):
         up = np.tile([0.0, 0.0, 1.0], (len(places), 1))
         for offset in RAY_OFFSETS if len(places) else []:
             origins = np.column_stack([places + offset, np.full(len(places), start)]) * RAY_SCALE
-            triangle, travelled, _ = tree.intersect_ray_first(vertices * RAY_SCALE, faces, origins, up)
+            triangle, distance, _ = tree.intersect_ray_first(vertices * RAY_SCALE, faces, origins, up)
             is_hit = triangle >= 0
-            lowest[is_hit] = np.minimum(lowest[is_hit], start + travelled[is_hit] / RAY_SCALE)
+            lowest[is_hit] = np.minimum(lowest[is_hit], start + distance[is_hit] / RAY_SCALE)
         return lowest.reshape(np.shape(x))
 
 
 def load_mesh_indenter(entry: Mapping[str, Any], folder: Path | None, where: str) -> MeshIndenter:
-    """The indenter of an entry ``{mesh, unit}``; see ``make_indenter``.
+    """Return the indenter of an entry ``{mesh, unit}`` of a log or a scenario.
+
+    Parameters
+    ----------
+    entry : mapping
+        ``mesh``, the path of a file, and ``unit``, that of its numbers.
+    folder : Path, optional
+        Folder to which the path is relative; ``None`` refuses every mesh.
+    where : str
+        Document and place in it, for messages.
 
     Raises
     ------
     SchemaError
         No unit, an unknown kind of file, a file that is too large or no mesh, a surface that is open or inconsistent,
-        or a part whose size tells that the unit is wrong.
+        or a size that shows that the unit is wrong.
     LostFile, UnsafeContent
-        The file is not there, or outside ``folder``.
+        A file that does not exist, or lies outside ``folder``.
     """
+    # what the entry states
     name, unit = entry["mesh"], entry.get("unit")
     if not isinstance(name, str) or not name:
         raise SchemaError(f"{where} names the mesh {name!r}", "the path of a file", path=where)
@@ -138,6 +150,7 @@ def load_mesh_indenter(entry: Mapping[str, Any], folder: Path | None, where: str
         )
     if folder is None:
         raise SchemaError(f"{where} names the mesh {name!r} in a document without a folder", "a shape", path=where)
+    # what the file holds
     path = path_inside(folder, name, where)
     with np.errstate(over="ignore", invalid="ignore"):  # absurd numbers are what the checks are for
         surface = _read(path, where)
@@ -148,6 +161,7 @@ def load_mesh_indenter(entry: Mapping[str, Any], folder: Path | None, where: str
 
 
 def _read(path: Path, where: str) -> trimesh.Trimesh:
+    """Return the triangles of a mesh file, in its own unit; refuse other kinds, large files and broken files."""
     kind = path.suffix.lower().lstrip(".")
     if kind not in FILE_TYPES:
         raise SchemaError(
@@ -186,10 +200,11 @@ _LOADER_FAULTS = (
     struct.error,
     trimesh.exchange.stl.HeaderError,
 )
-"""What trimesh's loaders are seen to raise on broken files."""
+"""Errors that the loaders of trimesh have been seen to raise on broken files."""
 
 
 def _not_a_mesh(path: Path, where: str, why: str) -> SchemaError:
+    """Return the error of a file that cannot be read as a mesh, with the reason."""
     return SchemaError(
         f"{path} cannot be read as a mesh ({why[:200]})",
         "a whole STL, OBJ or PLY file",
@@ -199,6 +214,7 @@ def _not_a_mesh(path: Path, where: str, why: str) -> SchemaError:
 
 
 def _check_surface(surface: trimesh.Trimesh, path: Path, where: str) -> None:
+    """Refuse a surface that is not finite, open or inconsistent; turn one outward that faces inward everywhere."""
     vertices = surface.vertices[np.unique(surface.faces)]
     if not np.isfinite(vertices).all():
         raise SchemaError(
@@ -226,6 +242,7 @@ def _check_surface(surface: trimesh.Trimesh, path: Path, where: str) -> None:
 
 
 def _check_size(surface: trimesh.Trimesh, unit: str, path: Path, where: str) -> None:
+    """Refuse a surface, m, that is larger or smaller than any indenter, and name the unit that would fit."""
     largest = float(surface.extents.max())
     if SMALLEST_PART <= largest <= LARGEST_PART:
         return

@@ -13,7 +13,7 @@ from tactiledata.indenters.base import ParametricIndenter
 
 @dataclass(frozen=True)
 class Pyramid(ParametricIndenter):
-    """A four-sided pyramid, sharp tip down; its base of ``width`` x ``width`` lies at z = ``length``."""
+    """A four-sided pyramid, sharp tip down; its base of ``width`` x ``width`` lies at z = ``length``, m."""
 
     shape = "pyramid"
     title = "four-sided pyramid, tip down"

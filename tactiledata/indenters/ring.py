@@ -1,4 +1,4 @@
-"""A hollow punch."""
+"""A hollow punch: a tube on its end."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.indenters.base.surface import revolved_mesh
 
 @dataclass(frozen=True)
 class Ring(ParametricIndenter):
-    """A tube that stands on its end: touches in a flat annulus around an empty middle."""
+    """A tube that stands on its end; it touches in a flat annulus around an empty middle."""
 
     shape = "ring"
     title = "hollow punch: a tube on its end"
@@ -28,6 +28,7 @@ class Ring(ParametricIndenter):
         return ((self.inner_radius < self.outer_radius, "inner_radius < outer_radius"),)
 
     def _section(self, across: Array) -> Array:
+        """Signed distance, m, to the annulus at distances from the axis, m."""
         middle = (self.outer_radius + self.inner_radius) / 2
         return np.abs(across - middle) - (self.outer_radius - self.inner_radius) / 2
 

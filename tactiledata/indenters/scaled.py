@@ -1,4 +1,4 @@
-"""An indenter of another size."""
+"""An indenter whose lengths are all multiplied by a factor."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from tactiledata.indenters.mesh_indenter import MeshIndenter
 
 
 def scaled(indenter: Indenter, factor: float) -> Indenter:
-    """The indenter with all its lengths multiplied by a factor; its tip stays, and angles do.
+    """Return the indenter with all its lengths multiplied by a factor; tip and angles stay.
 
     Raises
     ------
     TypeError
-        Of an indenter of one's own that has neither sizes nor a mesh file.
+        An indenter of one's own that has neither sizes nor a mesh file.
     UsageError
-        A part that would be larger or smaller than any that is made.
+        A result that is larger or smaller than any indenter.
     """
     if isinstance(indenter, ParametricIndenter):
         sizes = {name: value if name.endswith("angle") else factor * value for name, value in indenter.sizes.items()}

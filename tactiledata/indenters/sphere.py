@@ -1,4 +1,4 @@
-"""A ball."""
+"""A ball, which touches in one point."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tactiledata.indenters.base import ParametricIndenter
 
 @dataclass(frozen=True)
 class Sphere(ParametricIndenter):
-    """A ball that touches in one point: the yardstick, as Hertz solved it."""
+    """A ball that touches in one point: the reference shape, for which Hertz solved the contact."""
 
     shape = "sphere"
     title = "ball"

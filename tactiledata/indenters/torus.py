@@ -1,4 +1,4 @@
-"""A ring of round section."""
+"""A ring of round section that lies flat."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tactiledata.indenters.base.surface import SECTIONS, circle, revolved_mesh
 
 @dataclass(frozen=True)
 class Torus(ParametricIndenter):
-    """A ring of round section, lying flat: touches along a circle, without edges."""
+    """A ring of round section that lies flat; it touches along a circle of ``ring_radius``, m, without edges."""
 
     shape = "torus"
     title = "ring of round section"

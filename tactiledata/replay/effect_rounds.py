@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.effects.simulate.balance import Balance
-from tactiledata.effects.simulate.simulator import as_read, in_contact, unbalanced
+from tactiledata.effects.simulate.simulator import in_contact, unbalanced, with_sensor_effects
 from tactiledata.effects.touch.state import TouchState
 from tactiledata.gel.contact.history import GelHistory, GelTouch
 from tactiledata.gel.contact.recorder import Keep
@@ -118,7 +118,7 @@ class _EffectIteration:
         # the sensor's zero is taken before the first contact
         tare = np.logical_and.accumulate(~answer.contact.touching)
         state = replace(state, touch=replace(state.touch, tare=tare))
-        wrench[rows] = as_read(state, self._effects.settings).wrench
+        wrench[rows] = with_sensor_effects(state, self._effects.settings).wrench
         return replace(history, wrench=wrench)
 
     def _weigh(self, wrench: Array) -> None:

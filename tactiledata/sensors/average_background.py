@@ -1,4 +1,4 @@
-"""One picture of an untouched sensor from several frames, and what speaks against it."""
+"""One picture of an untouched sensor from several frames, and the checks of these frames."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from tactiledata.sensors.image_checks import channel_order, shows_contact
 
 
 def average_background(frames: Sequence[PictureArray], names: Sequence[str]) -> PictureArray:
-    """The mean of frames of an untouched sensor (H, W, 3), rounded: its noise is that of one frame over √n.
+    """Return the mean (H, W, 3), uint8, of n frames of an untouched sensor, whose noise is that of one frame over √n.
 
-    Each of three and more frames is held against the median of all, two against each other. A touch stands out there,
-    unless it is in most of the frames. One picture alone cannot be judged: see decision 0015.
+    Each of three and more frames is compared with the median of all, two are compared with each other. A touch shows
+    there, unless it is in most of the frames. One picture alone cannot be checked: see decision 0015.
 
     Parameters
     ----------
     frames : list of (H, W, 3) uint8 RGB
-        At least one, of one sensor in one place.
+        At least one frame, all of one sensor in one place.
     names : list of str
-        Of the frames, for messages.
+        Name of each frame, for messages.
 
     Raises
     ------
@@ -43,16 +43,17 @@ def average_background(frames: Sequence[PictureArray], names: Sequence[str]) -> 
 
 
 def _refuse_touched(frames: Sequence[PictureArray], names: Sequence[str]) -> None:
+    """Refuse frames of which one differs from the median of all, or one of two from the other, as by a touch."""
     middle = np.rint(np.median(frames, axis=0)).astype(np.uint8) if len(frames) > 2 else frames[0]
     touched = [name for frame, name in zip(frames, names, strict=True) if shows_contact(frame, middle).is_contact]
     if not touched:
         return
     if len(frames) == 2:
-        found = f"{names[0]} and {names[1]} differ from each other as a touch makes them differ"
+        problem = f"{names[0]} and {names[1]} differ from each other as a touch makes them differ"
     else:
-        found = f"{', '.join(touched)} {'shows' if len(touched) == 1 else 'show'} a touch"
+        problem = f"{', '.join(touched)} {'shows' if len(touched) == 1 else 'show'} a touch"
     raise UsageError(
-        found,
+        problem,
         "frames of the untouched sensor",
         "Leave touched frames out; if the sensor was moved or its light changed in between, take the frames anew.",
         touched=touched,
@@ -60,31 +61,32 @@ def _refuse_touched(frames: Sequence[PictureArray], names: Sequence[str]) -> Non
 
 
 def refuse_swapped_channels(image: PictureArray, name: str, reference: PictureArray | None = None) -> None:
-    """Nothing, where a DIGIT's picture is not clearly BGR.
+    """Refuse a picture of a DIGIT whose channels are clearly BGR instead of RGB.
 
     Parameters
     ----------
     image : (H, W, 3) uint8
-        Of a DIGIT, upright.
+        A picture of a DIGIT, upright.
     name : str
-        For the message.
+        Name of the picture, for the message.
     reference : (H, W, 3) uint8 RGB, optional
-        The same unit, known to be RGB; the mean of the bundled units otherwise.
+        A picture of the same unit that is known to be RGB; by default the mean of the bundled units.
 
     Raises
     ------
     UsageError
         Red and blue are swapped.
     """
-    found = channel_order(image, reference)
-    if found.verdict == "bgr":
+    order = channel_order(image, reference)
+    if order.verdict == "bgr":
         raise UsageError(
-            f"red and blue of {name} are swapped: correlation {found.score:.2f} with "
+            f"red and blue of {name} are swapped: correlation {order.score:.2f} with "
             + ("pictures of real DIGIT sensors" if reference is None else "this sensor's own picture"),
             "an RGB picture",
-            "Swap its channels (OpenCV and digit-interface give BGR), or say --unchecked if it is right as it is.",
+            "Swap its channels (OpenCV and digit-interface give BGR), or give --unchecked if it is right as it is.",
         )
 
 
 def _size(image: PictureArray) -> str:
+    """Return the size of a picture in words."""
     return f"{image.shape[0]} rows x {image.shape[1]} columns"

@@ -1,4 +1,4 @@
-"""Real pictures of untouched DIGIT sensors that travel with the package, under names."""
+"""Real pictures of untouched DIGIT sensors that come with the package, by name."""
 
 from __future__ import annotations
 
@@ -19,16 +19,28 @@ ATTRIBUTION = (
 )
 
 FILE_NUMBERS = (0, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21)
-"""Numbers of the pictures as their source names them (``bg_<number>.jpg``); names here count from 0 without gaps."""
+"""Numbers of the pictures in their source (``bg_<number>.jpg``); names here count from 0 without gaps."""
 
 ALIASES = {"ycb-sensorA": "digit-bg-0", "ycb-sensorB": "digit-bg-1"}
-"""Two sensors by the authors of YCB-Slide. Which two units the SPLIT paper calls sensor A and sensor B it does not say:
-these are our choice among the pictures that those authors published."""
+"""Names of two sensors of the authors of YCB-Slide. The SPLIT paper does not say which two units it calls sensor A and
+sensor B: these are our choice among the pictures that those authors published."""
 
 
 @dataclass(frozen=True)
 class BackgroundInfo:
-    """A picture of a sensor that nothing touches, and where it comes from."""
+    """A bundled picture of an untouched sensor, and where it comes from.
+
+    Parameters
+    ----------
+    name : str
+        Name of the picture here.
+    path : Traversable
+        The file in the package.
+    source : str
+        Where it was published.
+    licence, attribution : str
+        Licence, and whom it asks to name.
+    """
 
     name: str
     path: Traversable
@@ -38,7 +50,7 @@ class BackgroundInfo:
 
 
 def bundled_backgrounds() -> dict[str, BackgroundInfo]:
-    """The 18 bundled pictures by name, ``digit-bg-0`` to ``digit-bg-17``; each another unit or lighting."""
+    """Return the 18 bundled pictures by name, ``digit-bg-0`` to ``digit-bg-17``, each of another unit or lighting."""
     folder = resources.files("tactiledata.sensors") / "digit_backgrounds"
     return {
         f"digit-bg-{index}": BackgroundInfo(
@@ -49,12 +61,12 @@ def bundled_backgrounds() -> dict[str, BackgroundInfo]:
 
 
 def resolve_background(name: str) -> BackgroundInfo:
-    """The bundled picture that a name or an alias stands for.
+    """Return the bundled picture that a name or an alias stands for.
 
     Raises
     ------
     UnknownName
-        Neither a bundled picture nor an alias.
+        A name that is neither a bundled picture nor an alias.
 
     Examples
     --------
@@ -69,8 +81,8 @@ def resolve_background(name: str) -> BackgroundInfo:
 
 
 def load_background(name: str) -> NDArray[np.uint8]:
-    """The picture (320, 240, 3), uint8 RGB, of a bundled background or alias."""
+    """Return the picture (320, 240, 3), uint8 RGB, of a bundled background or alias."""
     encoded = np.frombuffer(resolve_background(name).path.read_bytes(), np.uint8)
     image = cv2.imdecode(encoded, cv2.IMREAD_COLOR_RGB)
-    assert image is not None  # a file of ours
+    assert image is not None  # the file belongs to the package
     return np.asarray(image, dtype=np.uint8)

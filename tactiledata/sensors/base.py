@@ -1,4 +1,4 @@
-"""What a sensor model is: one frozen description, every number with its source."""
+"""Descriptions of sensor models, frozen, every number with its source."""
 
 from __future__ import annotations
 
@@ -9,20 +9,27 @@ from typing import Literal
 from tactiledata.errors import UsageError
 
 Kind = Literal["tactile", "force"]
+"""What a sensor measures: pictures of a gel, or wrenches."""
 
 
 @dataclass(frozen=True)
 class GelGeometry:
-    """The soft pad. What a log states under ``gel:`` wins over these.
+    """Shape of the soft pad; what a log states under ``gel:`` takes precedence.
 
     Parameters
     ----------
-    outline : (short, long), metres; along x and y of the gel frame
-    thickness : metres, in the middle
-    edge_thickness : metres, at the rim; the pad is flat where it equals ``thickness``
-    round_end : metres, length of the half-elliptic end at +y of the gel frame; 0 where the outline is a rectangle
-    corner_radius : metres, of the corners at -y
-    shore_00 : durometer on the Shore 00 scale, where known
+    outline : (short, long)
+        Sides, m, along x and y of the gel frame.
+    thickness : float
+        Height in the middle, m.
+    edge_thickness : float
+        Height at the rim, m; the pad is flat where it equals ``thickness``.
+    round_end : float
+        Length, m, of the half-elliptic end at +y of the gel frame; 0 where the outline is a rectangle.
+    corner_radius : float
+        Radius, m, of the corners at -y.
+    shore_00 : float, optional
+        Hardness on the Shore 00 scale, where known.
     """
 
     outline: tuple[float, float]
@@ -40,13 +47,16 @@ class GelGeometry:
 
 @dataclass(frozen=True)
 class TactileCamera:
-    """The picture that a tactile sensor gives.
+    """The camera of a tactile sensor.
 
     Parameters
     ----------
-    shape : (rows, columns), of the canonical RGB uint8 image
-    field_of_view : (along rows, along columns), metres on the gel surface that ``shape`` covers
-    frame_rate : Hz, nominal
+    shape : (rows, columns)
+        Size of the picture, RGB uint8, upright.
+    field_of_view : (along rows, along columns)
+        Lengths, m, on the surface of the gel that the picture covers.
+    frame_rate : float
+        Nominal rate, Hz.
     """
 
     shape: tuple[int, int]
@@ -55,16 +65,26 @@ class TactileCamera:
 
     @property
     def pixel_pitch(self) -> tuple[float, float]:
-        """Metres on the gel per pixel, (down a column, along a row)."""
+        """Length, m, on the gel of a pixel: (down a column, along a row)."""
         return self.field_of_view[0] / self.shape[0], self.field_of_view[1] / self.shape[1]
 
 
 @dataclass(frozen=True)
 class ForceSpecification:
-    """What a force-torque sensor can say; forces N, torques N m, rates Hz.
+    """Range, noise and rate of a force-torque sensor.
 
-    ``force_noise`` and ``torque_noise`` are standard deviations of one reading, ``*_quantum`` the step of the digits
-    that are sent, ``seen_rates`` rates at which recordings really come.
+    Parameters
+    ----------
+    force_range, torque_range : float
+        Largest component of force, N, and torque, N m, on each axis.
+    force_noise, torque_noise : float
+        Standard deviation of one reading, N and N m.
+    force_quantum, torque_quantum : float
+        Step of the digits that are sent, N and N m.
+    rate : float
+        Nominal rate, Hz.
+    seen_rates : tuple of float
+        Rates, Hz, that recordings really have.
     """
 
     force_range: float
@@ -79,23 +99,31 @@ class ForceSpecification:
 
 @dataclass(frozen=True)
 class Sensor:
-    """A sensor model.
+    """Description of a sensor model.
 
     Parameters
     ----------
     name : str
         Name in the table and in ``log.yaml``.
-    title, maker : str
-        For people.
+    title : str
+        Name of the model, for people.
+    maker : str
+        Maker, for people.
     kind : "tactile" or "force"
         Tactile sensors have ``gel`` and ``camera``, force sensors have ``force``.
-    sources : mapping
+    gel : GelGeometry, optional
+        Shape of the soft pad.
+    camera : TactileCamera, optional
+        Camera behind the pad.
+    force : ForceSpecification, optional
+        Range, noise and rate.
+    sources : mapping, field -> str
         Where each number comes from, by field (``"gel.outline"``); estimates of our own say so.
 
     Raises
     ------
     UsageError
-        A description that does not go with its kind, or a number without a source.
+        A description without the parts of its kind, or a number without a source.
     """
 
     name: str
@@ -108,6 +136,7 @@ class Sensor:
     sources: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        """Refuse a description without the parts of its kind, or a number without a source."""
         is_complete = {"tactile": self.gel and self.camera, "force": self.force}[self.kind] is not None
         missing = [entry for entry in self._numbers() if entry not in self.sources]
         if not is_complete or missing:
@@ -118,6 +147,7 @@ class Sensor:
             )
 
     def _numbers(self) -> list[str]:
+        """Fields that need a source, as ``part.name``: those that are neither empty nor 0."""
         parts = {"gel": self.gel, "camera": self.camera, "force": self.force}
         return [
             f"{part}.{name}"

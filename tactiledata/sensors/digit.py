@@ -1,4 +1,4 @@
-"""DIGIT: a low-cost finger with a soft dome, a camera behind it and three coloured LEDs."""
+"""Description of DIGIT: a low-cost finger with a soft dome, a camera behind it and three coloured LEDs."""
 
 from tactiledata.sensors.base import GelGeometry, Sensor, TactileCamera
 

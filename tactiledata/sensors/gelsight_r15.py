@@ -1,4 +1,4 @@
-"""GelSight R1.5, as the ObjectFolder calibration pack recorded one: a flat pad, a small picture."""
+"""Description of GelSight R1.5 as in the ObjectFolder calibration pack: a flat pad, a small picture."""
 
 from tactiledata.sensors.base import GelGeometry, Sensor, TactileCamera
 

@@ -1,4 +1,4 @@
-"""What a picture says about itself: turned or not, RGB or BGR, touched or not."""
+"""Checks of a picture: is it turned, are its channels swapped, does it show a touch?"""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
 from tactiledata.sensors.base import Sensor
 
 LAYOUT_CELLS = (8, 6)
-"""Rows and columns of the coarse map of colours; 4 x 3 already separates all units but one, 16 x 12 no better."""
+"""Rows and columns of the coarse map of colours: 4 x 3 separates all units but one, and 16 x 12 does no better."""
 LAYOUT_CERTAIN = 0.25
-"""Correlation from which on the order of channels is named; see ``channel_order`` for the errors that this gives."""
+"""Correlation from which on the order of channels is decided; ``channel_order`` says how often that is wrong."""
 LAYOUT_COLOURLESS = 4.0
-"""Grey levels of red minus blue, root mean square over the cells, below which a picture has no colours to compare: the
+"""Root mean square of red minus blue over the cells, grey levels, below which a picture has no colours to compare: the
 palest bundled picture has 17, pure noise over all levels 2.6."""
 CONTACT_LEVELS = 15.0
-"""Grey levels of change that count as touched: twice what one pixel of shift gives; see ``shows_contact``."""
+"""Change, grey levels, that counts as touched: twice that of a shift by one pixel; see ``shows_contact``."""
 CONTACT_AREA = 0.005
-"""Part of the picture that must change: on a DIGIT about 1.5 mm2."""
+"""Share of the picture that must change: on a DIGIT about 1.5 mm2."""
 CONTACT_BLUR = 1 / 100
-"""Width of the blur, of the picture's longer side: takes camera noise and JPEG blocks off, keeps a 1 mm contact."""
+"""Width of the blur over the longer side of the picture: it removes camera noise and JPEG blocks, and keeps a contact
+of 1 mm."""
 
 
 def orientation_of(image: PictureArray, sensor: Sensor) -> Literal["ok", "swapped", "other size"]:
-    """Whether a picture has the sensor's rows and columns, those two swapped, or another size.
+    """Return whether a picture has rows and columns of the sensor, the two swapped, or another size.
 
     Examples
     --------
@@ -43,7 +44,7 @@ def orientation_of(image: PictureArray, sensor: Sensor) -> Literal["ok", "swappe
 
 
 def size_orientation(shape: tuple[int, ...], sensor: Sensor) -> Literal["ok", "swapped", "other size"]:
-    """Return what `orientation_of` returns, of a picture known by its rows and columns."""
+    """Return whether rows and columns are those of the sensor, the two swapped, or others; refuse a force sensor."""
     if sensor.camera is None:
         raise UsageError(f"sensor {sensor.name!r} takes no pictures", "a tactile sensor")
     if shape == sensor.camera.shape:
@@ -53,28 +54,29 @@ def size_orientation(shape: tuple[int, ...], sensor: Sensor) -> Literal["ok", "s
 
 @dataclass(frozen=True)
 class ChannelOrder:
-    """The order of channels that a picture seems to have, and the correlation (-1 to 1) that says so."""
+    """The order of channels that a picture seems to have, and the correlation, -1 to 1, on which that rests."""
 
     verdict: Literal["rgb", "bgr", "unsure"]
     score: float
 
 
 def channel_order(image: PictureArray, reference: PictureArray | None = None) -> ChannelOrder:
-    """Whether a picture is RGB, as it should be, or BGR.
+    """Return whether a picture is RGB, as it should be, or BGR, or whether that cannot be decided.
 
     The coarse map of red minus blue changes its sign when the channels are swapped. It is correlated with the map of
-    the sensor's own picture, or without one with the mean map of the bundled DIGIT pictures: red LED on one side,
+    a picture of the same sensor, or without one with the mean map of the bundled DIGIT pictures: red LED on one side,
     blue towards one end.
 
     Measured, leaving each of the 18 bundled pictures out of the mean in turn: 17 right, none wrong, 1 unsure (a unit
     with a blue spot where others are red), as RGB and swapped alike; two real pictures of contacts by others: right.
-    Without a reference it knows upright DIGIT pictures only: of a turned picture or another sensor it means nothing.
+    Without a reference it holds for upright DIGIT pictures only, not for turned ones or for another sensor.
 
     Parameters
     ----------
     image : (rows, columns, 3), uint8
+        The picture.
     reference : (rows, columns, 3), uint8 RGB, optional
-        The same unit, known to be RGB; a contact in either does not matter much.
+        A picture of the same unit that is known to be RGB; a contact in either matters little.
     """
     layout = _layout(image)
     expected = _digit_layout() if reference is None else _layout(reference)
@@ -87,24 +89,25 @@ def channel_order(image: PictureArray, reference: PictureArray | None = None) ->
 
 
 def _layout(image: PictureArray) -> NDArray[np.float32] | None:
-    """The coarse map of red minus blue, mean 0 and norm 1; ``None`` for a picture without colours."""
+    """Coarse map of red minus blue, ``LAYOUT_CELLS``, mean 0 and norm 1; ``None`` for a picture without colours."""
     if image.ndim != 3 or image.shape[2] != 3:
         return None
     cells = cv2.resize(image.astype(np.float32), LAYOUT_CELLS[::-1], interpolation=cv2.INTER_AREA)
     difference = np.asarray(cells[..., 0] - cells[..., 2])
-    difference = difference - difference.mean()  # a tint of the whole picture says nothing about its order
+    difference = difference - difference.mean()  # a tint of the whole picture does not depend on the order
     norm = float(np.linalg.norm(difference))
     return None if norm < LAYOUT_COLOURLESS * np.sqrt(difference.size) else difference / norm
 
 
 def mean_layout(images: list[PictureArray]) -> NDArray[np.float32]:
-    """The mean map of red minus blue of pictures known to be RGB, norm 1."""
+    """Mean map of red minus blue, ``LAYOUT_CELLS``, norm 1, of pictures that are known to be RGB."""
     mean = np.mean([layout for image in images if (layout := _layout(image)) is not None], axis=0)
     return mean / np.linalg.norm(mean)
 
 
 @cache
 def _digit_layout() -> NDArray[np.float32]:
+    """Mean map of red minus blue of the bundled pictures, read-only."""
     layout = mean_layout([load_background(name) for name in bundled_backgrounds()])
     layout.flags.writeable = False
     return layout
@@ -112,9 +115,16 @@ def _digit_layout() -> NDArray[np.float32]:
 
 @dataclass(frozen=True)
 class Contact:
-    """Whether a picture shows a touch: the change in grey levels that decided, and where it is.
+    """Whether a picture shows a touch, by how much it changed, and where.
 
-    ``mask`` is (rows, columns), bool; ``score`` is the change that ``CONTACT_AREA`` of the picture exceeds.
+    Parameters
+    ----------
+    is_contact : bool
+        Whether the picture shows a touch.
+    score : float
+        Change, grey levels, that ``CONTACT_AREA`` of the picture exceeds.
+    mask : (rows, columns), bool
+        Where the change is at least ``CONTACT_LEVELS``.
     """
 
     is_contact: bool
@@ -123,7 +133,7 @@ class Contact:
 
 
 def shows_contact(image: PictureArray, background: PictureArray) -> Contact:
-    """Whether a picture differs from its sensor's untouched picture as a touch makes it differ.
+    """Return whether a picture differs from the untouched picture of its sensor as by a touch, and where.
 
     Per channel the brightness is matched by the medians (LEDs warm up, exposure moves), the difference is blurred, and
     the picture counts as touched where ``CONTACT_AREA`` of it changes by ``CONTACT_LEVELS`` or more.
@@ -134,6 +144,13 @@ def shows_contact(image: PictureArray, background: PictureArray) -> Contact:
     tenth 10 and is not. Untouched bundled pictures: noise of 7 levels with JPEG quality 50 gives at most 6, gains of
     0.9 to 1.05 at most 9, one pixel of shift at most 8, two pixels 15. So a camera that moved by two pixels, and a unit
     whose bright spot saturates when the gain rises by a tenth (19), are taken for a touch.
+
+    Parameters
+    ----------
+    image : (rows, columns, 3), uint8 RGB
+        The picture.
+    background : (rows, columns, 3), uint8 RGB
+        The same sensor without contact.
 
     Raises
     ------

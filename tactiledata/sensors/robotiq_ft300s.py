@@ -1,4 +1,4 @@
-"""Robotiq FT 300-S: the six-axis force-torque sensor between a UR arm's flange and its tool."""
+"""Description of Robotiq FT 300-S: the six-axis force-torque sensor between the flange of a UR arm and its tool."""
 
 from tactiledata.sensors.base import ForceSpecification, Sensor
 

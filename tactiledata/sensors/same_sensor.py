@@ -1,4 +1,4 @@
-"""Whether two pictures without contact are of one sensor."""
+"""A test of whether two pictures without contact are of one sensor."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ exposure drifts by a few levels."""
 
 
 def levels_apart(first: NDArray[np.uint8], second: NDArray[np.uint8]) -> float:
-    """The mean absolute difference of two pictures (H, W, 3), grey levels; both at the smaller size of the two."""
+    """Mean absolute difference, grey levels, of two pictures (H, W, 3), both at the smaller of their sizes."""
     rows, columns = np.minimum(first.shape[:2], second.shape[:2]).tolist()
     return float(np.abs(_sized(first, rows, columns).astype(np.int16) - _sized(second, rows, columns)).mean())
 
@@ -25,6 +25,7 @@ def is_same_sensor(first: NDArray[np.uint8], second: NDArray[np.uint8]) -> bool:
 
 
 def _sized(picture: NDArray[np.uint8], rows: int, columns: int) -> NDArray[np.uint8]:
+    """Return a picture at a size; the same where it has that size."""
     if picture.shape[:2] == (rows, columns):
         return picture
     return np.asarray(cv2.resize(picture, (columns, rows), interpolation=cv2.INTER_AREA), np.uint8)

@@ -4,12 +4,21 @@ import dataclasses
 
 import numpy as np
 import pytest
+from example_effect import EXAMPLE, add_by_line
 
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.simulate.reference_touch import reference_touch
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.effects.simulate.simulator import with_effects
+
+
+@pytest.fixture
+def name(request, monkeypatch):
+    """The name of an effect; the example's is in the table as long as its test takes."""
+    if request.param == EXAMPLE:
+        add_by_line(monkeypatch)
+    return request.param
 
 
 @pytest.fixture(scope="session")

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from example_effect import EVERY_EFFECT
 
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
@@ -53,7 +54,7 @@ def in_other_units(touch):
     )
 
 
-@pytest.mark.parametrize("name", EFFECTS)
+@pytest.mark.parametrize("name", EVERY_EFFECT, indirect=True)
 def test_units_do_not_matter(name, touch, play, medium):
     """Touch and parameters in other units of length, force and time give the same wrench in those units."""
     values = {p.name: medium(name).get(p.name, p.default) for p in EFFECTS[name].parameters}

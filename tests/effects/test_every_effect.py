@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from example_effect import EVERY_EFFECT
 
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import SLOTS
@@ -18,8 +19,7 @@ from tactiledata.effects.touch.state import TouchState
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UnknownName, UsageError
 
-CATALOGUE = set(range(1, 30)) - {28}
-every_effect = pytest.mark.parametrize("name", EFFECTS)
+every_effect = pytest.mark.parametrize("name", EVERY_EFFECT, indirect=True)
 
 
 def null_values(name, rng):
@@ -27,9 +27,10 @@ def null_values(name, rng):
     return {p.name: p.null if p.null is not None else rng.uniform(*p.bounds) for p in EFFECTS[name].parameters}
 
 
-def test_the_catalogue_is_complete():
-    """Each entry of the catalogue but the 28th, numerics, is one effect."""
-    assert sorted(EFFECTS[name].number for name in EFFECTS) == sorted(CATALOGUE)
+@pytest.mark.parametrize("name", EFFECTS._table)
+def test_it_lies_in_the_folder_of_its_slot(name):
+    """The slot of an effect of this package is the name of its folder."""
+    assert EFFECTS[name].slot == EFFECTS[name].__module__.split(".")[-2]
 
 
 @every_effect

@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.base import CONTACT_SLOTS
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.pose.stem_bending import stem_stiffness
 from tactiledata.effects.simulate.setting import EffectSetting
@@ -165,7 +166,7 @@ def test_what_jumps_a_little_is_no_error(touch, moved, jump, is_said):
         np.testing.assert_allclose(state.felt[-1, 2], state.contact.wrench[-1, 2], rtol=jump)
 
 
-@pytest.mark.parametrize("name", [name for name in EFFECTS if EFFECTS[name].slot in "KCI"])
+@pytest.mark.parametrize("name", [name for name in EFFECTS if EFFECTS[name].slot in CONTACT_SLOTS[1:]])
 def test_springs_find_a_balance_with_every_effect(touch, medium, name):
     """No effect in contact jumps with the force in a way that leaves springs without a balance."""
     full = {key: 2 * value for key, value in medium(name).items()}

@@ -105,7 +105,7 @@ AT_BOUND = 0.01
 MOST_INFLUENTIAL = 2
 """Trajectories on which no claim may depend: two of 25 gained 43 together in a world where nothing was missing."""
 INDENTER_PLACES = ("indenter_name", "mount")
-"""Values of `Effect.each` whose numbers differ by indenter: the other indenters say nothing about a held-out one."""
+"""Values of `Effect.varies_by` whose numbers differ by indenter: the other indenters say nothing about a held-out one."""
 IMPLAUSIBLE_SIGMAS = 2.0
 """Standard errors by which a strength must exceed its plausible range to count against an effect."""
 
@@ -279,7 +279,7 @@ def score_candidate(
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # numbers that differ by indenter cannot be predicted for an indenter that is held out
     has_indenter_gain = len(out.by_indenter) > 0 and not any(
-        setting.member.each in INDENTER_PLACES for setting in fit.model.settings
+        setting.member.varies_by in INDENTER_PLACES for setting in fit.model.settings
     )
     of_indenters = 0.5 * (base_out.by_indenter - out.by_indenter) / dispersion if has_indenter_gain else np.zeros(0)
     # the excess is taken from indenters where that is possible, from trajectories otherwise

@@ -193,9 +193,9 @@ def places_of(whitened: WhitenedTouches, effect: Effect) -> tuple[str, ...]:
 
     They are shared as well where some touch does not name its place.
     """
-    if not effect.each:
+    if not effect.varies_by:
         return ("",)
-    names = {getattr(case.touch, effect.each) for case in whitened.touch_set.touches}
+    names = {getattr(case.touch, effect.varies_by) for case in whitened.touch_set.touches}
     return tuple(sorted(names)) if all(names) else ("",)
 
 

@@ -54,7 +54,7 @@ def set_at(effect: str, values: dict[str, float], place: str) -> EffectSetting:
     place : str
         Sensor, indenter or mount; empty for all touches.
     """
-    return EffectSetting(effect, values, {EFFECTS[effect]().each: place} if place else {})
+    return EffectSetting(effect, values, {EFFECTS[effect]().varies_by: place} if place else {})
 
 
 def strength_of(setting: EffectSetting, parameter: Parameter) -> Strength:

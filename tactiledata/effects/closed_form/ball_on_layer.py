@@ -1,4 +1,4 @@
-"""The smallest base that answers as a gel does: a ball on a bonded layer in closed form, for previews and examples."""
+"""A ball on a bonded layer in closed form: the smallest base simulation, for previews and examples."""
 
 from __future__ import annotations
 
@@ -13,23 +13,25 @@ from tactiledata.effects.touch.response import ContactResponse, GelVariant
 from tactiledata.effects.touch.state import wrench_at
 
 DIMITRIADIS = (0.0975, 0.769, 1.283, 1.133, 1.0)
-"""Of chi, highest power first: a ball on an incompressible bonded layer (Biophys. J. 82, 2002, eq. 12)."""
+"""Coefficients of powers of chi, highest first, for a ball on an incompressible bonded layer (Biophys. J. 82, 2002,
+eq. 12)."""
 
 
 @dataclass(frozen=True)
 class BallOnLayer(OnLayer):
-    """Hertz's ball on a thin bonded layer, that sticks and slips as a spring under Coulomb's friction.
+    """Hertz's ball on a thin bonded layer, which sticks and slips as a spring under Coulomb's friction.
 
     F_z = 4/3 E* sqrt(R) d^1.5 f(sqrt(R d) / h), E* = E / (1 - nu^2); A = pi R d; tangential stiffness 8 G a / (2 - nu).
-    It is no finite-strain gel: 5 to 20 % off at 1 mm depth. Variants of the gel change it by rules of thumb.
+    At 1 mm depth it is 5 to 20 % off a gel at finite strain. Variants of the gel change it by rules of thumb.
 
     Parameters
     ----------
     touch : Touch
-        Its indenter has a ``radius``.
+        The touch; its indenter has a ``radius``.
     """
 
     def _respond(self, offset: Array, shift: Array, friction: Array, gel: GelVariant) -> ContactResponse:
+        # where the ball is, on a pad that may be thinner or a dome
         material = self.touch.material
         centre = self.touch.tips[:, :2] + shift
         thickness = self.touch.geometry.thickness * gel.thickness
@@ -38,6 +40,7 @@ class BallOnLayer(OnLayer):
         radius = self.touch.indenter.sizes["radius"] * gel.indenter_scale
         # a dome under a ball is a ball against a ball
         curvature = 1.0 / radius + 2.0 * thickness * gel.dome
+        # normal force: Hertz on a layer, with the factors of the variant
         pressed = np.maximum(depth, 0.0)
         a = np.sqrt(pressed / curvature)
         modulus = material.youngs_modulus / (1.0 - material.poisson_ratio**2)
@@ -48,6 +51,7 @@ class BallOnLayer(OnLayer):
         if gel.skin:
             # the factor is that of linear pads with stiffer uppermost cells, within a third
             normal = normal * (1.0 + 0.3 * gel.skin / np.maximum(a, 0.5 * gel.skin))
+        # shear: one spring under Coulomb's limit
         spring = 8.0 * material.shear_modulus * a / (2.0 - material.poisson_ratio)
         shear, sliding = stick_and_slip(centre, spring, material.friction * friction * normal)
         force = np.column_stack([shear, normal])
@@ -58,7 +62,17 @@ class BallOnLayer(OnLayer):
 
 
 def stick_and_slip(centre: Array, spring: Array, limit: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Shear forces (n, 2) on a ball held by springs (n,) N/m up to limits (n,) N, and when it slides."""
+    """Return shear forces (n, 2), N, of a contact held by a spring under Coulomb's limit, and whether it slides (n,).
+
+    Parameters
+    ----------
+    centre : (n, 2), m
+        Centre of the contact, gel frame.
+    spring : (n,), N/m
+        Stiffness of the spring in each frame; where it is 0 the contact has no shear.
+    limit : (n,), N
+        Largest shear force in each frame.
+    """
     force = np.zeros_like(centre)
     sliding = np.zeros(len(centre), dtype=bool)
     steps = np.diff(centre, axis=0)

@@ -1,4 +1,4 @@
-"""What closed forms of a contact on a bonded layer have in common."""
+"""Base of the closed forms of a contact on a bonded layer."""
 
 from __future__ import annotations
 
@@ -14,26 +14,32 @@ from tactiledata.effects.touch.touch import Touch
 
 @dataclass(frozen=True)
 class OnLayer(ABC):
-    """A `BaseResponse` in closed form, at any variant of the gel.
+    """A `BaseResponse` in closed form, which needs no design points: it answers for any variant of the gel.
 
     Parameters
     ----------
     touch : Touch
-        Its indenter has a ``radius``.
+        The touch; its indenter has a ``radius``.
     """
 
     touch: Touch
 
     def respond(self, offset: Array, shift: Array, friction: Array) -> ContactResponse:
-        """As `BaseResponse.respond`."""
+        """Return the answer of the nominal gel where the indenter is elsewhere than recorded, or friction is another.
+
+        Parameters
+        ----------
+        offset, shift, friction : arrays
+            As in `BaseResponse.respond`.
+        """
         return self._respond(offset, shift, friction, GelVariant())
 
     def difference(self, variant: GelVariant) -> Array:
-        """As `BaseResponse.difference`."""
+        """Wrench (n, 6), N and N m, of the recorded touch with a variant of the gel, less that with the nominal gel."""
         n = len(self.touch)
-        asked = np.zeros(n), np.zeros((n, 2)), np.ones(n)
-        return self._respond(*asked, variant).wrench - self._respond(*asked, GelVariant()).wrench
+        recorded = np.zeros(n), np.zeros((n, 2)), np.ones(n)
+        return self._respond(*recorded, variant).wrench - self._respond(*recorded, GelVariant()).wrench
 
     @abstractmethod
     def _respond(self, offset: Array, shift: Array, friction: Array, gel: GelVariant) -> ContactResponse:
-        """The touch, elsewhere and with another friction, on a variant of the gel."""
+        """Return the answer of a variant of the gel to the touch with an offset, a shift and another friction."""

@@ -1,4 +1,4 @@
-"""The outer surface is more, or less, of a dome than stated (entry 5)."""
+"""The outer surface is curved more, or less, than stated."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ from tactiledata.effects.parameter import strength
 from tactiledata.effects.touch.response import GelVariant
 
 
-class Dome(Effect):
-    """h(x, y) = h0 (1 - kappa r^2) beside the shape that was simulated; the radius of the dome is 1 / (2 h0 kappa).
+class DomeCurvature(Effect):
+    """A curvature beside that of the simulated pad: h(x, y) = h0 (1 - kappa r^2), a dome of radius 1 / (2 h0 kappa).
 
-    Away from the middle contact comes later, on an inclined and thinner gel. The gel engine plays kappa = -2000 and
+    Away from the middle, contact begins later, on an inclined and thinner gel. The gel engine plays kappa = -2000 and
     +2000 1/m^2.
 
     Source: geometry of a sphere to second order; dome radii of 20 to 80 mm on a 4 mm gel are 1600 to 6300 1/m^2.
     """
 
     name = "dome"
-    number = 5
     title = "curvature of the gel"
-    slot = "K"
+    slot = "geometry"
     parameters = (
         strength(
             "curvature", "1/m^2", "share of its height by which the surface falls, per square of the distance",

@@ -1,4 +1,4 @@
-"""Near its border the pad gives way, and beyond it stands the housing (entry 24)."""
+"""The pad is softer near its border, and the rim of the housing stands beyond it."""
 
 from __future__ import annotations
 
@@ -16,15 +16,14 @@ class PadEdge(Effect):
 
     Within about one contact radius a of the border the stiffness falls: factor 1 - drop exp(-b / a), b the distance of
     the contact's centre from the nearest side of the outline, less an inset where the pad ends before it. Where the
-    body reaches below the rim at the border, the housing pushes with k times the overlap, at the border.
+    indenter reaches below the rim at the border, the housing pushes with k times the overlap, at the border.
 
     Source: geometry; the reach of one contact radius is that of the elastic half space's border.
     """
 
     name = "pad_edge"
-    number = 24
     title = "edge of the pad and housing"
-    slot = "K"
+    slot = "geometry"
     parameters = (
         strength(
             "drop", "1", "share of the stiffness that is lost at the border",
@@ -51,6 +50,7 @@ class PadEdge(Effect):
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         contact, geometry = state.contact, state.touch.geometry
+        # softer gel within about one contact radius of the nearest side
         half = np.asarray(geometry.outline) / 2.0
         room = half - np.abs(contact.centre)
         side = np.argmin(room, axis=1)
@@ -59,6 +59,7 @@ class PadEdge(Effect):
         state = state.stiffened(np.where(contact.touching, 1.0 - values["drop"] * np.exp(-distance / reach), 1.0))
         if values["housing"] == 0.0:
             return state
+        # the rim under that side, where the indenter reaches below it
         border = contact.centre.copy()
         rows = np.arange(len(border))
         border[rows, side] = np.where(border[rows, side] < 0, -half[side], half[side])

@@ -1,4 +1,4 @@
-"""A bubble, a defect or a part that came off the backing (entry 23)."""
+"""A spot of the gel is softer: a bubble, a defect, or a part that came off the backing."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from tactiledata.effects.touch.state import TouchState, wrench_at
 _SPOT = "digit-design issue 40 (bubbles, defects of the adhesive layer), digit-interface issue 15"
 
 SPREAD = (0.6, 0.03)
-"""Variance of the elastic energy along the surface, over the squares of contact radius and thickness."""
+"""Factors on the squares of contact radius and thickness whose sum is the variance of the elastic energy along the
+surface."""
 
 
 class SoftRegion(Effect):
-    """A spot of the gel that is softer, as seen by a contact over and beside it.
+    """A spot of the gel that is softer, for contacts over and beside it.
 
-    To first order in the loss, the stiffness falls by the mean of the loss where the elastic energy is. Energy of a
-    contact of radius a on a gel of thickness h is taken as a Gaussian of variance s^2 = 0.6 a^2 + 0.03 h^2 about its
-    centre c, the spot as exp(-|x - x0|^2 / (2 R^2)). Then w = R^2 / (R^2 + s^2) exp(-|c - x0|^2 / (2 (R^2 + s^2))), the
-    force is multiplied by 1 - loss w, and the centre of pressure moves away from the spot by a^2 / 5 grad ln(1 - loss
-    w), a^2 / 5 being the second moment of Hertz's pressure. s^2 is fitted to linear pads with a spot of modulus 0.7 E:
-    losses agree within a quarter, shifts within some 10 um.
+    To first order in the loss, the stiffness falls by the mean of the loss, weighted by the elastic energy. The energy
+    of a contact of radius a on a gel of thickness h is taken as a Gaussian of variance s^2 = 0.6 a^2 + 0.03 h^2 about
+    its centre c, the spot as exp(-|x - x0|^2 / (2 R^2)). Then w = R^2 / (R^2 + s^2) exp(-|c - x0|^2 / (2 (R^2 +
+    s^2))). The force is multiplied by 1 - loss w, and the centre of pressure moves away from the spot by a^2 / 5 grad
+    ln(1 - loss w), a^2 / 5 being the second moment of Hertz's pressure. s^2 is fitted to linear pads with a spot of
+    modulus 0.7 E: losses agree within a quarter, shifts within some 10 um.
     Shear is softened while it sticks, and beyond a traction ``onset``, where the backing begins to slip; sliding shear
     stays mu N.
-    The gel engine is not asked for wrenches: places and sizes of spots are too many to play.
+    The gel engine does not play spots for wrenches: there are too many places and sizes.
 
     Source: perturbation of the elastic energy (Hellmann-Feynman), convolution of Gaussians.
     """
 
     name = "soft_region"
-    number = 23
     title = "bubble or delamination"
-    slot = "K"
+    slot = "geometry"
     parameters = (
         strength(
             "normal_loss", "1", "share of the normal stiffness that the spot has lost",

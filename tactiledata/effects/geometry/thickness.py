@@ -1,4 +1,4 @@
-"""The gel is thinner or thicker on its rigid backing than stated (entry 4)."""
+"""The gel is thinner or thicker on its rigid backing than stated."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tactiledata.effects.touch.response import GelVariant
 
 
 class Thickness(Effect):
-    """The height of the pad over its rigid base times 1 + error; the outer surface stays.
+    """A factor 1 + error on the height of the pad over its rigid base; the outer surface stays.
 
     A thin bonded layer stiffens a press by f(chi), chi = sqrt(R d) / h. The gel engine plays -15 % and +15 %; the
     closed form f = 1 + 1.133 chi + 1.283 chi^2 + 0.769 chi^3 + 0.0975 chi^4 is for a ball on an incompressible bonded
@@ -21,9 +21,8 @@ class Thickness(Effect):
     """
 
     name = "thickness"
-    number = 4
     title = "thickness of the gel"
-    slot = "K"
+    slot = "geometry"
     parameters = (
         strength(
             "error", "1", "share by which the gel is thicker than stated",

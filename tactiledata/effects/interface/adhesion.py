@@ -1,4 +1,4 @@
-"""The gel sticks to the indenter when it leaves (entry 6)."""
+"""The gel pulls at an indenter that leaves."""
 
 from __future__ import annotations
 
@@ -14,20 +14,26 @@ from tactiledata.effects.touch.state import TouchState, wrench_at
 from tactiledata.indenters.base import Indenter
 
 AFTER_SHEAR = 0.12
-"""Of the work of adhesion, what is left once the contact has slid."""
+"""Share of the work of adhesion that is left once the contact has slid."""
 NEWTON_STEPS = 60
+"""Iterations for the contact radius: enough for double precision from any start above the root."""
 
 
 def jkr_force(depth: Array, radius: float, modulus: float, work: Array) -> Array:
-    """Force (n,), N, of Johnson, Kendall and Roberts on a ball at depths (n,), m; 0 where the contact has parted.
+    """Force (n,), N, on a ball by Johnson, Kendall and Roberts; 0 where the contact has parted.
 
     F = 4 E* a^3 / (3 R) - sqrt(8 pi W E* a^3) at the larger a of depth = a^2 / R - sqrt(2 pi W a / E*).
 
     Parameters
     ----------
-    radius : m, of the ball
-    modulus : Pa, E* = E / (1 - nu^2)
+    depth : (n,) m
+        Depths of the tip below the undeformed surface; negative above it.
+    radius : float
+        Radius R of the ball, m.
+    modulus : float
+        E* = E / (1 - nu^2), Pa.
     work : (n,) J/m^2
+        Work of adhesion W.
     """
     pull = np.sqrt(2.0 * np.pi * work / modulus)
     # in x = sqrt(a) the depth is a convex quartic: from above its least value, Newton's steps fall onto the larger root
@@ -45,9 +51,20 @@ def jkr_force(depth: Array, radius: float, modulus: float, work: Array) -> Array
 
 
 def punch_force(depth: Array, radius: float, modulus: float, work: Array) -> Array:
-    """Force (n,), N, that a flat punch pulls with at depths (n,) below 0; 0 where it has parted, and where it presses.
+    """Force (n,), N, of adhesion on a flat punch, at most 0; 0 where it has parted, and where it presses.
 
-    F = 2 E* a depth down to Kendall's -sqrt(8 pi E* W a^3).
+    F = 2 E* a depth, down to Kendall's -sqrt(8 pi E* W a^3).
+
+    Parameters
+    ----------
+    depth : (n,) m
+        Depths of the punch below the undeformed surface; it pulls where they are negative.
+    radius : float
+        Radius a of the punch, m.
+    modulus : float
+        E* = E / (1 - nu^2), Pa.
+    work : (n,) J/m^2
+        Work of adhesion W.
     """
     force = 2.0 * modulus * radius * np.minimum(depth, 0.0)
     return np.where(force >= -np.sqrt(8.0 * np.pi * modulus * work * radius**3), force, 0.0)
@@ -63,21 +80,20 @@ def tip_radius(indenter: Indenter, reach: float) -> float:
 
 
 class Adhesion(Effect):
-    """A pull while the indenter leaves, from its deepest frame on: ``work`` is spent on new surface.
+    """A pull on an indenter that leaves: from the deepest frame on, ``work`` is spent on new surface.
 
-    At the turn the contact keeps its area, and force falls along a flat punch's line until it meets the curve of
-    Johnson, Kendall and Roberts (`jkr_force`), which ends near -1.5 pi W R. A flat tip follows `punch_force` down to
-    -sqrt(8 pi E* W a^3). Once it has slid, 12 % of the work is left. After parting there is no pull until the touch
-    ends.
+    From there on the contact keeps its area, and the force falls along the line of a flat punch until it meets the
+    curve of Johnson, Kendall and Roberts (`jkr_force`), which ends near -1.5 pi W R. A flat tip follows `punch_force`
+    down to -sqrt(8 pi E* W a^3). Once the contact has slid, 12 % of the work is left. After parting there is no pull
+    until the touch ends.
 
     Source: Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 1971; Kendall, J. Phys. D 4, 1971; loss by shear, arXiv
     2310.13708.
     """
 
     name = "adhesion"
-    number = 6
     title = "adhesion on leaving (JKR)"
-    slot = "I"
+    slot = "interface"
     parameters = (
         strength(
             "work", "J/m^2", "work of adhesion while the contact shrinks",
@@ -98,12 +114,14 @@ class Adhesion(Effect):
         depth = np.where(np.isfinite(contact.depth), contact.depth, -np.inf)
         if not contact.touching.any():
             return state
+        # frames after the deepest one, and the work of adhesion that is left in them
         deepest = np.maximum.accumulate(np.where(contact.touching, depth, -np.inf))
         leaves = np.isfinite(deepest) & np.isfinite(depth) & (depth < deepest)
         slid = np.maximum.accumulate(contact.sliding & contact.touching)
         work = values["work"] * np.where(slid, AFTER_SHEAR, 1.0)
         pull = np.zeros(len(depth))
         pull[leaves] = self._pull(state, contact, depth[leaves], deepest[leaves], work[leaves])
+        # a contact that has parted does not pull again
         parted = np.maximum.accumulate(leaves & (depth < 0) & (pull == 0.0))
         force = np.zeros((len(depth), 3))
         force[:, 2] = np.where(parted, 0.0, pull)
@@ -111,7 +129,7 @@ class Adhesion(Effect):
 
     @staticmethod
     def _pull(state: TouchState, contact: ContactResponse, depth: Array, deepest: Array, work: Array) -> Array:
-        """What leaving frames lack (m,), N, at most 0."""
+        """Normal force (m,), N, at most 0, that adhesion adds in frames in which the indenter leaves."""
         material = state.touch.material
         modulus = material.youngs_modulus / (1.0 - material.poisson_ratio**2)
         widest = float(contact.radius.max())
@@ -120,6 +138,7 @@ class Adhesion(Effect):
             return punch_force(depth, widest, modulus, work)
 
         def hertz(at: Array) -> Array:
+            """Force, N, of the ball without adhesion at depths, m."""
             return 4.0 / 3.0 * modulus * np.sqrt(radius) * np.maximum(at, 0.0) ** 1.5
 
         kept = hertz(deepest) - 2.0 * modulus * np.sqrt(radius * deepest) * (deepest - depth)

@@ -1,4 +1,4 @@
-"""Friction that follows the area of contact beside the load (entry 7)."""
+"""Friction depends on the area of contact beside the load."""
 
 from __future__ import annotations
 
@@ -12,19 +12,18 @@ from tactiledata.effects.touch.state import TouchState
 
 
 class AreaFriction(Effect):
-    """F_t = tau A + alpha N, with alpha = mu - tau / p0, so that friction is as simulated at the mean pressure p0.
+    """Friction F_t = tau A + alpha N, alpha = mu - tau / p0: it is as simulated at the mean pressure p0.
 
-    The factor on mu is 1 + tau / mu (A / N - 1 / p0): friction of light, wide contacts is larger, of a ball about as
-    N^(-1/3).
+    The factor on mu is 1 + tau / mu (A / N - 1 / p0): light, wide contacts have a larger mu; that of a ball is
+    about in proportion to N^(-1/3).
 
     Source: Bowden and Tabor's shear strength; Trejo, Fretigny and Chateauminois, arXiv 1701.08013: under a smooth lens
     the local shear stress on rubber does not depend on pressure.
     """
 
     name = "area_friction"
-    number = 7
     title = "friction by area"
-    slot = "I"
+    slot = "interface"
     parameters = (
         strength(
             "shear_strength", "Pa", "tau: friction per area of contact",

@@ -1,4 +1,4 @@
-"""The rim of a contact slips before its middle (entry 10)."""
+"""The rim of a contact slips before its middle."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tactiledata.effects.parameter import strength
 from tactiledata.effects.touch.state import TouchState
 
 ELEMENTS = 8
-"""Contacts in parallel that stand for one; the knee is then within 1 % of Mindlin's curve."""
+"""Number of contacts in parallel that stand for one: the knee is then within 1 % of Mindlin's curve."""
 
 
 def slip_levels(count: int = ELEMENTS) -> Array:
@@ -38,9 +38,8 @@ class PartialSlip(Effect):
     """
 
     name = "partial_slip"
-    number = 10
     title = "partial slip (Cattaneo-Mindlin)"
-    slot = "I"
+    slot = "interface"
     parameters = (
         strength(
             "share", "1", "how much of the rounding is missing: 1 is all of it",

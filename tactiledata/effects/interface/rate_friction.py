@@ -1,4 +1,4 @@
-"""Friction that grows, or falls, with the sliding speed (entry 8)."""
+"""Friction grows, or falls, with the sliding speed."""
 
 from __future__ import annotations
 
@@ -13,25 +13,24 @@ from tactiledata.effects.touch.last_move import SLOWEST as STANDING
 from tactiledata.effects.touch.state import TouchState
 
 SLOWEST = 1e-3
-"""Of the reference speed: slower, the law is not followed further down."""
+"""Speed, over the reference speed, below which the factor on friction stays what it is there."""
 
 
 class RateFriction(Effect):
-    """mu(v) = mu (1 + beta log10(v / v0)), v the speed at which the contact slides.
+    """Friction mu(v) = mu (1 + beta log10(v / v0)) at the speed v of the contact.
 
-    While the tip moves that is its speed. Where it stands and beta > 0, the contact creeps on under its own shear: with
+    While the tip moves, v is its speed. Where it stands and beta > 0, the contact creeps on under its own shear: with
     k dx = -dF and F on the law, v = u / (1 + u t / L), L = beta mu N / (k ln 10), k the contact's stiffness along the
-    gel, t the rest and u the speed below which a tip is said to stand: every move ends slowly. After a moment only
-    L / t counts. Touches that do not tell their rest keep the last move's speed.
+    gel, t the rest and u the speed below which a tip counts as standing: every move ends slowly. After a moment only
+    L / t counts. In a touch that does not state its rest, v is the speed of the last move.
 
     Source: Vorvolakos and Chaudhury, Langmuir 19, 2003: the shear stress of silicone rises with speed up to a maximum;
     beyond, it levels out or falls, which is a negative beta here. The logarithm is the usual form between.
     """
 
     name = "rate_friction"
-    number = 8
     title = "friction by speed"
-    slot = "I"
+    slot = "interface"
     parameters = (
         strength(
             "beta", "1", "relative change of friction per decade of speed",
@@ -52,10 +51,12 @@ class RateFriction(Effect):
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         touch = state.touch
+        # the motion between frames is known: a contact at rest creeps
         if touch.pace is not None and touch.rest is not None:
             speed = _creeping(state, values["beta"], touch.pace, touch.rest)
             ratio = np.maximum(speed / values["speed"], SLOWEST)
             return state.rubbed(np.where(touch.pace > 0, 1.0 + values["beta"] * np.log10(ratio), 1.0))
+        # without the motion between frames: the speed of the last move
         moving = touch.lateral_speed
         last = np.maximum.accumulate(np.where(moving > SLOWEST * values["speed"], np.arange(len(moving)), 0))
         ratio = np.maximum(moving[last] / values["speed"], SLOWEST)
@@ -64,11 +65,23 @@ class RateFriction(Effect):
 
 
 def _creeping(state: TouchState, beta: float, pace: Array, rest: Array) -> Array:
-    """Speed (n,) of the contact, m/s, where the tip moves at a pace and where it rests."""
+    """Speed (n,), m/s, of the contact: the pace where the tip moves, the speed of creep where it rests.
+
+    Parameters
+    ----------
+    state : TouchState
+        State before the effect.
+    beta : float
+        Relative change of friction per decade of speed; a contact creeps where it is positive.
+    pace : (n,) m/s
+        As in `Touch`.
+    rest : (n,) s
+        As in `Touch`.
+    """
     gel, contact = state.touch.material, state.contact
     limit = max(beta, 0.0) * gel.friction * np.maximum(np.nan_to_num(contact.wrench[:, 2]), 0.0) / np.log(10.0)
-    way = np.divide(limit, contact.spring, out=np.zeros_like(limit), where=contact.spring > 0)
-    creeps = (way > 0) & (rest > 0)
+    length = np.divide(limit, contact.spring, out=np.zeros_like(limit), where=contact.spring > 0)
+    creeps = (length > 0) & (rest > 0)
     last = np.minimum(pace, STANDING)
-    slowed: Array = last / (1.0 + np.divide(last * rest, way, out=np.zeros_like(way), where=creeps))
+    slowed: Array = last / (1.0 + np.divide(last * rest, length, out=np.zeros_like(length), where=creeps))
     return np.where(rest > 0, slowed, pace)

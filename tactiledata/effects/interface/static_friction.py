@@ -1,4 +1,4 @@
-"""Friction that is larger before it gives way, and the more so the longer it rested (entry 9)."""
+"""Friction is larger before a contact slides, and the more so the longer the contact has rested."""
 
 from __future__ import annotations
 
@@ -17,21 +17,20 @@ from tactiledata.effects.touch.touch import Touch
 
 
 class StaticFriction(Effect):
-    """mu times 1 + excess exp(-slip / length) + ageing log10[(time + age) / (time + length / v0)].
+    """Friction mu times 1 + excess exp(-slip / length) + ageing log10[(time + age) / (time + length / v0)].
 
-    ``slip`` is how far the contact slid since it stuck, ``age`` how old it is: d age / dt = 1 - v age / length, so that
-    it grows with rest, and is length / v in a long slide at v, which makes fast sliding easier; mu is that at v0. When
-    and how far it slides on its way into a frame is that of a slider on a spring as stiff as the contact; what it has
-    at the end of its move counts where it slid, and then it is as old as the last ``length`` of the move took: moves
-    end slowly. Pace and rest are the touch's own where it tells them.
+    ``slip`` is the distance that the contact has slid since it stuck. ``age`` is the age of the contact: d age / dt =
+    1 - v age / length. The age grows with rest, and is length / v in a long slide at v, which makes fast sliding
+    easier; mu is that at v0. Between two frames, slip and age are those of a slider on a spring as stiff as the
+    contact. Where it slid, the factor is that at the end of its move, and the age there is the time that the last
+    ``length`` of the move took: moves end slowly. Pace and rest are those of the touch where it states them.
 
     Source: Dieterich's ageing law, as in Baumberger and Caroli, Adv. Phys. 55, 2006.
     """
 
     name = "static_friction"
-    number = 9
     title = "static friction and ageing"
-    slot = "I"
+    slot = "interface"
     parameters = (
         strength(
             "excess", "1", "share by which static friction is larger than kinetic",
@@ -65,6 +64,7 @@ class StaticFriction(Effect):
         return {"mu": f"a long slide at {1e3 * values['speed']:g} mm/s"}
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
+        # each frame by what happened since the one before: move, pace, rest, age, spring, limit
         touch, contact = state.touch, state.contact
         steps = np.diff(touch.tips[:, :2], axis=0, prepend=touch.tips[:1, :2])
         spring = contact.spring
@@ -74,19 +74,19 @@ class StaticFriction(Effect):
         ages = _ages_of_a_slide(touch, values["length"], rests)
         sticks = contact.touching & (spring > 0)
         factors = np.ones(len(touch))
-        now = _Interface(values)
+        interface = _AgeingContact(values)
         columns = (*steps.T, touch.time_steps, paces, rests, ages, spring, limit)
-        ways = zip(*(column.tolist() for column in columns), strict=True)
-        for frame, (touches, way) in enumerate(zip(sticks.tolist(), ways, strict=True)):
+        moves = zip(*(column.tolist() for column in columns), strict=True)
+        for frame, (touches, move) in enumerate(zip(sticks.tolist(), moves, strict=True)):
             if touches:
-                factors[frame] = now.moved(_Way(*way))
+                factors[frame] = interface.advance(_Move(*move))
             else:
-                now = _Interface(values)
+                interface = _AgeingContact(values)
         return state.rubbed(factors)
 
 
 def _ages_of_a_slide(touch: Touch, length: float, rests: Array) -> Array:
-    """How old (n,), s, a contact is at the end of a long slide: as long as its last ``length`` took; NaN if unknown."""
+    """Age (n,), s, of a contact at the end of a long slide: the time that its last ``length`` took; NaN if unknown."""
     if touch.last_ways is None:
         return np.full(len(touch), np.nan)
     columns = np.interp(np.log(length), np.log(WAYS), np.arange(len(WAYS)))
@@ -96,10 +96,11 @@ def _ages_of_a_slide(touch: Touch, length: float, rests: Array) -> Array:
     return np.maximum(took - rests, 0.0)
 
 
-class _Way(NamedTuple):
-    """From one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end.
+class _Move(NamedTuple):
+    """Motion from one frame to the next: m along x and y, s in all, m/s while it moves, s at rest in the end.
 
-    ``age``: s, that a long slide has at its end, NaN where it is not known; ``spring``: N/m, ``limit``: N, at its end.
+    ``age``, s, is that of a long slide at its end, NaN where it is not known; ``spring``, N/m, and ``limit``, N, are
+    those at the end.
     """
 
     x: float
@@ -112,41 +113,41 @@ class _Way(NamedTuple):
     limit: float
 
 
-class _Interface:
-    """A contact that ages and forgets."""
+class _AgeingContact:
+    """A slider on a spring whose friction depends on its slip and its age."""
 
     def __init__(self, values: Mapping[str, float]) -> None:
         self._excess, self._ageing = values["excess"], values["ageing"]
         self._length, self._time = values["length"], values["time"]
-        self._of_a_slide = values["length"] / values["speed"]
+        self._slide_age = values["length"] / values["speed"]
         self._x, self._y = 0.0, 0.0
         self._age, self._slipped = 0.0, 0.0
 
     @property
     def factor(self) -> float:
-        """On the kinetic friction."""
+        """Factor on the kinetic friction."""
         fresh = self._excess * exp(-self._slipped / self._length)
-        older = (self._time + self._age) / (self._time + self._of_a_slide)
+        older = (self._time + self._age) / (self._time + self._slide_age)
         return 1.0 + fresh + self._ageing * log10(older)
 
-    def moved(self, way: _Way) -> float:
-        """The factor at the end of a move; rest comes after it."""
-        self._x += way.spring * way.x
-        self._y += way.spring * way.y
+    def advance(self, move: _Move) -> float:
+        """Advance by a move, and return the factor at its end; the rest comes after it."""
+        self._x += move.spring * move.x
+        self._y += move.spring * move.y
         size = hypot(self._x, self._y)
-        most = way.limit * self.factor
+        most = move.limit * self.factor
         if size <= most:
-            self._age, self._slipped = self._age + way.seconds, 0.0
+            self._age, self._slipped = self._age + move.seconds, 0.0
             return self.factor
-        slip = (size - most) / way.spring
+        slip = (size - most) / move.spring
         # a contact may slide where nothing moves, because its load falls
-        speed = way.pace if way.pace > 0 else slip / way.seconds
-        age = way.age if way.age > 0 else self._length / speed
+        speed = move.pace if move.pace > 0 else slip / move.seconds
+        age = move.age if move.age > 0 else self._length / speed
         kept = exp(-slip / self._length)
         self._age = kept * self._age + (1.0 - kept) * age
         self._slipped += slip
         factor = self.factor
-        within = min(way.limit * factor, size) / size
+        within = min(move.limit * factor, size) / size
         self._x, self._y = within * self._x, within * self._y
-        self._age += way.rest
+        self._age += move.rest
         return factor

@@ -1,4 +1,4 @@
-"""LEDs and electronics warm the gel: it swells, and its stiffness changes (entry 21)."""
+"""LEDs and electronics warm the gel, which swells and changes its stiffness."""
 
 from __future__ import annotations
 
@@ -11,11 +11,20 @@ from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.state import TouchState
 
 EXPANSION = 3e-4
-"""1/K, linear, of silicone."""
+"""Coefficient of linear thermal expansion of silicone, 1/K."""
 
 
 def swelling(rise: float, thickness: float, expansion: float = EXPANSION) -> float:
-    """m: how much higher a bonded gel stands, warmer by ``rise`` K.
+    """Height, m, by which a bonded gel rises when it is warmed.
+
+    Parameters
+    ----------
+    rise : float
+        Rise of the temperature, K.
+    thickness : float
+        Height of the gel, m.
+    expansion : float
+        Coefficient of linear thermal expansion, 1/K.
 
     Examples
     --------
@@ -26,7 +35,9 @@ def swelling(rise: float, thickness: float, expansion: float = EXPANSION) -> flo
 
 
 class Heating(Effect):
-    """With s(t) = 1 - exp(-t / time) since power-on: the stiffness times 1 + change s, the surface higher by rise s.
+    """Stiffness times 1 + change s(t), and the surface higher by rise s(t), where s(t) = 1 - exp(-t / time).
+
+    t is the time since power-on.
 
     Rubber elasticity stiffens in proportion to the absolute temperature, +0.3 %/K; silicone gels are also seen to
     soften, 0.2 to 1 %/K. Expansion of 3e-4/K times 4 mm times 10 K is 12 um.
@@ -35,9 +46,8 @@ class Heating(Effect):
     """
 
     name = "heating"
-    number = 21
     title = "heating of the gel"
-    slot = "C"
+    slot = "material"
     parameters = (
         strength(
             "change", "1", "share by which a warm gel is stiffer than a cold one",

@@ -1,4 +1,4 @@
-"""Rubber that was strained before is softer below that strain (entry 2)."""
+"""The gel is softer at strains below the largest one that it has had."""
 
 from __future__ import annotations
 
@@ -12,24 +12,23 @@ from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.state import TouchState
 
 ENERGY_EXPONENT = 2.5
-"""Energy of a ball's press over its depth."""
+"""Exponent of the depth in the elastic energy of a press with a ball."""
 
 
 class Mullins(Effect):
     """The stiffness is multiplied by eta = 1 - softening erf((1 - W / Wm) / beta), Wm the largest energy so far.
 
     Ogden and Roxburgh's law with 1 / r written as ``softening`` and m = 0, applied to the contact as a whole. The
-    energy W of a press is taken to grow as depth^(5/2), as a ball's does; Wm counts earlier touches, of whatever
-    indenter, by the depth of this one that would have done as much.
+    energy W of a press is taken to grow as depth^(5/2), as that of a ball does. Earlier touches, of any indenter, count
+    in Wm by the depth at which this indenter would have done as much (`tactiledata.effects.touch.imprint`).
 
     Source: Ogden and Roxburgh, Proc. R. Soc. A 455, 1999; soft silicones: clean PDMS 0 to 5 %, filled or Ecoflex 5 to
     30 %.
     """
 
     name = "mullins"
-    number = 2
     title = "cyclic softening (Mullins)"
-    slot = "C"
+    slot = "material"
     parameters = (
         strength(
             "softening", "1", "share of the stiffness that is lost at small strain after a large one",

@@ -1,4 +1,4 @@
-"""A coating that is stiffer than the gel under it (entry 25)."""
+"""A coating on the gel is stiffer than the gel under it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tactiledata.effects.touch.response import GelVariant
 
 
 class Skin(Effect):
-    """A thin stiff layer on the outer surface, by what it resists stretching beyond the gel: e = (E_skin / E - 1) t.
+    """A thin stiff layer on the outer surface, by its stiffness in stretching beyond the gel: e = (E_skin / E - 1) t.
 
     Paint of 20 to 100 um that is 2 to 10 times as stiff as the gel has e = 0.02 to 0.9 mm. Its share of the force falls
     with the radius of the contact, about as e / a. The gel engine plays e = 0.2 and 0.6 mm.
@@ -21,9 +21,8 @@ class Skin(Effect):
     """
 
     name = "skin"
-    number = 25
     title = "stiff coating"
-    slot = "C"
+    slot = "material"
     parameters = (
         strength(
             "excess", "m", "thickness of gel as stiff, in stretching, as the coating is beyond the gel",

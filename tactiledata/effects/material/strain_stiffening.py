@@ -1,4 +1,4 @@
-"""Rubber that stiffens with strain: Yeoh instead of neo-Hooke (entry 3)."""
+"""The gel stiffens with strain: Yeoh's law instead of the neo-Hookean one."""
 
 from __future__ import annotations
 
@@ -11,19 +11,18 @@ from tactiledata.effects.touch.response import GelVariant
 
 
 class StrainStiffening(Effect):
-    """W = C10 (I - 3) + C20 (I - 3)^2 + C30 (I - 3)^3 in place of its first term, I of the isochoric deformation.
+    """Yeoh's energy W = C10 (I - 3) + C20 (I - 3)^2 + C30 (I - 3)^3 in place of its first, neo-Hookean term.
 
-    C10 = E / (4 (1 + nu)), as in the neo-Hookean law, so that small strains are unchanged. The gel engine plays
-    C20 / C10 = -0.05 and 0.2, and C30 / C10 = 0.05.
+    I is that of the isochoric deformation; C10 = E / (4 (1 + nu)), so that small strains are unchanged. The gel engine
+    plays C20 / C10 = -0.05 and 0.2, and C30 / C10 = 0.05.
 
     Source: Yeoh, Rubber Chem. Technol. 66, 1993; the range covers Treloar's data up to the strains met here (d / h up
     to 0.4).
     """
 
     name = "strain_stiffening"
-    number = 3
     title = "strain stiffening (Yeoh)"
-    slot = "C"
+    slot = "material"
     parameters = (
         strength(
             "c20", "1", "C20 / C10",

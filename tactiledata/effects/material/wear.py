@@ -1,4 +1,4 @@
-"""A spot that was touched often is softer, and rubs otherwise (entry 22)."""
+"""A spot that was touched often has another stiffness and another friction."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ from tactiledata.effects.touch.state import TouchState
 
 
 class Wear(Effect):
-    """With n earlier touches of the spot and u = 1 - exp(-n / contacts): stiffness and friction times 1 + change u.
+    """Stiffness and friction times 1 + change u, where u = 1 - exp(-n / contacts) after n earlier touches of the spot.
 
     Source: residual deformation of a used gel is reported in DTact issue 1; saturation is the simplest form that stays
     bounded.
     """
 
     name = "wear"
-    number = 22
     title = "wear and ageing"
-    slot = "C"
+    slot = "material"
     parameters = (
         strength(
             "stiffness_change", "1", "share by which a worn spot is stiffer than a fresh one",

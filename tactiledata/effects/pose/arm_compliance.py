@@ -1,4 +1,4 @@
-"""Arm, mount and fixture give way under the contact force (entry 11)."""
+"""Arm, mount and fixture yield to the contact force."""
 
 from __future__ import annotations
 
@@ -18,17 +18,16 @@ class ArmCompliance(Effect):
 
     The tip yields by c F in all directions, and across by a further c_r L^2 F, as the wrist turns by c_r L F under a
     force at the distance L. Depth and force are in balance: d = d0 - c F(d).
-    An arm that is pushed straight back gives way to a side, too: by a lean l F_z, whose direction stays with the bench,
-    and so with an indenter that stands on it.
+    An arm that is pushed straight back also yields to a side, by a lean l F_z. The direction of the lean is fixed to
+    the bench, and so to an indenter that stands on it.
 
     Source: Dumas et al., Robotics and Computer-Integrated Manufacturing 27 (2011), joint stiffness of industrial arms;
     the range is that of a UR5e's tool, 30 to 300 N/mm.
     """
 
     name = "arm_compliance"
-    number = 11
     title = "compliance of arm and mount"
-    slot = "P"
+    slot = "pose"
     parameters = (
         strength(
             "translation", "m/N", "how far the tip yields per newton, in all directions",

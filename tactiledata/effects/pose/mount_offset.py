@@ -1,4 +1,4 @@
-"""The indenter sits elsewhere than stated, or is larger (entry 20)."""
+"""The indenter sits elsewhere than stated, or is larger."""
 
 from __future__ import annotations
 
@@ -16,18 +16,17 @@ _PRINT = "estimate: tolerance of a printed part in a holder"
 
 
 class MountOffset(Effect):
-    """A rigid displacement of the tip, another one for each indenter, and a radius other than stated.
+    """A rigid displacement of the tip and an error of the radius, both different for each indenter.
 
-    d -> d + deeper, (x, y) -> (x, y) + R (x0, y0), R the indenter's turn over the gel, all lengths of the indenter
-    times 1 + radius_error. The first two are kinematics; the third is played by the gel engine at -3 % and +3 %.
+    d -> d + deeper, (x, y) -> (x, y) + R (x0, y0), R the turn of the indenter over the gel; all lengths of the
+    indenter times 1 + radius_error. The displacement is kinematics; the gel engine plays the radius at -3 % and +3 %.
 
     Source: rigid-body kinematics.
     """
 
     name = "mount_offset"
-    number = 20
     title = "indenter offset and radius"
-    slot = "P"
+    slot = "pose"
     parameters = (
         strength(
             "deeper", "m", "how much deeper the tip is than stated",
@@ -53,7 +52,7 @@ class MountOffset(Effect):
     detectability = "0.1 mm is 0.6 to 1.5 N; a depth offset fitted for each trajectory hides it completely."
     reference = "rigid-body kinematics"
     designs: ClassVar = {"radius_error": (-0.03, 0.03)}
-    each = "indenter_name"
+    varies_by = "indenter_name"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         aside = state.touch.poses[:, :2, :2] @ np.array([values["x"], values["y"]])

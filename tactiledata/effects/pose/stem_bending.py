@@ -1,4 +1,4 @@
-"""The stem of the indenter bends under shear (entry 12)."""
+"""The stem of the indenter bends under shear."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ from tactiledata.effects.touch.state import TouchState
 
 
 def stem_stiffness(diameter: float, length: float, modulus: float = 2.5e9) -> float:
-    """N/m: how a round bar, clamped at one end, resists a force across its other, 3 E I / L^3.
+    """Stiffness, N/m, of a round bar that is clamped at one end against a force across its other end, 3 E I / L^3.
+
+    Parameters
+    ----------
+    diameter, length : float
+        Of the bar, m.
+    modulus : float
+        Young's modulus of the bar, Pa; that of a print by default.
 
     Examples
     --------
@@ -26,13 +33,14 @@ def stem_stiffness(diameter: float, length: float, modulus: float = 2.5e9) -> fl
 class StemBending(Effect):
     """A cantilever: the tip yields across by c F_t, c = L^3 / (3 E I); along its axis it is stiff.
 
-    Source: Euler-Bernoulli beam. Set ``where`` to one indenter: each stem is another.
+    Each indenter has a stem of its own: restrict a setting to one indenter by ``where``.
+
+    Source: Euler-Bernoulli beam.
     """
 
     name = "stem_bending"
-    number = 12
     title = "bending of the indenter's stem"
-    slot = "P"
+    slot = "pose"
     parameters = (
         strength(
             "compliance", "m/N", "how far the tip yields across, per newton",

@@ -1,4 +1,4 @@
-"""A cable pulls at the tool as the wrist turns (entry 16)."""
+"""A cable pulls at the tool when the wrist turns."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tactiledata.effects.touch.state import TouchState
 
 
 def with_play(angle: Array, play: float) -> Array:
-    """An angle (n,) that follows another only when it leaves a band of ``play`` about it: the play operator."""
+    """Play operator: an angle (n,), rad, that follows another one only at the ends of a band of width ``play``, rad."""
     follows = np.empty_like(angle)
     at = angle[0] if len(angle) else 0.0
     for frame, target in enumerate(angle):
@@ -23,15 +23,14 @@ def with_play(angle: Array, play: float) -> Array:
 
 
 class CableDrag(Effect):
-    """F -> F + k p(q6), p the angle of the last joint with play: a spring that lets the wrist turn a little freely.
+    """A spring with play on the last joint: F -> F + k p(q6), p the angle of the joint after the play operator.
 
     Source: Krasnosel'skii's play operator, the simplest rate-independent hysteresis; sizes are an estimate.
     """
 
     name = "cable_drag"
-    number = 16
     title = "drag of cables"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         *(
             strength(

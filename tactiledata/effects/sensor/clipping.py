@@ -1,4 +1,4 @@
-"""Readings that end at a limit, and data that were chosen by noisy readings (entry 27)."""
+"""Readings saturate at a limit, and frames were chosen by noisy readings."""
 
 from __future__ import annotations
 
@@ -14,13 +14,22 @@ from tactiledata.effects.touch.normal_density import normal_density
 from tactiledata.effects.touch.state import TouchState
 
 FARTHEST = 2.0
-"""Standard deviations outside the range from which on no frame was chosen, so that none is biased."""
+"""Distance from the range, in standard deviations, beyond which a frame is taken not to have been chosen by noise."""
 
 
 def selection_bias(force: Array, deviation: float, low: float, high: float) -> Array:
-    """Mean (n,) of the noise of norms (n,) that were kept because norm plus noise lay in [low, high].
+    """Mean (n,), N, of the noise of force norms that were kept because norm plus noise lay in [low, high].
 
     The mean of a truncated normal: s (phi(a) - phi(b)) / (Phi(b) - Phi(a)), a = (low - F) / s, b = (high - F) / s.
+
+    Parameters
+    ----------
+    force : (n,) N
+        Norms F without noise.
+    deviation : float
+        Standard deviation s of the noise, N.
+    low, high : float
+        Range of norms that were kept, N.
     """
     margin = FARTHEST * deviation
     is_near = (force > low - margin) & (force < high + margin)
@@ -30,9 +39,18 @@ def selection_bias(force: Array, deviation: float, low: float, high: float) -> A
 
 
 def limited(force: Array, limit: float, knee: float) -> Array:
-    """Forces that end at +-limit, by a parabola from (1 - knee) to (1 + knee) times it; at once where ``knee`` is 0.
+    """Return forces that saturate at +-limit, along a parabola from (1 - knee) to (1 + knee) times the limit.
 
     Below the knee a force stays what it is, bit for bit.
+
+    Parameters
+    ----------
+    force : (n, k) N
+        Components of forces.
+    limit : float
+        Largest component, N.
+    knee : float
+        Half width of the parabola, over the limit; at 0 a force ends at once.
     """
     size = np.abs(force)
     into = size - (1.0 - knee) * limit
@@ -46,18 +64,17 @@ def limited(force: Array, limit: float, knee: float) -> Array:
 class Clipping(Effect):
     """Components of the force end at +-1 / inverse_limit; norms near the ends of the chosen range are biased inwards.
 
-    ``inverse_limit`` is one over the limit, so that its null is no limit; components are those of the sensor, where the
-    touch tells its axes. Amplifiers bend before they end: ``knee`` says over which share of the limit (`limited`).
-    ``noise`` is that of the norm by which frames were chosen (`selection_bias`): close to 1 N those are kept whose
-    noise was positive. Data that were not chosen so have no such bias.
+    ``inverse_limit`` is one over the limit, so that its null is no limit. Components are those of the sensor, where the
+    touch states its frame. An amplifier bends before it saturates: ``knee`` is the share of the limit over which it
+    does (`limited`). ``noise`` is that of the norm by which frames were chosen (`selection_bias`): close to 1 N, frames
+    are kept whose noise was positive. Data that were not chosen by force have no such bias.
 
     Source: truncated normal distribution; the SPLIT paper keeps frames of 1 to 13 N.
     """
 
     name = "clipping"
-    number = 27
     title = "saturation and selection"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         strength(
             "inverse_limit", "1/N", "one over the largest component that is read",
@@ -81,10 +98,11 @@ class Clipping(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         touch, wrench = state.touch, state.wrench.copy()
         if values["inverse_limit"] > 0:
-            limit, told = 1.0 / values["inverse_limit"], touch.to_sensor(wrench)
-            told[:, :3] = limited(told[:, :3], limit, values["knee"])
-            lost = told - touch.to_sensor(wrench)
-            wrench = wrench if not lost.any() else touch.from_sensor(told)
+            # in the frame of the sensor; a wrench that loses nothing stays the same, bit for bit
+            limit, reading = 1.0 / values["inverse_limit"], touch.to_sensor(wrench)
+            reading[:, :3] = limited(reading[:, :3], limit, values["knee"])
+            lost = reading - touch.to_sensor(wrench)
+            wrench = wrench if not lost.any() else touch.from_sensor(reading)
         force = wrench[:, :3]
         if values["noise"] > 0 and touch.selection is not None:
             low, high = touch.selection

@@ -1,4 +1,4 @@
-"""The force sensor is turned against the frame that was assumed (entry 17)."""
+"""The force sensor is turned against the frame that was assumed."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ _MOUNT = "screw holes and adapters; estimate"
 
 
 class FrameRotation(Effect):
-    """F -> R F, M -> R M, R = exp of the rotation vector (tilt_x, tilt_y, yaw): the norm stays.
+    """A rotation of force and torque, F -> R F and M -> R M, R of the rotation vector (tilt_x, tilt_y, yaw).
+
+    The norm of the force stays.
 
     Source: rotation of a wrench about the gel's origin.
     """
 
     name = "frame_rotation"
-    number = 17
     title = "rotation of the force frame"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         *(
             strength(

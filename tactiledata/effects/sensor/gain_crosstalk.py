@@ -1,4 +1,4 @@
-"""Gains and cross-talk of the force sensor (entry 14)."""
+"""The force sensor has errors of its gains, and cross-talk between components."""
 
 from __future__ import annotations
 
@@ -14,19 +14,18 @@ _STUDY = "iCub sensors recalibrated in situ (arXiv 2312.09846)"
 
 
 class GainCrosstalk(Effect):
-    """F -> (I + C) F + quadratic F |F| by component; torques stay.
+    """A linear and a quadratic error of the force, F -> (I + C) F + quadratic F |F| by component; torques stay.
 
-    ``xz`` is what of the true z shows in x. Gains are on the diagonal; the one of z is taken by Young's modulus.
-    A torque that shows in a force does so as the force that made it, with the lever from contact to sensor: 3 % over
-    a gauge's arm of 50 mm become 9 % at a lever of 150 mm, so that more than 3 % of a force can be believed.
+    ``xz`` is the share of the true z that shows in x. Gains are on the diagonal; Young's modulus takes up that of z.
+    Cross-talk of a torque looks like cross-talk of the force behind it, times the lever from contact to sensor: 3 %
+    over a gauge's arm of 50 mm become 9 % at a lever of 150 mm, so that more than 3 % of a force can be believed.
 
     Source: affine and polynomial sensor models, e.g. arXiv 2312.09846.
     """
 
     name = "gain_crosstalk"
-    number = 14
     title = "gain and cross-talk of the force sensor"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         *(
             strength(

@@ -1,4 +1,4 @@
-"""The force sensor feels the tool being accelerated, and swinging on the arm when it stops (entry 29)."""
+"""The force sensor reads the acceleration of the tool, which vibrates on the arm when it stops."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ from tactiledata.effects.touch.touch import Touch
 
 
 class Inertia(Effect):
-    """F -> F - m a, a the acceleration in the gel frame that a tool feels which swings on the arm with ``frequency``.
+    """A force of inertia, F -> F - m a, a the acceleration, gel frame, of a tool that vibrates at ``frequency``.
 
-    The tool starts late and rings when the tip stops: `felt_acceleration`, of the stream of poses.
-    A touch that does not tell it has the tip's own acceleration, twice differentiated from its frames, which must then
-    be dense enough to show a start or a stop. It is added to the reading, for it neither moves the indenter nor touches
+    The tool starts late and rings when the tip stops (`felt_acceleration`, from the stream of poses). In a touch
+    without such a stream, a is the acceleration of the tip, differentiated twice from the frames; they must then be
+    dense enough to show a start or a stop. The force is added to the reading: it neither moves the indenter nor acts on
     the gel.
 
     Source: Newton; 0.5 kg at 0.2 m/s^2 is 0.1 N.
     """
 
     name = "inertia"
-    number = 29
     title = "inertia of the tool and vibration of the arm"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         strength(
             "mass", "kg", "mass between the sensor and the contact",
@@ -51,7 +50,7 @@ class Inertia(Effect):
 
 
 def _acceleration(touch: Touch, frequency: float) -> Array:
-    """Acceleration (n, 3), m/s^2, as the tool feels it."""
+    """Acceleration (n, 3), m/s^2, gel frame, of the tool: from the stream of poses, else from the frames."""
     if touch.felt_accelerations is not None:
         return felt_at(touch.felt_accelerations, frequency)
     if len(touch) < 3:

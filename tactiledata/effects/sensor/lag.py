@@ -1,4 +1,4 @@
-"""Force readings come late, and smoothed (entry 18)."""
+"""Readings of the force come late, and smoothed."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ from tactiledata.effects.touch.time_operators import delayed, fading_memory
 
 
 class Lag(Effect):
-    """F(t) -> F(t - delay), then a first-order low-pass: F - integral of exp(-(t - s) / filter) dF(s).
+    """A delay, F(t) -> F(t - delay), then a first-order low-pass: F - integral of exp(-(t - s) / filter) dF(s).
 
-    It acts on all that the sensor feels, weight and inertia included, so it stands among the sensor's effects.
+    It acts on all that the sensor reads, weight and inertia included, and so belongs to the slot ``sensor``.
 
     Source: robotiq issue 124 (rate really seen); drivers of force sensors with up to 0.5 s.
     """
 
     name = "lag"
-    number = 18
     title = "lag and filter of the force sensor"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         strength(
             "delay", "s", "by how much readings are older than their frames",

@@ -1,4 +1,4 @@
-"""Readings come in steps, and small ones as zero (entry 26)."""
+"""Readings come in steps, and small ones are read as zero."""
 
 from __future__ import annotations
 
@@ -15,19 +15,18 @@ from tactiledata.effects.touch.state import TouchState
 
 
 class Quantisation(Effect):
-    """Components smaller than their dead-band read 0; all are rounded to multiples of their step.
+    """Components smaller than their dead-band are read as 0; all are rounded to multiples of their step.
 
-    Components are those of the sensor, where the touch tells its frame; of the gel frame otherwise. A sensor reads them
-    with its noise, so that near the band's end it tells one time a force and one time nothing: what is simulated, which
-    has no noise, becomes the mean of such readings (`mean_told`); with a noise of 0, one reading.
+    Components are those of the sensor, where the touch states its frame; else those of the gel frame. A sensor has
+    noise, so that near the end of the band it reads sometimes a force and sometimes 0. A simulated component, which has
+    no noise, becomes the mean of such readings (`mean_reading`); with a noise of 0, a single reading.
 
     Source: the FT 300-S sends counts of 0.01 N and 0.001 N m; drivers add dead-bands of their own.
     """
 
     name = "quantisation"
-    number = 26
     title = "quantisation and dead-band"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         strength(
             "step", "N", "step of the force",
@@ -65,17 +64,26 @@ class Quantisation(Effect):
     reference = "Robotiq FT 300-S instruction manual, data stream"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        told = state.touch.to_sensor(state.wrench)
-        force = mean_told(told[:, :3], values["dead_band"], values["noise"])
-        torque = mean_told(told[:, 3:], values["torque_dead_band"], values["torque_noise"])
+        reading = state.touch.to_sensor(state.wrench)
+        force = mean_reading(reading[:, :3], values["dead_band"], values["noise"])
+        torque = mean_reading(reading[:, 3:], values["torque_dead_band"], values["torque_noise"])
         force, torque = _rounded(force, values["step"]), _rounded(torque, values["torque_step"])
         return state.with_reading(state.touch.from_sensor(np.concatenate([force, torque], axis=1)))
 
 
-def mean_told(rows: Array, least: float, noise: float) -> Array:
-    """The mean of x + e, e normal, where it is read as 0 within (-least, least): x where nothing is.
+def mean_reading(rows: Array, least: float, noise: float) -> Array:
+    """Mean (n, k) of readings x + e, e normal, that are read as 0 within (-least, least).
 
     x (1 - Phi(b) + Phi(a)) + s (phi(b) - phi(a)), a = (-least - x) / s, b = (least - x) / s.
+
+    Parameters
+    ----------
+    rows : (n, k) N or N m
+        Components x without noise.
+    least : float
+        Half width of the dead-band; at 0 the mean is x.
+    noise : float
+        Standard deviation s of a reading; at 0 the mean is a single reading.
     """
     if not least > 0:
         return rows
@@ -87,4 +95,5 @@ def mean_told(rows: Array, least: float, noise: float) -> Array:
 
 
 def _rounded(rows: Array, step: float) -> Array:
+    """Return components rounded to multiples of a step; the same where the step is 0."""
     return step * np.round(rows / step) if step > 0 else rows

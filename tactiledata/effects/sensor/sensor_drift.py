@@ -1,4 +1,4 @@
-"""The zero of the force sensor wanders while it warms up (entry 13)."""
+"""The zero of the force sensor drifts while the sensor warms up."""
 
 from __future__ import annotations
 
@@ -14,17 +14,16 @@ _SEEN = "Universal_Robots_ROS_Driver issues 633 (4 N in 5 min) and 269, robotiq 
 
 
 class SensorDrift(Effect):
-    """b(t) = b (1 - exp(-t / time)) since power-on, added to every reading.
+    """A bias b(t) = b (1 - exp(-t / time)), t since power-on, is added to every reading.
 
-    A zero that is taken at the start of each trajectory leaves only what drifts within it.
+    A zero that is taken at the start of each trajectory leaves only the drift within the trajectory.
 
     Source: first-order warming; sizes as reported by users of such sensors.
     """
 
     name = "sensor_drift"
-    number = 13
     title = "bias and thermal drift of the force sensor"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         *(
             strength(

@@ -1,4 +1,4 @@
-"""Mass and centre of gravity of the tool are not what was compensated (entry 15)."""
+"""Mass and centre of gravity of the tool differ from those that were compensated."""
 
 from __future__ import annotations
 
@@ -14,20 +14,19 @@ _MOMENT = "0.5 kg, 2 to 10 mm: 0.01 to 0.05 N m"
 
 
 class ToolWeight(Effect):
-    """F -> F + m g, M -> M + (first moment) x g: a weight that turns with the wrist.
+    """A weight that was not compensated, F -> F + m g and M -> M + (first moment) x g.
 
-    g is the acceleration of gravity in the gel frame, m the mass that was not compensated (negative: too much was), the
-    moment m r that of its centre about the gel's origin. Measured contact wrenches are on the indenter: a mass on the
-    gel's side counts negative.
+    g is the acceleration of gravity in the gel frame, which turns with the wrist. m is the mass that was not
+    compensated, negative where too much was; the first moment is m r, r its centre from the origin of the gel. Measured
+    contact wrenches act on the indenter: a mass on the side of the gel counts negative.
 
     Source: rigid-body statics; seen in cartesian_controllers issue 120 and Universal_Robots_ROS_Driver issues 512 and
     617.
     """
 
     name = "tool_weight"
-    number = 15
     title = "tool weight and centre of gravity"
-    slot = "S"
+    slot = "sensor"
     parameters = (
         strength(
             "mass", "kg", "mass that was not compensated",

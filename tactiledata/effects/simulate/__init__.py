@@ -1,1 +1,12 @@
-"""A simulator with effects, and the settings that it is given."""
+"""What does a touch read like with effects?
+
+Read in this order:
+
+- ``setting``: an effect with its values, as a simulator takes it and as a file keeps it.
+- ``simulator``: plays a touch with settings on top of any base simulation.
+- ``balance``: the force balance between the gel and what bends under its force.
+- ``reference_touch``: a usual touch of the rig, and how much each effect changes it.
+- ``catalogue``: all effects as plain values, for commands and pages.
+
+This room knows effects by the table and by ``base`` alone, no single effect.
+"""

@@ -1,4 +1,4 @@
-"""The wrench that bends springs and that the gel, moved by them, then answers."""
+"""Force balance between springs and the gel: the wrench that bends the springs is the one that the gel answers."""
 
 from __future__ import annotations
 
@@ -9,17 +9,19 @@ import numpy as np
 from tactiledata.arrays import Array, Mask
 
 LEAST_STEP, LARGEST_STEP = 0.02, 2.0
+"""Limits of the secant step, as a factor on the residual."""
 
 
 class Balance:
-    """Looks for a wrench (n, 6) by the secant method, each component of each frame by itself.
+    """Secant iteration for the wrench (n, 6) in balance, each component of each frame on its own.
 
-    Its neighbours hardly matter to a frame.
+    The components hardly depend on one another. ``felt`` is the current estimate, ``largest`` the largest component of
+    the first answer, N or N m.
 
     Parameters
     ----------
-    answer : (n, 6)
-        What the gel answers while nothing bends; NaN where it does not.
+    answer : (n, 6) N, N m
+        Answer of the gel while nothing bends; NaN where the gel could not be solved.
     """
 
     def __init__(self, answer: Array) -> None:
@@ -31,28 +33,28 @@ class Balance:
         self._has_missed = False
 
     def resumed(self) -> Balance:
-        """Another search, for what is bent a little otherwise: from where this one ended, with its steps."""
+        """Return an iteration that starts from the result and the steps of this one, for a slightly changed touch."""
         other = copy(self)
         other._last = other._miss = np.zeros_like(self.felt)
         other._has_missed = False
         return other
 
     def knows(self, answer: Array) -> bool:
-        """Whether the gel answers in the frames in which it answered first."""
+        """Whether the gel answers in the same frames as at the start."""
         return np.array_equal(np.isfinite(answer), self._known)
 
     @property
     def missed(self) -> float:
-        """By how much the last answer was another wrench than the one that was felt."""
+        """Largest residual: component of the last answer less the wrench that it was asked for, N or N m."""
         return float(np.abs(self._miss).max(initial=0.0))
 
     def measure(self, answer: Array) -> None:
-        """The gel answers this to what is ``felt``."""
+        """Record the answer (n, 6) of the gel to the current estimate ``felt``."""
         away = answer - self.felt
         self._last, self._miss = self._miss, np.where(np.isfinite(away), away, 0.0)
 
     def move(self) -> None:
-        """``felt`` becomes what should be nearer."""
+        """Replace the estimate ``felt`` by the next one of the secant method."""
         if self._has_missed:
             fell = self._last - self._miss
             far = np.abs(fell) > 1e-3 * np.abs(self._miss)
@@ -63,7 +65,10 @@ class Balance:
 
 
 def bridged(wrench: Array, known: Mask) -> Array:
-    """A wrench (n, 6) with what is unknown taken from its neighbours, as what is not simulated bends the arm, too."""
+    """Return a wrench (n, 6) whose unknown entries are interpolated in time; 0 in a column without known entries.
+
+    Frames that could not be simulated bend the arm all the same.
+    """
     frames = np.arange(len(wrench))
     columns = [
         column if sure.all() else np.interp(frames, frames[sure], column[sure]) if sure.any() else np.zeros(len(column))

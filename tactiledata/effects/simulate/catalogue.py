@@ -1,4 +1,4 @@
-"""The family as a list of plain values, for commands and pages."""
+"""All effects as plain values, for commands and pages."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from tactiledata.effects.base import SLOT_TITLES, Effect
 
 
 def catalogue(effects: Iterable[Effect]) -> list[dict[str, Any]]:
-    """All that is known of each effect, ready for JSON."""
+    """Return what each effect declares, as values for JSON."""
     return [
         {
             "name": effect.name,
-            "number": effect.number,
             "title": effect.title,
             "slot": effect.slot,
             "slot_title": SLOT_TITLES[effect.slot],

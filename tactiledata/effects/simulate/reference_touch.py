@@ -1,4 +1,4 @@
-"""The rig's scales in numbers, and how much an effect at the end of its plausible range changes on it."""
+"""A usual touch of the rig, and how much each effect changes its force."""
 
 from __future__ import annotations
 
@@ -19,15 +19,26 @@ from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
 
 @dataclass(frozen=True)
 class RigScales:
-    """What is usual on a UR5e that presses a DIGIT.
+    """Usual values of a UR5e that presses a DIGIT.
 
     Parameters
     ----------
-    youngs_modulus : Pa, of the SPLIT paper's calibration
-    poisson_ratio, friction : likewise, friction in the middle of its bounds
-    radius, depth, slide : m, of a usual ball, press and slide
-    speed : m/s
-    noise : N, of one reading of one component
+    youngs_modulus : float
+        Young's modulus of the gel, Pa, as the SPLIT paper calibrated it.
+    poisson_ratio : float
+        Poisson's ratio, from the same calibration.
+    friction : float
+        Coefficient of friction, in the middle of the bounds of that calibration.
+    radius : float
+        Radius of the ball, m.
+    depth : float
+        Depth of the press, m.
+    slide : float
+        Length of the slide, m.
+    speed : float
+        Speed of the slide, m/s.
+    noise : float
+        Standard deviation of one reading of one component of the force, N.
     """
 
     youngs_modulus: float = 0.88e6
@@ -41,19 +52,22 @@ class RigScales:
 
 
 RIG = RigScales()
+"""The usual values."""
 
 
 def contact_stiffness(force: float, depth: float) -> float:
-    """N/m: how the force of a ball grows with depth, 3/2 F / d; a thin layer adds to it."""
+    """Stiffness, N/m, of the press of a ball at a force, N, and a depth, m: 3/2 F / d; a thin layer adds to it."""
     return 1.5 * force / depth
 
 
 def reference_touch(scales: RigScales = RIG) -> Touch:
-    """A ball, 1 mm from the middle: press, dwell, slide to and half way back, dwell, leave; free air about it.
+    """Return a touch of a ball, 1 mm from the middle of a DIGIT, that shows every effect.
 
-    It is the 200th at its place, ten minutes after power-on, five into its recording; a wrist joint turns by half a
+    Free air, press, dwell, slide, half of the slide back, dwell, leave, free air. The place was touched 200 times
+    before. The touch begins ten minutes after power-on, five minutes into its recording. A wrist joint turns by half a
     radian.
     """
+    # corners of the path in time, depth and distance along the gel
     press, slide, back = 2.0, scales.slide / scales.speed, scales.slide / scales.speed / 2.0
     corners = np.cumsum([0.0, 0.5, press, 1.0, slide, back, 1.0, press, 0.5])
     depths = scales.depth * np.array([-0.2, -0.2, 1.0, 1.0, 1.0, 1.0, 1.0, -0.2, -0.2])
@@ -84,9 +98,17 @@ def reference_touch(scales: RigScales = RIG) -> Touch:
 
 
 def largest_changes(effect: Effect, touch: Touch | None = None) -> dict[str, float]:
-    """By strength: the largest change of the force, N, at the farther end of its plausible range.
+    """Return the largest change of the force, N, at the farther end of the plausible range, by strength.
 
-    Shapes have their defaults. Of the ball on a layer, without tare: a size to hold against the noise, no prediction.
+    Shapes have their defaults. The base is the ball on a layer, without tare: a size to compare with the noise, no
+    prediction.
+
+    Parameters
+    ----------
+    effect : Effect
+        The effect; its name is in the table.
+    touch : Touch, optional
+        The touch, `reference_touch` by default.
     """
     touch = reference_touch() if touch is None else touch
     plain = with_effects(BallOnLayer, []).play(touch).wrench

@@ -1,4 +1,4 @@
-"""An effect with its values: what a simulator is given, and what is kept in a file."""
+"""An effect with its values, as a simulator takes it and as a file keeps it."""
 
 from __future__ import annotations
 
@@ -18,27 +18,28 @@ from tactiledata.errors import UnknownName
 from tactiledata.gel.elasticity.material import GelMaterial
 
 FORMAT = "tactiledata-effects/1"
+"""Format that a file of settings states."""
 PLACES = ("sensor", "indenter_name", "mount")
-"""What a setting can be restricted to."""
+"""Fields of a touch to whose values a setting can be restricted."""
 
 
 @dataclass(frozen=True)
 class EffectSetting:
-    """One effect as it is set; the same effect may be set several times, as a spectrum of relaxations.
+    """One effect with its values; the same effect may be set several times, for example as a spectrum of relaxations.
 
     Parameters
     ----------
     effect : str
         Name in the table.
     values : dict, parameter -> value
-        Those not given have their defaults.
-    where : dict
-        Restricts it to touches of one ``sensor``, ``indenter_name`` or ``mount``.
+        Values in SI units; parameters that are not given have their defaults.
+    where : dict, place -> value
+        Restricts the setting to touches of one ``sensor``, ``indenter_name`` or ``mount``; empty for all touches.
 
     Raises
     ------
     UnknownName
-        No such effect, parameter or place.
+        An effect, a parameter or a place that does not exist.
     UsageError
         A value outside its bounds.
     """
@@ -55,56 +56,73 @@ class EffectSetting:
 
     @cached_property
     def member(self) -> Effect:
-        """The effect itself."""
+        """The effect that the table holds under the name."""
         member: Effect = EFFECTS[self.effect]()
         return member
 
     @cached_property
     def is_null(self) -> bool:
-        """Whether it changes nothing."""
+        """Whether every strength is null, so that the setting changes nothing."""
         return self.member.is_null(self.values)
 
     def acts_on(self, touch: Touch) -> bool:
-        """Whether a touch is one of those that it is restricted to."""
-        return all(getattr(touch, name) == wanted for name, wanted in self.where.items())
+        """Whether a touch is among those to which the setting is restricted."""
+        return all(getattr(touch, name) == value for name, value in self.where.items())
 
     def apply(self, state: TouchState) -> TouchState:
-        """The state with the effect."""
+        """Return the state with the effect; the very same object where the setting does not act on the touch."""
         return state if self.is_null or not self.acts_on(state.touch) else self.member.applied(state, self.values)
 
     @property
     def place(self) -> str:
-        """What it is restricted to, in words; empty where it acts everywhere."""
+        """Values to which the setting is restricted, in words; empty where it acts on all touches."""
         return ", ".join(self.where.values())
 
     @property
     def document(self) -> dict[str, Any]:
-        """The setting as ``schemas/effect.json`` has it."""
+        """The setting as an entry of ``schemas/effect.json``."""
         where = {"where": dict(self.where)} if self.where else {}
         return {"effect": self.effect, "values": dict(self.values), **where}
 
 
 def in_order(settings: Iterable[EffectSetting]) -> tuple[EffectSetting, ...]:
-    """Settings in the order in which they act: by slot, then as the table has them, then as given."""
-    place = {name: number for number, name in enumerate(EFFECTS)}
+    """Return settings in the order in which they act: by slot, then by the table, then as given."""
+    place = {name: index for index, name in enumerate(EFFECTS)}
     return tuple(sorted(settings, key=lambda setting: (SLOTS.index(setting.member.slot), place[setting.effect])))
 
 
 def effects_document(settings: Iterable[EffectSetting], material: GelMaterial | None = None) -> dict[str, Any]:
-    """Settings, and the gel that was fitted together with them, as a document that fits ``schemas/effect.json``."""
+    """Return settings as a document that fits ``schemas/effect.json``.
+
+    Parameters
+    ----------
+    settings : iterable of EffectSetting
+        Effects with their values, in any order.
+    material : GelMaterial, optional
+        Material of the gel that was fitted together with the effects.
+    """
     gel = {} if material is None else {"material": asdict(material)}
     return {"format": FORMAT, "effects": [setting.document for setting in in_order(settings)], **gel}
 
 
 def settings_of(document: Any, where: str) -> tuple[EffectSetting, ...]:
-    """The settings in a document.
+    """Return the settings in a document, in the order in which they act.
+
+    Parameters
+    ----------
+    document : dict
+        A document as ``schemas/effect.json`` describes it.
+    where : str
+        Name of the document, for messages.
 
     Raises
     ------
     SchemaError
-        It does not fit ``schemas/effect.json``.
-    UnknownName, UsageError
-        An effect, a parameter or a value that there is not.
+        A document that does not fit ``schemas/effect.json``.
+    UnknownName
+        An effect, a parameter or a place that does not exist.
+    UsageError
+        A value out of bounds.
     """
     check_document(document, "effect", where)
     return in_order(
@@ -113,16 +131,26 @@ def settings_of(document: Any, where: str) -> tuple[EffectSetting, ...]:
 
 
 def write_settings(settings: Iterable[EffectSetting], path: Path | str, material: GelMaterial | None = None) -> None:
-    """Write them to a JSON file, whole or not at all."""
+    """Write settings to a JSON file, whole or not at all.
+
+    Parameters
+    ----------
+    settings : iterable of EffectSetting
+        Effects with their values, in any order.
+    path : Path
+        The file; one that exists is replaced.
+    material : GelMaterial, optional
+        Material of the gel that was fitted together with the effects.
+    """
     write_json_atomic(Path(path), effects_document(settings, material))
 
 
 def read_settings(path: Path | str) -> tuple[EffectSetting, ...]:
-    """The settings in a file; errors as those of `settings_of`."""
+    """Return the settings in a file; the errors are those of `settings_of`."""
     return settings_of(read_document(Path(path)), str(path))
 
 
 def read_material(path: Path | str) -> GelMaterial | None:
-    """The gel that was fitted together with the effects of a file, where it says so."""
+    """Return the material that was fitted together with the effects of a file; ``None`` where the file has none."""
     document = read_document(Path(path), "effect")
     return GelMaterial(**document["material"]) if "material" in document else None

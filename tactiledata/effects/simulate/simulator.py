@@ -1,4 +1,4 @@
-"""A simulator with effects is a simulator again."""
+"""A simulator of touches with effects on top of any base simulation."""
 
 from __future__ import annotations
 
@@ -17,38 +17,40 @@ from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import UsageError
 
 EDGE = 1e-5
-"""m about the surface, within which contact comes and goes."""
+"""Distance from the surface, m, within which contact may come and go between two iterations."""
 MOST_ROUNDS = 30
+"""Largest number of iterations for the force balance."""
 PATIENCE = 8
-"""Rounds without a nearer answer after which one that is close enough is taken."""
+"""Iterations without a smaller residual after which one within ``CLOSE_ENOUGH`` is accepted."""
 RESUMED_ROUNDS, RESUMED_CLOSE = 8, 1e-6
-"""From the balance of a touch bent alike: rounds after which it is looked for anew, and how near it is led on. Nearer
-than from the start, so that small changes of it are those of what bends."""
+"""Iterations from the balance of a similar touch before the solution starts anew, and their relative tolerance. It is
+tighter than ``CLOSE``, so that small differences between two balances are differences of the touches."""
 CLOSE, CLOSE_ENOUGH = 1e-5, 5e-3
-"""Of the largest force: up to where what bends the springs and what the gel answers balance, and where no more. Between
-them lies what jumps: a contact that sticks heals at once, and there may be no balance on either side of it."""
+"""Relative tolerances of the force balance: below ``CLOSE`` it has converged, above ``CLOSE_ENOUGH`` it has failed. In
+between the result is accepted, because stick-slip jumps may leave no exact balance."""
 
 
 @dataclass(frozen=True)
 class Simulator:
-    """A simulation of touches, with effects on top.
+    """A simulation of touches with effects.
 
     Parameters
     ----------
     base : callable, touch -> BaseResponse
+        The simulation without effects.
     effects : tuple of EffectSetting
-        In the order in which they act.
+        Effects in the order in which they act.
     """
 
     base: Callable[[Touch], BaseResponse]
     effects: tuple[EffectSetting, ...] = ()
 
     def with_effects(self, settings: Iterable[EffectSetting]) -> Simulator:
-        """A simulator with further effects."""
+        """Return a simulator with further effects, all in the order in which they act."""
         return Simulator(self.base, in_order([*self.effects, *settings]))
 
     def variant(self, touch: Touch) -> GelVariant:
-        """The gel and the indenter that the effects stand for: play it with ``moved_poses`` for deformed meshes."""
+        """Return the gel and the indenter that the effects stand for; deformed meshes need it and ``moved_poses``."""
         variant = GelVariant()
         for setting in self.effects:
             if setting.acts_on(touch) and not setting.is_null:
@@ -56,46 +58,68 @@ class Simulator:
         return variant
 
     def play(self, touch: Touch) -> TouchState:
-        """A touch to its end: ``wrench`` is what the sensor would read, ``moved_poses`` where the indenter was.
+        """Return the state after all effects: ``wrench`` is what the sensor would read.
 
         Raises
         ------
         UsageError
-            An effect depends on what the touch does not tell, or gel and springs find no balance.
+            The touch does not state what an effect depends on, or gel and springs find no balance.
         """
         return self.read(self.contact(touch))
 
     def contact(self, touch: Touch) -> TouchState:
-        """The touch after its effects in contact alone; as `play`, which goes on from here with `read`."""
+        """Return the state after the effects in contact alone, from which `read` goes on; errors as those of `play`."""
         return self.contact_near(touch, None)[0]
 
     def contact_near(self, touch: Touch, near: Balance | None) -> tuple[TouchState, Balance | None]:
-        """The same, looked for from the balance of a touch that was bent much alike; and the balance found, or
-        ``near`` where nothing bends.
+        """Return the state after the effects in contact, and the force balance found.
+
+        Parameters
+        ----------
+        touch : Touch
+            The touch to play.
+        near : Balance, optional
+            Balance of a similar touch, from which the iteration starts; it is returned where no effect feeds back.
         """
         return _in_balance(TouchState.start(touch, self.base(touch)), in_contact(self.active(touch)), near)
 
     def read(self, contact: TouchState) -> TouchState:
-        """What time and sensor make of it."""
-        return as_read(contact, self.active(contact.touch))
+        """Return the state after effects of time and sensor, for a state after the effects in contact."""
+        return with_sensor_effects(contact, self.active(contact.touch))
 
     def active(self, touch: Touch) -> list[EffectSetting]:
-        """Effects that do something to a touch, in their order."""
+        """Return the settings that change a touch, in the order in which they act."""
         return [setting for setting in self.effects if setting.acts_on(touch) and not setting.is_null]
 
 
 def with_effects(base: Callable[[Touch], BaseResponse], settings: Iterable[EffectSetting]) -> Simulator:
-    """A simulator of a base with effects."""
+    """Return a simulator of a base simulation with effects.
+
+    Parameters
+    ----------
+    base : callable, touch -> BaseResponse
+        The simulation without effects.
+    settings : iterable of EffectSetting
+        Effects with their values, in any order.
+    """
     return Simulator(base).with_effects(settings)
 
 
 def in_contact(settings: Iterable[EffectSetting]) -> list[EffectSetting]:
-    """Those that change what is asked of the gel."""
+    """Return the settings of effects in contact, which change what the gel is asked."""
     return [setting for setting in settings if setting.member.slot in CONTACT_SLOTS]
 
 
-def as_read(state: TouchState, settings: Iterable[EffectSetting]) -> TouchState:
-    """A touch after its effects in contact, with what time and sensor make of the wrench."""
+def with_sensor_effects(state: TouchState, settings: Iterable[EffectSetting]) -> TouchState:
+    """Return the state with the effects of time and sensor, zeroed where the touch states its tare.
+
+    Parameters
+    ----------
+    state : TouchState
+        A state after the effects in contact.
+    settings : iterable of EffectSetting
+        Effects in the order in which they act; those in contact are passed over.
+    """
     state = state.with_reading(state.contact.wrench)
     for setting in settings:
         if setting.member.slot not in CONTACT_SLOTS:
@@ -106,8 +130,9 @@ def as_read(state: TouchState, settings: Iterable[EffectSetting]) -> TouchState:
 def _in_balance(
     start: TouchState, settings: Sequence[EffectSetting], near: Balance | None
 ) -> tuple[TouchState, Balance | None]:
-    """The state after effects in contact, in which what is felt is what the gel answers, and the balance."""
+    """Return the state after effects in contact, in force balance with what bends, and that balance."""
 
+    # springs bent by a wrench, then the answer of the gel
     def after(felt: Array) -> TouchState:
         state = replace(start, felt=felt)
         for setting in settings:
@@ -116,40 +141,41 @@ def _in_balance(
 
     if not any(setting.member.feeds_back for setting in settings):
         return after(start.felt), near
+    # first from the balance of a similar touch, then from the start
     if near is not None:
         balance = near.resumed()
-        found, least = _searched(balance, after, RESUMED_CLOSE, RESUMED_ROUNDS)
-        if least <= CLOSE * balance.largest and balance.knows(found.contact.wrench):
-            return found, balance
+        nearest, least = _search(balance, after, RESUMED_CLOSE, RESUMED_ROUNDS)
+        if least <= CLOSE * balance.largest and balance.knows(nearest.contact.wrench):
+            return nearest, balance
     balance = Balance(start.contact.wrench)
-    found, least = _searched(balance, after, CLOSE, MOST_ROUNDS)
-    if min(least, _missed_beyond_edges(found)) > CLOSE_ENOUGH * balance.largest:
+    nearest, least = _search(balance, after, CLOSE, MOST_ROUNDS)
+    if min(least, _missed_beyond_edges(nearest)) > CLOSE_ENOUGH * balance.largest:
         raise unbalanced(least, MOST_ROUNDS)
-    return found, balance
+    return nearest, balance
 
 
-def _searched(
+def _search(
     balance: Balance, after: Callable[[Array], TouchState], close: float, rounds: int
 ) -> tuple[TouchState, float]:
-    """The nearest state, and what it misses the balance by, N; ``close`` ends it, of the largest force."""
-    least, found = np.inf, 0
-    for number in range(rounds):
+    """Return the state with the smallest residual, and that residual, N or N m; a residual below ``close`` ends it."""
+    least, best = np.inf, 0
+    for iteration in range(rounds):
         state = after(balance.felt)
         balance.measure(state.contact.wrench)
-        if number == 0 or balance.missed < least:
-            nearest, least, found = state, balance.missed, number
-        is_stuck = number - found >= PATIENCE and least <= CLOSE_ENOUGH * balance.largest
+        if iteration == 0 or balance.missed < least:
+            nearest, least, best = state, balance.missed, iteration
+        is_stuck = iteration - best >= PATIENCE and least <= CLOSE_ENOUGH * balance.largest
         if least <= close * balance.largest or is_stuck:
             break
-        if number + 1 < rounds:
+        if iteration + 1 < rounds:
             balance.move()
     return nearest, least
 
 
 def _missed_beyond_edges(state: TouchState) -> float:
-    """By how much, N, what is felt is not what the gel answers, but for frames in which it touches or does not.
+    """Largest residual of the force balance, N or N m, without frames within ``EDGE`` of the surface.
 
-    A force that begins with a jump pushes its springs out of the contact, and without force they come back.
+    There a force that begins with a jump pushes the springs out of contact, and without force they come back.
     """
     missed = np.abs(np.nan_to_num(state.contact.wrench - state.felt))
     inside = ~(np.abs(state.contact.depth) < EDGE)
@@ -157,7 +183,7 @@ def _missed_beyond_edges(state: TouchState) -> float:
 
 
 def unbalanced(missed: float, rounds: int) -> UsageError:
-    """Springs so soft that gel and springs find no rest."""
+    """Return the error where springs are too soft for a balance; ``missed`` is the residual, N or N m."""
     return UsageError(
         f"gel and springs find no balance: {missed:.2g} N are left after {rounds} rounds",
         "springs that are not many times softer than the gel",
@@ -166,7 +192,7 @@ def unbalanced(missed: float, rounds: int) -> UsageError:
 
 
 def _zeroed(state: TouchState) -> TouchState:
-    """The reading less its median in the frames from which the measured zero was taken."""
+    """Return the state whose reading is less its median over the frames of the tare; the same without a tare."""
     tare, wrench = state.touch.tare, state.wrench
     if tare is None:
         return state

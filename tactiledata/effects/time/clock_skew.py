@@ -1,4 +1,4 @@
-"""The force sensor's clock runs otherwise than the camera's (entry 19)."""
+"""The clock of the force sensor runs at another rate than that of the camera."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from tactiledata.effects.touch.time_operators import delayed
 
 
 class ClockSkew(Effect):
-    """F(t) -> F(t - delay), delay = rate t + jump from the time ``jump_at`` on, t since the start of the recording.
+    """A delay of the wrench, F(t) -> F(t - delay): delay = rate t, plus ``jump`` from the time ``jump_at`` on.
 
-    Source: quartz clocks differ by 10 to 100 ppm, 0.6 to 6 ms a minute; a frame that is dropped moves all later ones by
+    t is the time since the start of the recording.
+
+    Source: quartz clocks differ by 10 to 100 ppm, 0.6 to 6 ms a minute; a dropped frame shifts all later ones by
     one.
     """
 
     name = "clock_skew"
-    number = 19
     title = "clock skew and dropped frames"
-    slot = "T"
+    slot = "time"
     parameters = (
         strength(
             "rate", "1", "seconds of delay per second of recording",

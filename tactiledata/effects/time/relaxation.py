@@ -1,4 +1,4 @@
-"""Linear viscoelastic relaxation (entry 1)."""
+"""The gel relaxes: linear viscoelasticity."""
 
 from __future__ import annotations
 
@@ -17,18 +17,17 @@ from tactiledata.effects.touch.time_operators import fading_memory
 class Relaxation(Effect):
     """One term of a Prony series: F(t) = F_e(t) + share * integral of exp(-(t - s) / time) dF_e(s).
 
-    F_e is the answer of the fully relaxed gel, whose modulus is the simulation's; ``share`` is E_i over it. Set it
-    several times for a spectrum. Where the sum would pull, a gel without adhesion has parted: the wrench is 0.
-    Coulomb's law holds at each moment: while it slides, shear is in proportion to the normal force of that moment, and
-    what stops sliding relaxes from there, `relaxing_shear`.
+    F_e is the answer of the fully relaxed gel, whose modulus is that of the simulation; ``share`` is E_i over it. Set
+    the effect several times for a spectrum. Where the sum would pull, a gel without adhesion has parted: the wrench is
+    0. Coulomb's law holds at each moment: while the contact slides, its shear is in proportion to the normal force of
+    that moment; when it stops sliding, it relaxes from there (`relaxing_shear`).
 
     Source: Lakes, Viscoelastic Materials, ch. 2; contact at one depth history, Lee and Radok, J. Appl. Mech. 27, 1960.
     """
 
     name = "relaxation"
-    number = 1
     title = "viscoelastic relaxation"
-    slot = "T"
+    slot = "time"
     parameters = (
         strength(
             "share", "1", "modulus that relaxes, over the relaxed modulus",
@@ -59,19 +58,33 @@ class Relaxation(Effect):
 
 
 def _shear_as_it_slides(wrench: Array, slow: Array, state: TouchState, share: float, time: float) -> Array:
-    """What is to be added (n, 6) so that what slides follows the normal force, and relaxes when it comes to rest."""
+    """Wrench (n, 6) to add so that the shear of a sliding contact follows its normal force, and relaxes at rest.
+
+    Parameters
+    ----------
+    wrench : (n, 6) N, N m
+        Answer of the fully relaxed gel.
+    slow : (n, 6) N, N m
+        The same after relaxation, component by component.
+    state : TouchState
+        State before the effect.
+    share, time : float
+        Parameters of the effect.
+    """
+    # shear of friction and its limit, both by the normal force after relaxation
     known = np.isfinite(slow).all(axis=1)
     grown = np.divide(slow[:, 2], wrench[:, 2], out=np.ones(len(slow)), where=wrench[:, 2] > 0)
     sliding = wrench[:, :2] * np.maximum(grown, 0.0)[:, None]
     friction = state.touch.material.friction * state.friction * slow[:, 2]
     limit = np.where(slow[:, 2] > 0, np.maximum(friction, np.hypot(*sliding.T)), 0.0)
+    # the shear of a contact that sticks, slides and relaxes, in frames that were solved
     elastic, slides = wrench[known, :2], state.contact.sliding[known]
-    found = relaxing_shear(state.touch.seconds[known], elastic, slides, sliding[known], limit[known], share, time)
+    shear = relaxing_shear(state.touch.seconds[known], elastic, slides, sliding[known], limit[known], share, time)
     more = np.zeros((len(slow), 3))
-    more[known, :2] = found - slow[known, :2]
+    more[known, :2] = shear - slow[known, :2]
     return wrench_at(more, np.nan_to_num(state.contact.centre))
 
 
 def _at_rest(wrench: Array, state: TouchState) -> Array:
-    """What is read of a gel that has parted: what the touch has in free air, which is 0 but for an adhesive pull."""
+    """Wrench (n, 6) of a gel that has parted: that of free air, which is 0 except for an adhesive pull."""
     return np.where(state.contact.touching[:, None], 0.0, wrench)

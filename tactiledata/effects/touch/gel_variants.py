@@ -15,7 +15,21 @@ from tactiledata.gel.mesh.pad import PadMesh
 
 
 def variant_engine(mesh: PadMesh, poisson_ratio: float, fidelity: Fidelity, variant: GelVariant) -> FemEngine:
-    """An engine whose pad, law and cells are the variant's; the indenter's scale is the touch's affair."""
+    """Return a gel engine for a variant of the gel: another pad, elastic law, or stiffness of cells.
+
+    ``variant.indenter_scale`` has no effect here: the caller scales the indenter.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        The nominal pad.
+    poisson_ratio : float
+        Of the nominal gel.
+    fidelity : Fidelity
+        Which equations the engine solves.
+    variant : GelVariant
+        Deviations from the nominal gel.
+    """
     return FemEngine(
         warped(mesh, variant),
         poisson_ratio,
@@ -26,7 +40,7 @@ def variant_engine(mesh: PadMesh, poisson_ratio: float, fidelity: Fidelity, vari
 
 
 def surface_height(mesh: PadMesh, places: Array) -> Array:
-    """Height (n,), m, of the undeformed outer surface above places (n, 2)."""
+    """Height (n,), m, of the undeformed outer surface at places (n, 2), m; gel frame."""
     nodes = np.unique(mesh.faces)
     points = mesh.vertices[nodes]
     # of nodes above one another, on the pad's sides, only the uppermost belongs to the surface seen from above
@@ -42,7 +56,7 @@ def surface_height(mesh: PadMesh, places: Array) -> Array:
 
 
 def warped(mesh: PadMesh, variant: GelVariant) -> PadMesh:
-    """The pad with another thickness or dome, its vertices moved along z between base and surface."""
+    """Return the pad with the thickness and the dome of a variant, its vertices moved along z; the same if nominal."""
     if variant.thickness == 1.0 and variant.dome == 0.0:
         return mesh
     x, y, z = mesh.vertices.T
@@ -56,12 +70,14 @@ def warped(mesh: PadMesh, variant: GelVariant) -> PadMesh:
 
 
 def _cell_factors(mesh: PadMesh, variant: GelVariant) -> Array | None:
+    """Factors (c,) on the modulus of the cells, by skin and soft spots; ``None`` where the variant has neither."""
     if variant.skin == 0.0 and not variant.spots:
         return None
     corners = mesh.vertices[mesh.cells]
     centres = corners.mean(axis=1)
     heights = np.ptp(corners[:, :, 2], axis=1)
     factors = np.ones(len(mesh.cells))
+    # a skin stiffens cells with a face on the outer surface
     is_upper = np.isin(mesh.cells, np.unique(mesh.faces)).sum(axis=1) >= 4
     is_upper &= surface_height(mesh, centres[:, :2]) - centres[:, 2] < heights
     factors[is_upper] += variant.skin / heights[is_upper]

@@ -1,4 +1,4 @@
-"""All that a touch tells of how its tip moved until each frame, from a stream of poses."""
+"""Fields of a touch that describe the motion of its tip before each frame, from a stream of poses."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from tactiledata.effects.touch.last_move import last_move, last_ways
 
 
 def moved_until(frames: Array, seconds: Array, places: Array) -> dict[str, Array]:
-    """``pace``, ``rest``, ``last_ways`` and ``felt_accelerations`` of a `Touch`.
+    """Return ``pace``, ``rest``, ``last_ways`` and ``felt_accelerations`` of a `Touch`, by name.
 
     Parameters
     ----------
     frames : (n,) s
+        Times of the frames.
     seconds : (m,) s, ascending
-        Of the positions, many to a move.
+        Times of the positions, many to a move.
     places : (m, 3), m
-        Of the tip, gel frame.
+        Positions of the tip, gel frame.
     """
     along = frames, seconds, places[:, :2]
     pace, rest = last_move(*along)

@@ -1,4 +1,4 @@
-"""The density of a normal distribution of mean 0 and deviation 1."""
+"""Density of the normal distribution of mean 0 and standard deviation 1."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ from tactiledata.arrays import Array
 
 
 def normal_density(z: Array) -> Array:
-    """phi(z) = exp(-z^2 / 2) / sqrt(2 pi)."""
+    """Density phi(z) = exp(-z^2 / 2) / sqrt(2 pi) of the standard normal distribution, shaped as z."""
     return np.asarray(np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi))

@@ -1,4 +1,4 @@
-"""Shear that relaxes where it sticks and keeps to friction where it slides."""
+"""Shear force of a viscoelastic contact, which relaxes where it sticks and obeys friction where it slides."""
 
 from __future__ import annotations
 
@@ -9,49 +9,56 @@ from tactiledata.arrays import Array
 from tactiledata.effects.touch.time_operators import fading_steps
 
 ROUNDING = 1e-12
-"""Of the limit, by which shear may be beyond it."""
+"""Share of the friction limit by which a shear may exceed it and still stick: rounding errors are no slip."""
 
 
 def relaxing_shear(
     seconds: Array, elastic: Array, slides: NDArray[np.bool_], sliding: Array, limit: Array, share: float, time: float
 ) -> Array:
-    """Shear (n, 2), N, of a gel that relaxes, from its relaxed elastic answer T (n, 2), N.
+    """Shear force (n, 2), N, of a gel that relaxes, from the shear T (n, 2), N, of the fully relaxed gel.
 
-    A spring whose strain is S pulls with P = S + share * integral of exp(-(t - s) / time) dS(s). What sticks follows
-    the surface, dS = dT, and slips where P comes to the limit. What slides pulls as friction asks, and S is what leads
-    to that: a contact that comes to rest relaxes from there. In the air all is forgotten. Pairs x, y are x + i y.
+    With S the strain times the relaxed stiffness, the shear is P = S + share * integral of exp(-(t - s) / time) dS(s).
+    A contact that sticks follows the surface, dS = dT, and slips where P reaches the limit. A contact that slides has
+    the shear of friction, and S is what gives that shear: when it comes to rest, it relaxes from there. In free air
+    the memory is lost. Pairs (x, y) are kept as complex numbers x + i y.
 
     Parameters
     ----------
-    seconds : (n,), ascending
+    seconds : (n,) s, ascending
+        Times of the frames.
     elastic : (n, 2), N
-        T.
+        Shear T of the fully relaxed gel.
     slides : (n,) bool
+        Whether the contact slides.
     sliding : (n, 2), N
-        Pull of what slides.
+        Shear of friction in frames in which the contact slides.
     limit : (n,), N
-        Of what sticks; 0 or less in the air.
-    share, time
-        See `tactiledata.effects.time.relaxation.Relaxation`.
+        Largest shear at which a contact sticks; 0 or less in free air.
+    share : float
+        Modulus that relaxes, over the relaxed modulus.
+    time : float
+        Time constant, s.
     """
-    surface, slid = (one[:, 0] + 1j * one[:, 1] for one in (elastic, sliding))
+    surface, slid = (pairs[:, 0] + 1j * pairs[:, 1] for pairs in (elastic, sliding))
     shear = surface.tolist()
     memory = ahead = 0j  # of S, and S - T
     before = shear[0] if shear else 0j
     rows = zip(*fading_steps(seconds, time), surface[1:], slides[1:], slid[1:], limit[1:], strict=True)
-    for frame, (fade, gain, told, slips, wanted, most) in enumerate(rows, start=1):
+    for frame, (fade, gain, followed, slips, friction, most) in enumerate(rows, start=1):
         if most <= 0:
             memory = ahead = before = 0j
             continue
+        # what sticks follows the surface
         left = fade * memory - gain * before
-        strain = told + ahead
+        strain = followed + ahead
         pull = strain + share * (left + gain * strain)
         size = abs(pull)
+        # what slides has the shear of friction, and the strain that gives it
         if slips or size > (1 + ROUNDING) * most:
-            pull = wanted if slips else pull * (most / size)
+            pull = friction if slips else pull * (most / size)
             strain = (pull - share * left) / (1 + share * gain)
-            ahead = strain - told
+            ahead = strain - followed
         shear[frame] = pull
         memory, before = left + gain * strain, strain
-    found = np.array(shear, dtype=complex)
-    return np.column_stack([found.real, found.imag])
+    relaxed = np.array(shear, dtype=complex)
+    return np.column_stack([relaxed.real, relaxed.imag])

@@ -1,4 +1,4 @@
-"""How stiff a contact that sticks is along the gel."""
+"""Tangential stiffness of a contact that sticks."""
 
 from __future__ import annotations
 
@@ -8,9 +8,18 @@ from tactiledata.arrays import Array
 
 
 def shear_stiffness(area: Array, poisson_ratio: float, thickness: float) -> Array:
-    """Tangential stiffness (n,), m, over Young's modulus, of round contacts (n,), m^2, on a bonded layer.
+    """Tangential stiffness (n,), over Young's modulus, m, of round contacts on a bonded layer.
 
-    A half-space (Mindlin: 8 G a / (2 - nu)) and a thin layer (G A / h) side by side, each right in its own limit.
+    A half-space (Mindlin: 8 G a / (2 - nu)) and a thin layer (G A / h) in parallel, each right in its own limit.
+
+    Parameters
+    ----------
+    area : (n,) m^2
+        Areas of the contacts.
+    poisson_ratio : float
+        Of the gel.
+    thickness : float
+        Height of the layer, m.
     """
     modulus = 0.5 / (1.0 + poisson_ratio)
     stiffness: Array = 8.0 * modulus * np.sqrt(area / np.pi) / (2.0 - poisson_ratio) + modulus * area / thickness

@@ -1,4 +1,4 @@
-"""One recorded touch, and all that effects may depend on."""
+"""One recorded touch, with all that effects may depend on."""
 
 from __future__ import annotations
 
@@ -19,53 +19,61 @@ from tactiledata.sensors.base import GelGeometry
 
 @dataclass(frozen=True)
 class Touch:
-    """A trajectory of n frames.
+    """A recorded touch of n frames, one trajectory.
 
     Parameters
     ----------
-    seconds : (n,)
-        Since the start of the recording, strictly ascending.
+    seconds : (n,) s
+        Time since the start of the recording, strictly ascending.
     poses : (n, 4, 4)
-        gel_from_indenter as recorded, metres; NaN where unknown.
+        gel_from_indenter as recorded, m; NaN where unknown.
     indenter : Indenter
+        The solid that touches.
     material : GelMaterial
-        With which the base simulation was made.
+        Material of the base simulation.
     geometry : GelGeometry
-        Of the gel.
-    sensor, indenter_name, mount : str
-        Serial of the sensor, name of the indenter in the log, and which mounting of it; empty where unknown.
+        Shape of the gel.
+    sensor : str
+        Serial of the sensor; empty where unknown.
+    indenter_name : str
+        Name of the indenter in the log; empty where unknown.
+    mount : str
+        Which mounting of the indenter it is; empty where unknown.
     gravity : (n, 3) m/s^2, optional
-        The acceleration of gravity in the gel frame, pointing down.
+        Acceleration of gravity in the gel frame, pointing down.
     joints : (n, 6) rad, optional
+        Angles of the arm's joints.
     powered : (n,) s, optional
-        Since the sensor was switched on.
+        Time since the sensor was switched on.
     earlier_depth : (n,) m, optional
-        How deep this indenter would have to press to do here what the strongest earlier touch has done, as
+        Depth at which this indenter would do to the gel here what the strongest earlier touch has done, as
         `tactiledata.effects.touch.imprint` compares them; 0 where the gel is untouched.
     earlier_contacts : (n,), optional
-        How many touches this spot had before.
+        Number of earlier touches of this spot.
     selection : (low, high) N, optional
-        The range of measured force norms to which the data were cut.
+        Range of measured force norms to which the data were cut.
     tare : (n,) bool, optional
         Frames of free air from which the measured zero was taken.
-    pace, rest : (n,) m/s and s, optional
-        Speed of the tip along the gel, or of its last move where it stands, and for how long it has stood: see
-        `tactiledata.effects.touch.last_move`. Without them both are guessed from the frames.
+    pace : (n,) m/s, optional
+        Speed of the tip along the gel, or of its last move where it stands: see
+        `tactiledata.effects.touch.last_move`. Effects take it from the frames where it is not given.
+    rest : (n,) s, optional
+        Time for which the tip has stood, from the same function.
     last_ways : (n, w) s, optional
-        For how long the tip has been near where it is, for each of `tactiledata.effects.touch.last_move.WAYS`.
+        Time for which the tip has been within each distance of `tactiledata.effects.touch.last_move.WAYS`.
     felt_accelerations : (n, f, 3) m/s^2, optional
-        What a tool on the swinging arm feels of the tip's move, gel frame, for each of
+        Acceleration of a tool that vibrates on the arm, gel frame, for each of
         `tactiledata.effects.touch.felt_acceleration.FREQUENCIES`.
     gel_from_sensor : (n, 4, 4), optional
-        Where the force sensor is.
+        Pose of the force sensor, m.
     sensor_weight : (n, 6) N, N m, optional
-        What the force sensor reads of the tool's weight, in its own frame, since it was set to zero: it is taken off
-        measured wrenches, but limits and steps of the sensor act on the sum.
+        Weight of the tool as the force sensor reads it, in its own frame, since it was set to zero. It is subtracted
+        from measured wrenches, but limits and steps of the sensor act on the sum.
 
     Raises
     ------
     UsageError
-        Arrays that do not fit one another, or times that do not ascend.
+        Arrays whose shapes do not fit one another, or times that do not ascend.
     """
 
     seconds: Array
@@ -102,23 +110,24 @@ class Touch:
         }
         for field in fields(self):
             value = getattr(self, field.name)
-            wanted = (len(self.seconds), *shapes.get(field.name, ()))
-            if isinstance(value, np.ndarray) and value.shape != wanted:
-                raise UsageError(f"{field.name} of a touch has shape {value.shape}", f"{wanted}", "Align the frames.")
+            expected = (len(self.seconds), *shapes.get(field.name, ()))
+            if isinstance(value, np.ndarray) and value.shape != expected:
+                raise UsageError(f"{field.name} of a touch has shape {value.shape}", f"{expected}", "Align the frames.")
         if not (np.diff(self.seconds) > 0).all():
             raise UsageError("the times of a touch do not ascend", "strictly ascending seconds", "Sort the frames.")
 
     def __len__(self) -> int:
+        """Number of frames."""
         return len(self.seconds)
 
     @property
     def tips(self) -> Array:
-        """Recorded positions (n, 3), m, of the indenter's tip in the gel frame."""
+        """Recorded positions (n, 3), m, of the tip of the indenter in the gel frame."""
         return self.poses[:, :3, 3]
 
     @cached_property
     def lateral_steps(self) -> Array:
-        """Way (n,), m, of the tip along the gel since the frame before; 0 at the first."""
+        """Distance (n,), m, of the tip along the gel since the frame before; 0 at the first."""
         return np.linalg.norm(np.diff(self.tips[:, :2], axis=0, prepend=self.tips[:1, :2]), axis=1)
 
     @cached_property
@@ -128,14 +137,14 @@ class Touch:
 
     @property
     def lateral_speed(self) -> Array:
-        """Speed (n,), m/s, of the tip along the gel on its way into each frame; 0 at the first."""
+        """Mean speed (n,), m/s, of the tip along the gel since the frame before; 0 at the first."""
         return np.divide(self.lateral_steps, self.time_steps, out=np.zeros(len(self)), where=self.time_steps > 0)
 
     def to_sensor(self, wrench: Array) -> Array:
-        """What the sensor reads (n, 6), in its frame, of a wrench (n, 6) on the indenter, gel frame.
+        """Reading (n, 6) of the sensor, in its own frame, for a wrench (n, 6) on the indenter, gel frame.
 
-        The load on the sensor is its opposite, and the tool's weight; where the touch does not tell the sensor's frame,
-        it counts as the gel's.
+        The load on the sensor is the opposite of the wrench, plus the weight of the tool. Where the touch does not
+        state the frame of the sensor, it counts as that of the gel.
         """
         force, torque = -wrench[:, :3], -wrench[:, 3:]
         if self.gel_from_sensor is not None:
@@ -146,7 +155,7 @@ class Touch:
         return load if self.sensor_weight is None else load + self.sensor_weight
 
     def from_sensor(self, reading: Array) -> Array:
-        """The other way."""
+        """Wrench (n, 6) on the indenter, gel frame, for a reading (n, 6) of the sensor: the inverse of `to_sensor`."""
         load = reading if self.sensor_weight is None else reading - self.sensor_weight
         force, torque = load[:, :3], load[:, 3:]
         if self.gel_from_sensor is not None:

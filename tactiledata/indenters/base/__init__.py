@@ -1,4 +1,12 @@
-"""What every indenter offers: a solid with a signed distance and a mesh, in its own frame."""
+"""What does every indenter offer? A solid with a signed distance, a mesh and a height, in its own frame.
+
+- `Indenter`: the interface, which solver, rig and pages use.
+- `ParametricIndenter`: an indenter whose dataclass fields are its sizes, with the checks of the sizes.
+- ``planar``: exact signed distances of plane figures, and of the solids that they sweep.
+- ``surface``: watertight meshes of swept and revolved figures.
+
+Nothing here knows a member of the family.
+"""
 
 from __future__ import annotations
 
@@ -14,25 +22,25 @@ from numpy.typing import NDArray
 from tactiledata.errors import UsageError
 
 LARGEST_PART = 0.2
-"""Largest plausible indenter, metres: ten times the gel. A larger one was stated in another unit."""
+"""Largest plausible size of an indenter, m: ten times the gel. A larger one was stated in another unit."""
 SMALLEST_PART = 0.2e-3
-"""Smallest plausible indenter, metres: below what printers make and the gel shows."""
+"""Smallest plausible size of an indenter, m: below what printers make and the gel shows."""
 
 
 class Indenter(ABC):
     """A rigid solid that touches the gel.
 
     Frame *indenter*: origin at the tip (the point or face that touches first), +z into the body, so the body lies in
-    z >= 0. Sizes are metres (angles radians), keyword arguments of the constructor, with the defaults of a usual print.
+    z >= 0. Sizes are keyword arguments of the constructor, m (angles rad), with the defaults of a usual print.
     """
 
     shape: ClassVar[str]
     """Name in the table of indenters and in ``log.yaml``."""
     title: ClassVar[str]
-    """What it is, in a few words."""
+    """Description in a few words, for tables."""
     is_exact_inside: ClassVar[bool] = True
-    """Whether ``signed_distance`` is exact inside the body too; outside it is exact for all. Where false, its
-    magnitude inside is at most the true depth (a safe bound); the sign is right everywhere."""
+    """Whether ``signed_distance`` is exact inside the body, too; outside it always is. Where false, its magnitude
+    inside is at most the true depth, a safe bound; the sign is right everywhere."""
 
     @property
     @abstractmethod
@@ -46,17 +54,17 @@ class Indenter(ABC):
 
     @abstractmethod
     def signed_distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Distances (n,), metres, of points (n, 3) in the indenter frame to the surface; negative inside."""
+        """Signed distances (n,), m, of points (n, 3), m, indenter frame, to the surface; negative inside."""
 
     @abstractmethod
     def mesh(self) -> trimesh.Trimesh:
-        """The surface as a watertight mesh, metres, indenter frame, normals outward."""
+        """Return the surface as a watertight mesh, m, indenter frame, normals outward."""
 
     @abstractmethod
     def height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The lowest z of the body above (x, y), metres, indenter frame; ``inf`` where the body is not.
+        """Lowest z of the body above (x, y), m, indenter frame; ``inf`` where the body is not.
 
-        Its rigid footprint when it presses head-on: a gel surface at z = d is pushed down by ``max(d - height, 0)``.
+        A gel surface at z = d that the body presses head-on is pushed down by ``max(d - height, 0)``.
         ``x`` and ``y`` may have any common shape.
         """
 
@@ -73,6 +81,7 @@ class ParametricIndenter(Indenter):
     """
 
     def __post_init__(self) -> None:
+        """Refuse sizes that no such solid can have."""
         for name, value in self.sizes.items():
             is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
             if not is_number or not math.isfinite(value) or value <= 0:
@@ -94,6 +103,7 @@ class ParametricIndenter(Indenter):
                 )
 
     def _check_unit(self) -> None:
+        """Refuse a solid that is so large or small that its sizes are hardly in metres."""
         largest = max(value for name, value in self.sizes.items() if not name.endswith("angle"))
         if largest > LARGEST_PART or largest < SMALLEST_PART:
             raise UsageError(
@@ -104,7 +114,7 @@ class ParametricIndenter(Indenter):
             )
 
     def _laws(self) -> tuple[tuple[bool, str], ...]:
-        """What the sizes must obey together, each with its wording; evaluated on positive sizes."""
+        """Return what the sizes must obey together: whether it holds, and its wording; sizes are positive by then."""
         return ()
 
     @property

@@ -1,4 +1,4 @@
-"""Exact signed distances of plane figures, and of the solids that they sweep."""
+"""Exact signed distances to plane figures, and to the solids that they sweep."""
 
 from __future__ import annotations
 
@@ -32,15 +32,18 @@ def polygon_distance(points: Array, corners: ArrayLike) -> Array:
 
 
 def swept_distance(section: Array, along: Array, half_length: float) -> Array:
-    """Distances (n,) to a prism: a figure swept along the normal of its plane, both ends flat.
+    """Signed distances (n,) to a prism: a figure swept along the normal of its plane, both ends flat.
 
     Exact wherever ``section`` is, inside and outside.
 
     Parameters
     ----------
-    section : (n,), signed distance to the figure in its plane
-    along : (n,), coordinate along the sweep, from the prism's middle
-    half_length : half the prism's length
+    section : (n,)
+        Signed distance to the figure in its plane.
+    along : (n,)
+        Coordinate along the sweep, from the middle of the prism, in the same unit.
+    half_length : float
+        Half the length of the prism, in the same unit.
     """
     cap = np.abs(along) - half_length
     outside = np.hypot(np.maximum(section, 0.0), np.maximum(cap, 0.0))
@@ -48,15 +51,24 @@ def swept_distance(section: Array, along: Array, half_length: float) -> Array:
 
 
 def radius_of(points: Array) -> Array:
-    """Distances (n,) of points (n, 3) from the z axis."""
+    """Distances (n,), m, of points (n, 3), m, from the z axis."""
     return np.hypot(points[:, 0], points[:, 1])
 
 
 def rounded_wedge(half_angle: float, tip_radius: float, top: float) -> tuple[Array, float]:
-    """The core triangle (3, 2) of a wedge with rounded corners, tip down at the origin, and half its width.
+    """Return the core triangle (3, 2), m, of a wedge with rounded corners, tip down at the origin, and half its width.
 
     The figure is the triangle grown by ``tip_radius``: convex, so ``polygon_distance(...) - tip_radius`` is exact on
     both sides. Coordinates are (across, z); the figure spans z from 0 to ``top``.
+
+    Parameters
+    ----------
+    half_angle : float
+        Angle between axis and flank, rad.
+    tip_radius : float
+        Radius of the three corners, m.
+    top : float
+        Height of the figure, m.
     """
     half_width = (top - 2.0 * tip_radius) * np.tan(half_angle)
     core = np.array([[0.0, tip_radius], [half_width, top - tip_radius], [-half_width, top - tip_radius]])
@@ -64,7 +76,16 @@ def rounded_wedge(half_angle: float, tip_radius: float, top: float) -> tuple[Arr
 
 
 def rounded_wedge_height(across: Array, half_angle: float, tip_radius: float, top: float) -> Array:
-    """Lowest z of the rounded wedge at distances ``across`` >= 0 from its middle; ``inf`` beyond it."""
+    """Lowest z, m, of the rounded wedge at distances from its middle; ``inf`` beyond it.
+
+    Parameters
+    ----------
+    across : array, m
+        Distances from the middle, not negative.
+    half_angle, tip_radius, top : float
+        As in `rounded_wedge`.
+    """
+    # three pieces: the arc of the tip, the flank, the arc of the rim
     _, half_width = rounded_wedge(half_angle, tip_radius, top)
     flank_start = tip_radius * np.cos(half_angle)
     flank = tip_radius * (1.0 - np.sin(half_angle)) + (across - flank_start) / np.tan(half_angle)
@@ -75,7 +96,15 @@ def rounded_wedge_height(across: Array, half_angle: float, tip_radius: float, to
 
 
 def rounded_wedge_outline(half_angle: float, tip_radius: float, top: float, arc_points: int) -> Array:
-    """Points (m, 2) along the right half of the rounded wedge, from the tip to the middle of its top."""
+    """Points (m, 2), m, along the right half of the rounded wedge, from the tip to the middle of its top.
+
+    Parameters
+    ----------
+    half_angle, tip_radius, top : float
+        As in `rounded_wedge`.
+    arc_points : int
+        Points on the arc of the tip; the arc of the rim has three times as many.
+    """
     core, _ = rounded_wedge(half_angle, tip_radius, top)
     # directions of the outward normal, from straight down at the tip to straight up at the top
     tip_arc = np.linspace(-np.pi / 2, -half_angle, arc_points)

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from tactiledata.errors import UsageError
 
 SECTIONS = 128
-"""Segments of a full turn in meshes: chords miss a circle by 0.03 % of its radius."""
+"""Segments of a full turn in meshes: chords are off the circle by 0.03 % of its radius."""
 
 
 def sealed(vertices: ArrayLike, faces: ArrayLike) -> trimesh.Trimesh:
-    """The mesh of vertices (v, 3) and faces (f, 3), which must close; normals outward."""
+    """Return the mesh of vertices (v, 3), m, and faces (f, 3), normals outward; refuse a surface that is not closed."""
     mesh = trimesh.Trimesh(np.asarray(vertices, dtype=float), np.asarray(faces), process=False)
     if mesh.volume < 0:
         mesh.invert()
@@ -23,7 +23,7 @@ def sealed(vertices: ArrayLike, faces: ArrayLike) -> trimesh.Trimesh:
 
 
 def prism_mesh(corners: ArrayLike, length: float) -> trimesh.Trimesh:
-    """The prism over a polygon (m, 2), seen whole from its origin, from z = 0 to ``length``."""
+    """Return the prism over a polygon (m, 2), m, from z = 0 to ``length``; the origin must see the whole polygon."""
     ring = np.asarray(corners, dtype=float)
     n = len(ring)
     this = np.arange(n)
@@ -43,9 +43,19 @@ def prism_mesh(corners: ArrayLike, length: float) -> trimesh.Trimesh:
 
 
 def lofted_faces(n_rings: int, sections: int, is_closed: bool = False) -> NDArray[np.int64]:
-    """Faces (f, 3) between neighbouring rings of ``sections`` vertices each, vertex ``ring * sections + turn``.
+    """Faces (f, 3) between neighbouring rings of vertices.
 
-    Outward where the rings run counter-clockwise about z and rise. ``is_closed`` joins the last ring to the first.
+    Vertex ``turn`` of a ring has the number ``ring * sections + turn``. Faces point outward where the rings run
+    counter-clockwise about z and rise.
+
+    Parameters
+    ----------
+    n_rings : int
+        Number of rings.
+    sections : int
+        Vertices of each ring.
+    is_closed : bool
+        Whether the last ring is joined to the first.
     """
     turn = np.arange(sections)
     following = np.roll(turn, -1)
@@ -58,15 +68,21 @@ def lofted_faces(n_rings: int, sections: int, is_closed: bool = False) -> NDArra
 
 
 def revolved_mesh(outline: ArrayLike, is_closed: bool = False) -> trimesh.Trimesh:
-    """The body that an outline (m, 2) of (radius, z) sweeps about the z axis.
+    """Return the body that an outline of (radius, z) sweeps about the z axis.
 
-    The outline runs from axis to axis, bottom to top; a closed one does not touch the axis, runs counter-clockwise and
-    returns from its last point to its first.
+    Parameters
+    ----------
+    outline : (m, 2), m
+        Points from axis to axis, bottom to top. Those of a closed outline run counter-clockwise and do not touch the
+        axis.
+    is_closed : bool
+        Whether the outline returns from its last point to its first.
     """
     profile = np.asarray(outline, dtype=float)
     if is_closed:
         return sealed(_rings(profile), lofted_faces(len(profile), SECTIONS, is_closed=True))
     rings = _rings(profile[1:-1])
+    # the rings without both ends, which are fans about the axis
     n, turn = len(rings), np.arange(SECTIONS)
     vertices = np.concatenate([rings, [[0.0, 0.0, profile[0, 1]], [0.0, 0.0, profile[-1, 1]]]])
     bottom = np.column_stack([np.roll(turn, -1), turn, np.full(SECTIONS, n)])
@@ -76,11 +92,12 @@ def revolved_mesh(outline: ArrayLike, is_closed: bool = False) -> trimesh.Trimes
 
 
 def _rings(profile: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vertices (m * SECTIONS, 3) of the rings that points (m, 2) of (radius, z) sweep about the z axis."""
     around = circle(1.0)
     return np.concatenate([np.column_stack([radius * around, np.full(SECTIONS, z)]) for radius, z in profile])
 
 
 def circle(radius: float, sections: int = SECTIONS) -> NDArray[np.float64]:
-    """Corners (sections, 2) on a circle, counter-clockwise from the x axis."""
+    """Corners (sections, 2) on a circle, in the unit of its radius, counter-clockwise from the x axis."""
     angles = 2 * np.pi * np.arange(sections) / sections
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)

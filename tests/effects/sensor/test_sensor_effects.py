@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from tactiledata.effects.sensor.cable_drag import with_play
 from tactiledata.effects.sensor.clipping import limited, selection_bias
-from tactiledata.effects.sensor.quantisation import mean_told
+from tactiledata.effects.sensor.quantisation import mean_reading
 
 
 def in_free_air(touch, moved, n=90, **fields):
@@ -133,9 +133,9 @@ def test_what_is_simulated_is_the_mean_of_noisy_readings():
     force = np.linspace(-0.9, 0.9, 13)
     read = force + chance.normal(0.0, 0.1, (40_000, 13))
     mean = np.where(np.abs(read) < 0.25, 0.0, read).mean(axis=0)
-    np.testing.assert_allclose(mean_told(force, 0.25, 0.1), mean, atol=4 * 0.2 / 200)
-    np.testing.assert_array_equal(mean_told(force[[0, -1]], 0.25, 0.01), force[[0, -1]])
-    np.testing.assert_allclose(mean_told(force, 0.25, 1e-9), mean_told(force, 0.25, 0.0), atol=1e-15)
+    np.testing.assert_allclose(mean_reading(force, 0.25, 0.1), mean, atol=4 * 0.2 / 200)
+    np.testing.assert_array_equal(mean_reading(force[[0, -1]], 0.25, 0.01), force[[0, -1]])
+    np.testing.assert_allclose(mean_reading(force, 0.25, 1e-9), mean_reading(force, 0.25, 0.0), atol=1e-15)
 
 
 def in_a_sensor(touch, weight):
