@@ -189,7 +189,7 @@ def _distances(network: nn.Sequential, pictures: Any, others: Any, masks: Sequen
 
 
 def _mean_grams(network: nn.Sequential, others: Any, masks: Sequence[Any]) -> list[list[Values]]:
-    """By mask: the mean Gram matrix (c, c) of each style layer, over the pictures whose masks are not empty."""
+    """Mean Gram matrix (c, c) of each mask and style layer, over the pictures whose masks are not empty."""
     sums: list[list[Values]] = []
     counts = np.zeros(len(masks))
     for several in _grams(network, others, masks, "others"):
@@ -203,7 +203,7 @@ def _mean_grams(network: nn.Sequential, others: Any, masks: Sequence[Any]) -> li
 
 
 def _grams(network: nn.Sequential, pictures: Any, masks: Sequence[Any], what: str) -> Iterator[list[list[Values]]]:
-    """By mask: Gram matrices (n, c, c) of each style layer, over the number of places; NaN where a mask is empty.
+    """Yield, by mask, Gram matrices (n, c, c) of each style layer over the number of places; NaN for an empty mask.
 
     A few pictures at a time: the matrices of one take 5 MB.
     """

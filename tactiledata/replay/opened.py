@@ -62,7 +62,7 @@ class OpenedStore:
 
     @cached_property
     def by_uid(self) -> dict[str, dict[str, Any]]:
-        """The same trajectories by their uid."""
+        """Rows of ``trajectories`` by the uid of the trajectory."""
         return {row["uid"]: row for row in self.trajectories}
 
     @cached_property

@@ -185,7 +185,7 @@ def alike_words(name: str, same: tuple[str, ...]) -> str:
 
 
 def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
-    """For each covariate and label, the names of those that are collinear with it in these data.
+    """Return, for each covariate and label, the names of those that are collinear with it in these data.
 
     Two covariates are collinear where their rank correlation exceeds `ALIKE` in absolute value. A label and a covariate
     are, where the label explains the covariate's ranks as well: for example time, where indenters were mounted one

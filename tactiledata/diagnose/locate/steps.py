@@ -219,7 +219,7 @@ def _split(
 
 
 def _tallest(values: Array) -> tuple[Array, Array, Array]:
-    """For each row of values (b, t): largest studentised difference of a stretch from the rest, its start and stop."""
+    """Largest studentised difference of a stretch of each row (b, t) from the rest of it, with its start and stop."""
     count = values.shape[1]
     summed = np.concatenate([np.zeros((len(values), 1)), np.cumsum(values, axis=1)], axis=1)
     places = np.unique(np.round(np.linspace(0, count, min(count, MOST_PLACES) + 1)).astype(int))

@@ -105,7 +105,7 @@ AT_BOUND = 0.01
 MOST_INFLUENTIAL = 2
 """Trajectories on which no claim may depend: two of 25 gained 43 together in a world where nothing was missing."""
 INDENTER_PLACES = ("indenter_name", "mount")
-"""Values of `Effect.varies_by` whose numbers differ by indenter: the other indenters say nothing about a held-out one."""
+"""Values of `Effect.varies_by` whose numbers differ by indenter: others say nothing about a held-out one."""
 IMPLAUSIBLE_SIGMAS = 2.0
 """Standard errors by which a strength must exceed its plausible range to count against an effect."""
 

@@ -129,7 +129,7 @@ class DecisionThresholds:
 
     @property
     def for_traces(self) -> DecisionThresholds:
-        """The same thresholds with ``claim_gain`` and ``evidence_without_best_two`` lowered by ``trace_share``."""
+        """Thresholds of a trace: ``claim_gain`` and ``evidence_without_best_two`` are lowered by ``trace_share``."""
         return replace(
             self,
             claim_gain=self.trace_share * self.claim_gain,
