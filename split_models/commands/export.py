@@ -1,4 +1,4 @@
-"""`export`: SPLIT's networks for programs that have no PyTorch."""
+"""The command `export`: SPLIT's networks for programs that have no PyTorch."""
 
 from __future__ import annotations
 
@@ -8,31 +8,33 @@ import typer
 
 from tactiledata.cli.output import JSON_OPTION, emit, say
 
-OUT = typer.Option(Path("runs"), "--out", help="Folder that the models were trained into.")
+OUT = typer.Option(Path("runs"), "--out", help="Folder with the trained models, which also takes the files.")
 
 
 def register(app: typer.Typer) -> None:
-    """Add the verb; nothing heavy is imported until it is used."""
+    """Add the command `export` to the application."""
     app.command("export")(export)
 
 
 def export(
     recipe: str = typer.Argument(..., help="A recipe file, or the name of a bundled one."),
-    to: str = typer.Option("onnx", "--to", help="onnx."),
+    to: str = typer.Option("onnx", "--to", help="Format of the files: onnx."),
     scale: str = typer.Option("small", "--scale", help="small or paper, as the models were trained."),
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """VAEs and projections of a recipe as ONNX files. What is not trained is trained; each is held against PyTorch.
+    """Export the VAEs and projections of a recipe as ONNX files.
+
+    Missing models are trained first. Each file is compared with PyTorch.
 
     Example: tactiledata export split_backbone --to onnx
     """
-    from split_models.commands.verbs import opened_workshop
+    from split_models.commands.verbs import opened_run
     from tactiledata.errors import UnknownName
 
     if to != "onnx":
         raise UnknownName("format of exported models", to, ("onnx",))
-    with opened_workshop(recipe, scale, "cpu", out, 1, as_json) as recipe_run:
+    with opened_run(recipe, scale, "cpu", out, 1, as_json) as recipe_run:
         from split_models.onnx.export import onnx_models
 
         models = onnx_models(recipe_run)

@@ -1,4 +1,4 @@
-"""`fine-tune`: an image VAE that learns another sensor's pictures."""
+"""The command `fine-tune`: an image VAE that learns another sensor's pictures."""
 
 from __future__ import annotations
 
@@ -16,21 +16,23 @@ OUT = typer.Option(Path("fine-tuned"), "--out", help="Folder for checkpoints and
 
 
 def register(app: typer.Typer) -> None:
-    """Add the verb; nothing heavy is imported until it is used."""
+    """Add the command `fine-tune` to the application."""
     app.command("fine-tune")(fine_tune)
 
 
 def fine_tune(
     store: str = STORE_ARGUMENT,
     model: Path = MODEL,
-    split: str = typer.Option("default", "--split", help="Its parts train and val are learned from and watched."),
+    split: str = typer.Option("default", "--split", help="Split whose parts train and val are used."),
     camera: str = typer.Option(None, "--camera", help="The stream of pictures [default: the store's only one]."),
     epochs: int = typer.Option(30, "--epochs", min=1),
     learning_rate: float = typer.Option(3e-4, "--learning-rate", min=1e-8, max=1.0),
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Train an image VAE further on a store's pictures. For a GelSight, for example; mesh VAE and projections stay.
+    """Train an image VAE further on a store's pictures, for example on those of a GelSight.
+
+    Mesh VAE and projections are not changed.
 
     Example: tactiledata fine-tune gelsight.zarr --epochs 30
     """
@@ -47,15 +49,17 @@ def fine_tune(
         cameras = Store.open(location).cameras
         if camera is None and len(cameras) != 1:
             raise UsageError(
-                f"{location} holds pictures of {', '.join(cameras) or 'no camera'}", "one camera", "Name it: --camera."
+                f"{location} holds pictures of {', '.join(cameras) or 'no camera'}",
+                "one camera",
+                "Name one with --camera.",
             )
         parts = [TouchFrames(location, f"{split}/{part}", camera=camera or cameras[0]) for part in ("train", "val")]
         options = TrainOptions(epochs, batch_size=16, learning_rate=learning_rate, decay=0.97)
         with progress("fine-tuning", quiet=as_json) as tell:
-            found = learn(vae, digest, parts[0], parts[1], options, out, tell)
+            tuned = learn(vae, digest, parts[0], parts[1], options, out, tell)
     if as_json:
-        emit({**vars(found), "checkpoint": str(found.checkpoint), "model": digest})
+        emit({**vars(tuned), "checkpoint": str(tuned.checkpoint), "model": digest})
         return
-    say(f"learned from {found.pictures} pictures, starting from model {digest[:12]}")
-    say(f"decoded pictures of the val part differ by {found.after:.2f} grey levels; before, by {found.before:.2f}")
-    say(f"wrote {found.checkpoint}: name it with --model")
+    say(f"learned from {tuned.pictures} pictures, starting from model {digest[:12]}")
+    say(f"decoded pictures of the val part differ by {tuned.after:.2f} grey levels; before, by {tuned.before:.2f}")
+    say(f"wrote {tuned.checkpoint}: name it with --model")

@@ -1,4 +1,4 @@
-"""`score`: how far apart the pictures of a store's sensors are, and their latent vectors."""
+"""The command `score`: distances between the pictures of a store's sensors, and between their latent vectors."""
 
 from __future__ import annotations
 
@@ -20,34 +20,37 @@ if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.targets import Target
 
-MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE whose latent vectors t-SNE looks at.")
+MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE, for t-SNE of its latent vectors.")
 WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
 OUT = typer.Option(Path("scores"), "--out", help="Folder for the picture of t-SNE.")
 
 
 def register(app: typer.Typer) -> None:
-    """Add the verb; nothing heavy is imported until it is used."""
+    """Add the command `score` to the application."""
     app.command("score")(score)
 
 
 def score(
     store: str = STORE_ARGUMENT,
-    metric: str = typer.Option(..., "--metric", help="histogram_intersection, gram_style, tsne, … with commas."),
+    metric: str = typer.Option(
+        ..., "--metric", help="Comma-separated metrics: histogram_intersection, gram_style, tsne, …"
+    ),
     against: str = typer.Option(
         None,
         "--against",
-        help="Sensors that all others are scored against, with commas: sets of the store, or names that `tactiledata "
-        "sensors` lists [default: every pair].",
+        help="Comma-separated sensors that all others are scored against: sets of the store, or names that "
+        "`tactiledata sensors` lists [default: every pair].",
     ),
     model: Path = MODEL,
     weights: Path = WEIGHTS,
-    most: int = typer.Option(200, "--frames", min=1, help="Frames of each sensor at most, spread evenly."),
+    most: int = typer.Option(200, "--frames", min=1, help="Largest number of frames of each sensor, spread evenly."),
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Score the pictures of sensors against each other. Synthetic ones apart, with intervals over trajectories.
+    """Score the pictures of sensors against each other, with intervals over trajectories.
 
-    A sensor of --against that is known by its picture without contact alone is compared outside the contact.
+    Recorded and synthetic pictures are separate sets. A sensor of --against of which only a picture without contact
+    is known is compared outside the contact.
 
     Example: tactiledata score both.zarr --metric histogram_intersection,gram_style,tsne --against ycb-sensorA
     """
@@ -60,6 +63,7 @@ def score(
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings, simulated_sensors
 
+    # choose sets of pictures, scores and targets
     location = working_store(store)
     names = listed_names(metric, "--metric")
     with damage_explains(location):
@@ -71,12 +75,13 @@ def score(
         if not targets:
             require_sets(opened, sets, 2)
         encode = vectors_by_model(model) if model is not None else picture_vectors
+        # score, and draw t-SNE where it was requested
         with progress("scoring", quiet=as_json) as tell:
-            found = list(score_pairs(opened, scores, sets, named, encode, tell))
+            pair_scores = list(score_pairs(opened, scores, sets, named, encode, tell))
         if targets:
-            found += score_backgrounds(opened, scores, sets, targets)
+            pair_scores += score_backgrounds(opened, scores, sets, targets)
         notes = [*size_sentences(sets), *sentences(targets, unlocated(opened, sets) if targets else [])]
-        kinds = {one.name: one.kind for one in sets}
+        kinds = {pictures.name: pictures.kind for pictures in sets}
         heading = simulated.heading
         drawn = None
         if TSNE in names:
@@ -84,9 +89,9 @@ def score(
     if as_json:
         picture = str(drawn) if drawn else None
         facts = {"tsne": picture, "notes": notes, "simulated_recordings": simulated.document()}
-        emit({"store": location, "scores": [one.document() for one in found], **facts})
+        emit({"store": location, "scores": [pair.document() for pair in pair_scores], **facts})
         return
-    _tell(found, notes, heading)
+    _print_scores(pair_scores, notes, heading)
     if simulated.label:
         say(f"simulated recordings: those of {', '.join(simulated_sensors(opened))}")
     if drawn is not None:
@@ -94,16 +99,16 @@ def score(
 
 
 def _against(names: Sequence[str], sets: Sequence[SensorSet], store: Store) -> tuple[list[str], list[Target]]:
-    """The names that are sets of a store, and the targets that are known by a picture alone.
+    """Names that are sets of the store, and targets of which only a picture without contact is known.
 
     Raises
     ------
     UnknownName
-        A name that is neither.
+        A name is neither.
     """
     from tactiledata.store.read.targets import find_target
 
-    known = [one.name for one in sets]
+    known = [pictures.name for pictures in sets]
     touched, targets = [], []
     for name in names:
         if name in known:
@@ -120,14 +125,14 @@ def _against(names: Sequence[str], sets: Sequence[SensorSet], store: Store) -> t
     return touched, targets
 
 
-def _tell(found: Sequence[PairScore], notes: Sequence[str], heading: str) -> None:
-    """Print the table for people under a heading, and what the table cannot say."""
+def _print_scores(scores: Sequence[PairScore], notes: Sequence[str], heading: str) -> None:
+    """Print the table under a heading, then the direction of each score and the notes."""
     columns = ("score", "of", "which is", "against", "which is", "looked at", "mean and 95 % interval")
     rows = [
         (pair.score.title, pair.first, pair.first_kind, pair.second, pair.second_kind, pair.looked_at, pair.interval)
-        for pair in found
+        for pair in scores
     ]
     table(heading, columns, rows)
-    say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in found)))
+    say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in scores)))
     for note in notes:
         say(note)

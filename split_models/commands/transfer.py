@@ -1,4 +1,4 @@
-"""`transfer`: a store as another sensor might have recorded it."""
+"""The command `transfer`: a store as another sensor might have recorded it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OUT = typer.Option(None, "--out", help="Store to write [default: transferred/STO
 
 
 def register(app: typer.Typer) -> None:
-    """Add the verb; nothing heavy is imported until it is used."""
+    """Add the command `transfer` to the application."""
     app.command("transfer")(transfer)
 
 
@@ -36,11 +36,15 @@ def transfer(
         "histogram-matching, reinhard, fourier or no-contact.",
     ),
     model: Path = MODEL,
-    sources: str = typer.Option(None, "--from", help="Sensors whose frames to take, with commas [default: all]."),
+    sources: str = typer.Option(
+        None, "--from", help="Comma-separated sensors whose frames are transferred [default: all]."
+    ),
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Give the touches of a store the style of another sensor. The result is a store whose trajectories name parents.
+    """Give the touches of a store the style of another sensor.
+
+    The result is a new store, whose trajectories name their parents.
 
     Example: tactiledata transfer --to ycb-sensorA
     """
@@ -68,18 +72,18 @@ def transfer(
         return
     if sentence := simulated_recordings(opened).sentence:
         say(sentence)
-    _tell(report, to, way, location, picture)
+    _print_report(report, to, way, location, picture)
 
 
 def _default_out(location: str, target: str, method: str) -> Path:
-    """A folder below the working one: the working folder keeps one store, so that commands still find it unnamed."""
+    """Default output in a folder of its own: the working folder keeps a single store, which commands then find."""
     stem = location.rstrip("/").rpartition("/")[2].removesuffix(".zarr")
     safe = target.replace("/", "_")
     return Path("transferred") / f"{stem}-{safe}-{method.replace('_', '-')}.zarr"
 
 
-def _tell(report: TransferReport, to: str, way: TransferMethod, location: str, picture: Path) -> None:
-    """The report for people."""
+def _print_report(report: TransferReport, to: str, way: TransferMethod, location: str, picture: Path) -> None:
+    """Print the report of a transfer, and the next steps."""
     say(f"{to} is {report.target.resolved}")
     if model := getattr(way, "model", ""):
         say(f"model {model[:12]}, of recipe {getattr(way, 'recipe', '')[:12]}")

@@ -1,4 +1,4 @@
-"""`train`, `evaluate`, `run`, `transfer`, `score`, `export`: verbs that this package adds to `tactiledata`."""
+"""The commands `train`, `evaluate` and `run`, and the registration of all commands of this package."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from tactiledata.contract.progress import Progress
 from tactiledata.errors import UsageError
 
 RECIPE = typer.Argument(..., help="A recipe file, or the name of a bundled one.")
-SCALE = typer.Option("small", "--scale", help="small: two cores; paper: the paper's sizes, for a GPU.")
+SCALE_HELP = "small, for two CPU cores, or paper, the paper's sizes, for a GPU."
 DEVICE = typer.Option("cpu", "--device", help="cpu or cuda.")
-OUT = typer.Option(Path("runs"), "--out", help="Folder for data, models and tables; models are shared by recipes.")
+OUT = typer.Option(Path("runs"), "--out", help="Folder for data, models and tables. Recipes share models.")
 WORKERS = typer.Option(1, "--workers", min=1, help="Local processes that record and replay a world.")
 
 
 def register(app: typer.Typer) -> None:
-    """Add the verbs; nothing heavy is imported until one of them is used."""
+    """Add all commands of this package to the application; PyTorch is not imported until one of them runs."""
     app.command("train")(train)
     app.command("evaluate")(evaluate)
     app.command("run")(run)
@@ -39,72 +39,99 @@ def register(app: typer.Typer) -> None:
 
 def train(
     recipe: str = RECIPE,
-    scale: str = SCALE,
+    scale: str = typer.Option("small", "--scale", help=SCALE_HELP),
     device: str = DEVICE,
     out: Path = OUT,
     workers: int = WORKERS,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Train all models of a recipe; goes on where it was killed. Several processes: torchrun -m split_models.
+    """Train all models of a recipe. A training that was killed is resumed.
+
+    To use several processes, start `torchrun -m split_models train RECIPE`.
 
     Example: tactiledata train table_digit_images --scale small
     """
-    with opened_workshop(recipe, scale, device, out, workers, as_json) as recipe_run:
+    with opened_run(recipe, scale, device, out, workers, as_json) as recipe_run:
         trained = _prepare(recipe_run)
         if recipe_run.ranks.is_first:
-            _told(trained, as_json)
+            _print_models(trained, as_json)
 
 
 def evaluate(
     recipe: str = RECIPE,
-    scale: str = SCALE,
+    scale: str = typer.Option("small", "--scale", help=SCALE_HELP),
     device: str = DEVICE,
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """The table of a recipe, by models that are trained.
+    """Make the table of a recipe with models that are already trained.
 
     Example: tactiledata evaluate table_digit_images --scale small
     """
-    with opened_workshop(recipe, scale, device, out, 1, as_json, may_train=False) as recipe_run:
+    with opened_run(recipe, scale, device, out, 1, as_json, may_train=False) as recipe_run:
         if recipe_run.ranks.is_first:
             _table(recipe_run, as_json)
 
 
 def run(
     recipe: str = RECIPE,
-    scale: str = SCALE,
+    scale: str = typer.Option("small", "--scale", help=SCALE_HELP),
     device: str = DEVICE,
     out: Path = OUT,
     workers: int = WORKERS,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Make a table of the paper from nothing: data, models, scores. What is there already is used.
+    """Make a table of the paper from the start: data, models and scores. Existing results are used.
 
     Example: tactiledata run table_digit_images --scale small --workers 2
     """
-    with opened_workshop(recipe, scale, device, out, workers, as_json) as recipe_run:
+    with opened_run(recipe, scale, device, out, workers, as_json) as recipe_run:
         trained = _prepare(recipe_run)
         if not recipe_run.ranks.is_first:
             return
         if recipe_run.recipe.table is None:
-            _told(trained, as_json)
+            _print_models(trained, as_json)
         else:
             _table(recipe_run, as_json)
 
 
 @contextmanager
-def opened_workshop(
+def opened_run(
     recipe: str, scale: str, device: str, out: Path, workers: int, as_json: bool, may_train: bool = True
 ) -> Iterator[Any]:
-    """The recipe's workshop; wrong usage is said before anything is made."""
+    """The run of a recipe, as a context; wrong usage is refused before anything is made.
+
+    Parameters
+    ----------
+    recipe : str
+        A recipe file, or the name of a bundled recipe.
+    scale : "small" or "paper"
+    device : "cpu" or "cuda"
+    out : Path
+        Folder for data, models and tables.
+    workers : int
+        Local processes that record and replay a world.
+    as_json : bool
+        Whether the command prints JSON, and so no bars of progress.
+    may_train : bool
+        Whether models that are not trained yet are trained; else they are an error.
+
+    Raises
+    ------
+    UsageError
+        PyTorch is not installed, or has no GPU for ``cuda``.
+    UnknownName
+        There is no such recipe, scale or device.
+    """
     from split_models.recipe.recipe import load_recipe
 
     with wrong_document_is_wrong_usage():
         loaded = load_recipe(recipe, scale)
     if find_spec("torch") is None:
         raise UsageError(
-            "PyTorch is not installed", "it, to train and evaluate", "pip install -c constraints.txt -e '.[models]'"
+            "PyTorch is not installed",
+            "PyTorch, to train and evaluate",
+            "pip install -c constraints.txt -e '.[models]'",
         )
     from split_models.learning.device import find_device, processes
     from split_models.recipe.recipe_run import RecipeRun
@@ -116,7 +143,7 @@ def opened_workshop(
 
 @contextmanager
 def _by_steps(quiet: bool) -> Iterator[Progress]:
-    """A function to report progress to; what comes before a colon names a step, and each step has a bar of its own."""
+    """A function that reports progress; the words before a colon name a step, and each step has its own bar."""
     with ExitStack() as bars:
         current: list[Any] = ["", None]
 
@@ -131,7 +158,7 @@ def _by_steps(quiet: bool) -> Iterator[Progress]:
 
 
 def _prepare(recipe_run: Any) -> dict[str, str]:
-    """Everything trained that the recipe needs; where each model lies."""
+    """Folders of the models that a recipe needs, by name, after all of them have been trained."""
     from split_models.tables.tables import PREPARE
 
     table = recipe_run.recipe.table
@@ -142,7 +169,8 @@ def _prepare(recipe_run: Any) -> dict[str, str]:
     return dict(recipe_run.kept.folders)
 
 
-def _told(trained: dict[str, str], as_json: bool) -> None:
+def _print_models(trained: dict[str, str], as_json: bool) -> None:
+    """Print the folder of each model."""
     if as_json:
         emit({"models": trained})
         return
@@ -151,6 +179,7 @@ def _told(trained: dict[str, str], as_json: bool) -> None:
 
 
 def _table(recipe_run: Any, as_json: bool) -> None:
+    """Make, write and print the table of a recipe."""
     from split_models.networks.latent_normal import drawn_alike
     from split_models.tables.results import result_document, write_result
     from split_models.tables.tables import ROWS
@@ -159,7 +188,9 @@ def _table(recipe_run: Any, as_json: bool) -> None:
 
     recipe = recipe_run.recipe
     if recipe.table is None:
-        raise UsageError(f"the recipe {recipe.name} has no table", "`table: …` in it", "`tactiledata train` is for it.")
+        raise UsageError(
+            f"the recipe {recipe.name} has no table", "`table: …` in the recipe", "Use `tactiledata train` for it."
+        )
     with drawn_alike(recipe.seed):
         rows = ROWS[recipe.table](recipe_run)
     store = Store.open(recipe_run.store)

@@ -215,7 +215,7 @@ def require_packages() -> None:
 def _agreement(
     folder: Path, document: Mapping[str, Any], networks: Mapping[str, tuple[nn.Module, Tensor]]
 ) -> dict[str, float]:
-    """Largest difference of each file to PyTorch, as a share of the largest value; refuse one above the limit."""
+    """Largest difference of each file to PyTorch, as a share of the largest value; one above the limit is refused."""
     models, differences = OnnxModels(folder, document), {}
     for name, (network, example) in networks.items():
         with torch.no_grad():
@@ -233,7 +233,7 @@ def _agreement(
 
 @contextmanager
 def _quiet_exporter() -> Iterator[None]:
-    """Silence the exporter's warnings, which concern its internals and the absence of torchvision."""
+    """Within the context the exporter's warnings are silent; they concern its internals and missing torchvision."""
     log = logging.getLogger("torch.onnx._internal.exporter._registration")
     before = log.level
     log.setLevel(logging.ERROR)

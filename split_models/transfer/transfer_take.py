@@ -89,7 +89,7 @@ def stage_transfer(out: Path, piece: Piece, transfer: Transfer, largest_payload:
         The recording in the source store.
     transfer : Transfer
     largest_payload : int
-        Largest size in bytes of a chunk of pictures.
+        Largest size in bytes of an encoded picture.
     """
     sha256 = transfer.digest(piece)
     rows = transfer.selected(piece)
