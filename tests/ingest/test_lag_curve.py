@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from tactiledata.contract.take import Reference
-from tactiledata.ingest.clocks.lag import LAGS, MIN_CORRELATION, MIN_PEAK, MIN_RATE, camera_lag, lag_in_words
+from tactiledata.ingest.clocks.lag import (
+    LAGS,
+    MIN_CORRELATION,
+    MIN_PEAK,
+    MIN_RATE,
+    camera_lag,
+    clear_peak,
+    lag_in_words,
+)
 from tests.ingest.made_takes import frames, signal, take, touch
 
 START = 1_700_000_000_000_000_000
@@ -36,7 +44,9 @@ def planted(late=0, touches=1, rate=30, spans=None, curve=press, noise=0.0, **co
     stretched = into * SPAN / np.array(spans)[np.maximum(number, 0)]
     force = np.asarray(curve(stretched)) * (t_wrench >= 0)
     wrench = np.zeros((len(force), 6))
-    wrench[:, 1], wrench[:, 3] = -force, 99
+    # the force turns from -y to z while it presses
+    turn = np.pi / 2 * np.clip(stretched / SPAN, 0, 1)
+    wrench[:, 1], wrench[:, 2], wrench[:, 3] = -force * np.cos(turn), force * np.sin(turn), 99
     count = len(rows)
     own = np.interp(t_frames, t_wrench, force)
     table = frames(
@@ -118,7 +128,11 @@ def test_some_images_that_do_not_decode_are_left_out():
     made, pictures = planted(100, rate=15)
 
     def decode(count):
-        return lambda rows: [pictures[row] if place < count else None for place, row in enumerate(rows)]
+        def decoded(rows):
+            kept = np.linspace(0, len(rows) - 1, count).astype(int)
+            return [pictures[row] if place in kept else None for place, row in enumerate(rows)]
+
+        return decoded
 
     evenly = camera_lag(made, lambda rows: [pictures[row] if row % 2 else None for row in rows])
     assert len(evenly) == 1
@@ -126,6 +140,54 @@ def test_some_images_that_do_not_decode_are_left_out():
     camera_lag(made, lambda some: rows.extend(some) or [None] * len(some))
     assert len(rows) > 30
     assert camera_lag(made, decode(14)) == []
+    assert len(camera_lag(made, decode(15))) == 1
+
+
+def test_a_sensor_without_reference_is_passed_over():
+    """The touch of another one counts, also where the first is longer."""
+    made, pictures = planted(100, spans=[SPAN, 3500])
+    count = int((made.frames["trajectory"].to_numpy() == 0).sum())
+    sensors = ["D9"] * count + ["D1"] * (made.frames.num_rows - count)
+    other, _ = planted(100, spans=[SPAN, 3500], sensor=sensors)
+    assert said(made, pictures)[0][0] == 2
+    assert said(other, pictures)[0][0] == 1
+
+
+def curve(best, peak=0.95, low=0.5, **others):
+    """A correlation at 61 lags that peaks at one of them; others by their distance, as in before_10."""
+    found = np.full(61, low)
+    found[best] = peak
+    for name, value in others.items():
+        side, distance = name.split("_")
+        found[best + int(distance) * (1 if side == "after" else -1)] = value
+    return found
+
+
+@pytest.mark.parametrize("side", ["before", "after"])
+def test_a_peak_falls_within_a_tenth_of_a_second(side):
+    """By 0.01 at ten lags on either side; what lies between or farther away does not matter."""
+    assert clear_peak(curve(30)) == 30
+    assert clear_peak(curve(30, **{f"{side}_10": 0.9399})) == 30
+    assert clear_peak(curve(30, **{f"{side}_10": 0.9401})) is None
+    assert clear_peak(curve(30, **{f"{side}_9": 0.949, f"{side}_11": 0.949})) == 30
+
+
+def test_a_peak_is_a_correlation_of_nine_tenths():
+    """Just below it there is none; lags that are not known do not count."""
+    assert clear_peak(curve(30, 0.9)) == 30
+    assert clear_peak(curve(30, 0.8999)) is None
+    assert clear_peak(curve(30, before_1=np.nan)) == 30
+
+
+def test_a_peak_at_the_end_of_the_lags_is_none():
+    """Where the last lag that is tried is as good, the lag may be larger."""
+    assert clear_peak(curve(0)) is None
+    assert clear_peak(curve(60)) is None
+    assert clear_peak(curve(5)) == 5
+    assert clear_peak(curve(5, before_5=0.949)) is None
+    assert clear_peak(curve(55)) == 55
+    assert clear_peak(curve(55, after_5=0.949)) is None
+    assert clear_peak(np.where(np.arange(61) == 59, 0.949, curve(5, after_10=0.5))) == 5
 
 
 @pytest.mark.parametrize("noise", [0.0, 3.0])

@@ -158,10 +158,13 @@ def test_a_touch_without_usable_images_has_no_picture():
     assert touch_picture(Tables(table, rows), 1) is None
     table, rows = pictured(FrameFlag.OUTSIDE, 1.0, indenter="")
     assert touch_picture(Tables(table, rows), 1).title == "D1\n(not named)\nt"
-    sources = [{"key": key, "description": json.dumps({"simulated": key == "one"})} for key in ("one", "two")]
+    sources = [
+        {"key": key, "description": json.dumps({"recorded_by": {"contact": "simulated"}} if key == "one" else {})}
+        for key in ("one", "two")
+    ]
     kinds = Tables(table, rows, sources=sources)
     kinds.touches[0]["source"] = 1
-    assert touch_picture(kinds, 1).title.split("\n")[:3] == ["D1", "(not named)", "t"]
+    assert touch_picture(kinds, 1).title == "D1\n(not named)\nt\nsimulated recording"
 
 
 def some_touch(force):

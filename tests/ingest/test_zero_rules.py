@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from tactiledata.ingest.forces.tare import (
+    _was_pressed,
     component_noise,
     find_zero,
     half_sample_mode,
     touch_threshold,
     touching,
 )
+from tactiledata.ingest.forces.tare_events import locate_tares
 
 START = 1_700_000_000_000_000_000
 MS = 1_000_000
@@ -203,6 +205,130 @@ def test_a_drift_is_no_press():
         ramp = [(1 + k * 0.05, 1) for k in range(1, 121)]
         bias, _ = zeroed([(1, 100), *ramp, (7, 50), (0, 50), (-6, 100)], tares=[270], step=step)
         assert runs(bias)[-1][0] == last
+
+
+def pressed(levels, step=10 * MS, gaps=None, zero=0.0):
+    """Whether something presses at the end of a stretch; gaps (ns) before rows make a pause."""
+    t_ns, load = made(levels, step)
+    for row, gap in (gaps or {}).items():
+        t_ns[row:] += gap - step
+    return _was_pressed(t_ns, load, np.array([0, 0, zero, 9, 9, 9.0]), 0.0)
+
+
+def test_what_rose_from_free_air_presses():
+    """Until the end; what was always there, and what let go again, does not."""
+    assert pressed([(0, 10), (3, 5)])
+    assert pressed([(0, 10), (3, 1)])
+    assert pressed([(1, 10), (-2, 5)], zero=1.0)
+    assert pressed([(0, 5), (3, 5), (0, 5), (3, 5)])
+    assert not pressed([(0, 10), (3, 5), (0, 1)])
+    assert not pressed([(3, 10)])
+    assert not pressed([(0, 10), (0.5, 5)])
+    assert not pressed([(0, 0)])
+    assert not pressed([(0, 10), (3, 5), (np.nan, 1)])
+    assert not pressed([(np.nan, 10), (3, 5)])
+
+
+def test_free_air_is_below_half_of_the_threshold():
+    """A press that begins at 0.25 N was never seen free."""
+    assert not pressed([(0.25, 10), (3, 5)])
+    assert pressed([(0.24, 10), (3, 5)])
+    assert pressed([(0.24, 1), (0.4, 10), (3, 5)])
+
+
+def test_a_press_rises_within_five_seconds():
+    """From the last free air to the threshold; how long the free air was does not matter."""
+    assert pressed([(0, 100), (0.3, 24), (3, 5)], 200 * MS, {124: 200 * MS - 1})
+    assert not pressed([(0, 100), (0.3, 24), (3, 5)], 200 * MS)
+    assert pressed([(0, 100), (3, 5), (0.3, 1), (0, 1), (3, 9)], 200 * MS)
+
+
+def test_over_a_pause_nothing_was_seen_to_rise():
+    """Longer than a quarter of a second between free air and the threshold; elsewhere a pause does not matter."""
+    levels = [(0, 10), (0.3, 2), (3, 5)]
+    for row in (10, 11, 12):
+        assert pressed(levels, gaps={row: 250 * MS}), row
+        assert not pressed(levels, gaps={row: 250 * MS + 1}), row
+    for row in (1, 5, 9, 13, 16):
+        assert pressed(levels, gaps={row: 4000 * MS}), row
+
+
+def test_before_the_first_tare_a_long_press_is_no_zero():
+    """What rose from the first samples pressed: the zero is theirs, and jumps with the reading."""
+    bias, _ = zeroed([(1, 20), (5, 100), (0, 20), (-4, 100)], tares=[120])
+    assert runs(bias) == [(1.0, 120), (-4.0, 120)]
+    bias, _ = zeroed([(1, 20), (1.4, 100), (0, 120)], tares=[120])
+    assert runs(bias) == [(1.4, 120), (0.0, 120)]
+
+    def change(load):
+        load[:20, 3] = 50
+
+    bias, _ = zeroed([(1, 20), (1.4, 100), (0, 120)], tares=[120], change=change)
+    assert runs(bias) == [(1.4, 120), (0.0, 120)]
+
+
+def test_before_the_first_tare_a_drift_ends_at_the_jump():
+    """A load that drifted from 1 N to 6 N, most of the time at 5 N: the zero is what the event took off."""
+    ramp = [(1 + k * 0.01, 1) for k in range(1, 501)]
+    levels = [(1, 12), *ramp[:400], (5, 1000), *ramp[400:], (6, 15), (0, 50), (2, 10), (0, 50)]
+    bias, _ = zeroed(levels, tares=[1527, 1587], step=200 * MS)
+    assert runs(bias)[0] == (6.0, 1527)
+
+
+def test_a_tare_in_the_first_samples_takes_off_what_was_read():
+    """Of fewer than ten samples no mode is known: the jump tells the zero before it."""
+    t_ns, load = made([(4, 9), (0, 50)])
+    load[:3, 2] = 6
+    bias = find_zero(t_ns, load, [], [int(t_ns[9])]).bias
+    tare = locate_tares(t_ns, load, [int(t_ns[9])], np.zeros((1, 6)), component_noise(load))[0][0]
+    assert bias[0] == pytest.approx(-tare.step)
+    assert bias[0, 2] != 4.0
+    t_ns, load = made([(4, 10), (0, 50)])
+    load[:3, 2] = 6
+    assert find_zero(t_ns, load, [], [int(t_ns[10])]).bias[0, 2] == 4.0
+
+
+def far_off(*levels, tares=(340,)):
+    """The zero of a trajectory that begins after 300 samples of air at 0, and whether it is said that it has none."""
+    bias, said = zeroed([(0, 300), *levels], [(300, 300 + sum(count for _, count in levels))], tares)
+    return runs(bias), "no-free-air" in said
+
+
+def test_a_start_far_off_is_free_air_where_the_end_is():
+    """With a tare inside, a touch, and air at the end; without one of them the zero is another one's."""
+    assert far_off((8, 40), (0, 60), (9, 60), (0, 40)) == ([(0.0, 300), (8.0, 40), (0.0, 160)], False)
+    assert far_off((8, 40), (0, 60), (9, 60))[1]
+    assert far_off((8, 40), (0, 160))[1]
+    assert far_off((8, 100), (17, 60), (8, 40), tares=())[1]
+
+
+def test_torques_are_no_touch_and_no_drift():
+    """They neither end the free air of a trajectory nor keep it from being its zero."""
+
+    def change(load):
+        load[320:, 3] += 50
+
+    bias, said = zeroed([(0, 300), (1, 20), (1.2, 60), (9, 40)], [(300, 420)], change=change)
+    assert bias[300] == pytest.approx(1.1)
+
+    def begin(load):
+        load[300:, 3] += 50
+
+    bias, said = zeroed([(0, 300), (1, 40), (9, 40)], [(300, 380)], change=begin)
+    assert (bias[300], "no-free-air" in said) == (1.0, False)
+
+
+def test_noise_is_measured_where_all_is_known():
+    """Steps down count as steps up."""
+    load = np.zeros((5, 6))
+    load[:, 0] = load[:, 1] = load[:, 2] = [8, 6, 4, 2, 0]
+    assert component_noise(load) == pytest.approx(2 / 0.6745 / np.sqrt(2), rel=1e-12)
+
+
+def test_the_press_that_is_undecided_follows_the_last_word():
+    """With a threshold of 2 N, 1 N is undecided, and less is air."""
+    force = np.array([1.5, 3.0, 1.0, 0.9, 1.5, 2.5, 1.5])
+    assert touching(force, 2.0).tolist() == [False, True, True, False, False, True, True]
 
 
 def test_stated_tares_say_nothing_of_free_air():

@@ -122,24 +122,24 @@ def _displaced_blocks(t_ns: Times, limit: int, usual: int) -> set[int]:
     large = np.flatnonzero(np.abs(steps) > limit)
     large = np.sort(large[np.argsort(-np.abs(steps[large]), kind="stable")[:MOST_BLOCKS]])
     is_elsewhere = np.zeros(len(t_ns), dtype=bool)
-    pairs = []
+    stretches = []
     for away, home in itertools.pairwise(large.tolist()):
-        block = t_ns[away + 1 : home + 1]
-        if (steps[away] > 0) == (steps[home] > 0) or len(block) < BLOCK:
+        stretch = slice(away + 1, home + 1)
+        block = t_ns[stretch]
+        if np.sign(steps[away]) == np.sign(steps[home]) or len(block) < BLOCK:
             continue
         lasted = int(block[-1] - block[0])
         hole = int(t_ns[home + 1] - t_ns[away]) - 2 * usual
         if abs(hole - lasted) <= max(3 * usual, int(AGREE_SHARE * lasted)):
-            pairs.append((away, home))
-            is_elsewhere[away + 1 : home + 1] = True
+            stretches.append((away, home, block))
+            is_elsewhere[stretch] = True
     # several that stand elsewhere together say nothing of where the stream begins and ends
     sound = t_ns[~is_elsewhere]
     found: set[int] = set()
-    for away, home in pairs:
-        block = t_ns[away + 1 : home + 1]
-        others = np.concatenate([t_ns[: away + 1], t_ns[home + 1 :]])
-        is_beyond = bool(block.min() < sound.min() or block.max() > sound.max())
-        if is_beyond or ((others >= block.min()) & (others <= block.max())).sum() > 2:
+    for away, home, block in stretches:
+        first, last = block.min(), block.max()
+        n_others = ((t_ns >= first) & (t_ns <= last)).sum() - len(block)
+        if n_others > 2 or first < sound.min() or last > sound.max():
             found |= {away, home}
     return found
 

@@ -27,8 +27,8 @@ MIN_FRAMES = 15
 MAX_TOUCHES = 6
 MAX_FRAMES = 48
 MIN_CORRELATION = 0.9
-MIN_PEAK = 0.01
-"""Fall of the correlation at 100 ms from its peak, below which the recording does not determine the lag."""
+MIN_PEAK, BESIDE = 0.01, 10
+"""Fall of the correlation so many lags (100 ms) beside its peak, below which the recording does not determine it."""
 
 
 def camera_lag(take: Take, decode: Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]]) -> list[Finding]:
@@ -41,7 +41,7 @@ def camera_lag(take: Take, decode: Callable[[NDArray[np.int64]], list[NDArray[np
         Images of rows of ``take.frames``.
     """
     contact = take.signals.get("contact_wrench")
-    if contact is None or take.frames.num_rows == 0:
+    if contact is None:
         return []
     force = np.linalg.norm(contact.values[:, :3], axis=1)
     curves = []
@@ -53,14 +53,19 @@ def camera_lag(take: Take, decode: Callable[[NDArray[np.int64]], list[NDArray[np
         curves.append(_correlations(times, change, contact.t_ns, force))
     if not curves:
         return []
-    mean = np.nanmean(curves, axis=0)
-    best = int(np.nanargmax(mean))
-    beside = mean[[max(best - 10, 0), min(best + 10, len(LAGS) - 1)]]
-    if mean[best] < MIN_CORRELATION or mean[best] - beside.max() < MIN_PEAK:
+    best = clear_peak(np.nanmean(curves, axis=0))
+    if best is None:
         return []
     each = [int(LAGS[int(np.nanargmax(curve))]) for curve in curves]
     text = lag_in_words(int(LAGS[best]), _frame_distance(take), each)
     return [Finding("camera-lag", "info", text, count=len(curves))]
+
+
+def clear_peak(curve: NDArray[np.float64]) -> int | None:
+    """Where a correlation at each of `LAGS` (n,) peaks; ``None`` where it is low there, or hardly falls on one side."""
+    best = int(np.nanargmax(curve))
+    beside = curve[[max(best - BESIDE, 0), min(best + BESIDE, len(curve) - 1)]]
+    return None if curve[best] < MIN_CORRELATION or curve[best] - beside.max() < MIN_PEAK else best
 
 
 def lag_in_words(lag_ns: int, frame_ns: float, each_ns: Sequence[int]) -> str:

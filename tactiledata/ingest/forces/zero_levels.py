@@ -103,9 +103,9 @@ def pressed_beginnings(ends: Sequence[Ends], tares: Sequence[Tare], threshold: f
     """
     found = set()
     for number, own in enumerate(ends):
-        before = _neighbour(ends, tares, number, -1)
+        before = _neighbour(ends, tares, number, True)
         if own.is_begin_lost:
-            levels = [level for level in (before, _neighbour(ends, tares, number, 1)) if level is not None]
+            levels = [level for level in (before, _neighbour(ends, tares, number, False)) if level is not None]
             is_calm = any(_apart(own.begin, level) <= CALM for level in levels)
             if not is_calm and (own.is_end_lost or own.moved > CALM):
                 found.add(own.name)
@@ -117,21 +117,19 @@ def pressed_beginnings(ends: Sequence[Ends], tares: Sequence[Tare], threshold: f
     return found
 
 
-def _neighbour(ends: Sequence[Ends], tares: Sequence[Tare], number: int, step: int) -> Values | None:
-    """The zero (6,) of the nearest trajectory before (-1) or after (+1), as it is on this side of that trajectory.
+def _neighbour(ends: Sequence[Ends], tares: Sequence[Tare], number: int, is_before: bool) -> Values | None:
+    """The zero (6,) of the nearest trajectory before or after one, as it is on this side of that trajectory.
 
     Only one counts whose beginning was recorded, with no stated tare event between the two (or in this one, for the
     one after it).
     """
-    own, place = ends[number], number + step
-    while 0 <= place < len(ends):
-        other = ends[place]
-        first, last = (other.stop, own.start) if step < 0 else (own.start + 1, other.start)
+    own, others = ends[number], ends[:number][::-1] if is_before else ends[number + 1 :]
+    for other in others:
+        first, last = (other.stop, own.start) if is_before else (own.start + 1, other.start)
         if any(first <= tare.row <= last for tare in tares):
             return None
         if not other.is_begin_lost:
-            return other.begin + (other.end - other.end_as_begin) if step < 0 else other.begin
-        place += step
+            return other.begin + (other.end - other.end_as_begin) if is_before else other.begin
     return None
 
 
