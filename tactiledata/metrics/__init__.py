@@ -1,4 +1,14 @@
-"""Metrics: what a prediction is judged by; one file each, one line each."""
+"""Metrics: how far is a prediction from the truth, or one set of pictures from another?
+
+A metric is one file and one line in the table below. Read in this order:
+
+- ``base``: what a metric is, its scores with unit and best value, and the checks of what it takes.
+- ``image_similarity``, ``mesh_distance``, ``force_error``: pairs of a prediction and the truth.
+- ``histogram``, ``gram_style``, ``embedding``: two sets without pairs.
+- ``bootstrap``: intervals of scores, over trajectories.
+
+A metric takes arrays and gives a value for every sample; it knows nothing of stores, splits or models.
+"""
 
 from __future__ import annotations
 
@@ -16,4 +26,4 @@ METRICS = Registry(
     },
     group="tactiledata.metrics",
 )
-"""Metrics by name; each holds one or several scores."""
+"""Metrics by name; each has one or several scores."""
