@@ -193,16 +193,17 @@ def load_checkpoint(path: Path) -> Checkpoint:
         file_format = document.get("format") if isinstance(document, dict) else document
         raise CheckpointError(f"{path} has format {file_format!r}", FORMAT, "It is of another program or version.")
     weights, extras, optimiser = parts
-    return Checkpoint(
-        document["kind"],
-        document["settings"],
-        TrainedOn(**document["stamps"]),
-        document["topology"],
-        weights,
-        extras,
-        document["progress"],
-        optimiser,
-    )
+    try:
+        trained_on = TrainedOn(**document["stamps"])
+        kind, settings, topology, progress = (document[key] for key in ("kind", "settings", "topology", "progress"))
+    except (KeyError, TypeError) as error:
+        raise CheckpointError(
+            f"{path} cannot be read as a checkpoint: its document lacks {error}",
+            "kind, settings, stamps, topology and progress",
+            "It is of another version, or damaged. Remove it and train again.",
+            path=str(path),
+        ) from error
+    return Checkpoint(kind, settings, trained_on, topology, weights, extras, progress, optimiser)
 
 
 def require_stamps(stamps: TrainedOn, expected: TrainedOn, where: str) -> None:

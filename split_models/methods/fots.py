@@ -86,7 +86,7 @@ def learned_colours(presses: Iterable[CalibrationPress], seed: int = 0) -> Colou
 
 def _trained(inputs: Tensor, targets: Tensor, seed: int) -> ColourNetwork:
     """A network trained on normals and positions (n, 5) with their changes of colour (n, 3), grey levels."""
-    with torch.random.fork_rng():
+    with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         network = ColourNetwork()
         optimizer = torch.optim.Adam(network.parameters(), RATE)

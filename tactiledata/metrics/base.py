@@ -1,4 +1,4 @@
-"""What a metric is: a few scores, each with its unit, its best value, and a value for every sample."""
+"""Metrics and their scores, each with its unit and best value, and the checks of the samples that they take."""
 
 from __future__ import annotations
 
@@ -12,28 +12,31 @@ from numpy.typing import NDArray
 from tactiledata.errors import UsageError
 
 Values = NDArray[np.float64]
+"""Values (n,) of a score for n samples."""
 Subject = Literal["images", "meshes", "forces", "image sets", "latent sets"]
+"""What a metric takes; see `Metric`."""
 
 
 @dataclass(frozen=True)
 class Score:
-    """One number by which a sample is judged.
+    """One number for each sample, with its unit and its best value.
 
     Parameters
     ----------
     name : str
-        As in tables and recipes.
+        Name in tables and recipes.
     title : str
-        For people, without the unit.
+        Name for people, without the unit.
     unit : str
-        Empty where it has none.
+        Unit of the values; empty where they have none.
     better : "higher" or "lower"
+        Which values are better.
     best : float
-        Of a prediction that equals the truth.
+        Value of a prediction that equals the truth.
     compute : callable
         ``compute(predicted, true, mask=None)`` gives (n,) values for n samples; a mask (n, H, W) bool restricts
-        pictures to their contact. Where the mask of a sample is empty there is nothing to judge: NaN. Of two sets
-        (``image sets``, ``latent sets``), a value for each member of the first set.
+        pictures to their contact. A sample with an empty mask is NaN. For two sets (``image sets``,
+        ``latent sets``) there is a value for each member of the first set.
     """
 
     name: str
@@ -44,16 +47,33 @@ class Score:
     compute: Callable[..., Values]
 
     def __call__(self, predicted: Any, true: Any, mask: Any = None) -> Values:
-        """Values (n,), float64."""
+        """Return the values (n,), float64, of n samples.
+
+        Parameters
+        ----------
+        predicted, true : arrays
+            Samples as the metric takes them, or two sets.
+        mask : (n, H, W) bool, optional
+            Restricts pictures to their contact.
+        """
         return self.compute(predicted, true) if mask is None else self.compute(predicted, true, mask)
 
 
 @dataclass(frozen=True)
 class Metric:
-    """A member of the family: scores that look at the same kind of sample.
+    """A member of the family: scores of the same kind of sample.
 
-    ``takes`` says what the two batches are: ``images`` (n, H, W, 3) uint8, ``meshes`` (n, V, 3) m, ``forces`` (n, 3) N,
-    or two sets of any sizes, ``image sets`` and ``latent sets`` (n, d).
+    Parameters
+    ----------
+    name : str
+        Name in the table.
+    title : str
+        Description in a few words.
+    takes : str
+        What the two batches are: ``images`` (n, H, W, 3) uint8, ``meshes`` (n, V, 3) m, ``forces`` (n, 3) N, or two
+        sets of any sizes, ``image sets`` (n, H, W, 3) uint8 and ``latent sets`` (n, d).
+    scores : dict, name -> Score
+        Scores by their names.
     """
 
     name: str
@@ -63,17 +83,25 @@ class Metric:
 
 
 def metric(name: str, title: str, takes: Subject, scores: Sequence[Score]) -> Metric:
-    """A metric of these scores, by their names."""
+    """Return a metric that holds scores by their names.
+
+    Parameters
+    ----------
+    name, title, takes : str
+        As in `Metric`.
+    scores : list of Score
+        Scores, in the order in which tables show them.
+    """
     return Metric(name, title, takes, {score.name: score for score in scores})
 
 
 def images(values: Any, what: str) -> NDArray[np.uint8]:
-    """A batch of pictures, checked.
+    """Return a batch of pictures as an array, or refuse it; ``what`` names it in the message.
 
     Raises
     ------
     UsageError
-        Not (n, H, W, 3) uint8.
+        Values that are not (n, H, W, 3) uint8.
     """
     batch = np.asarray(values)
     if batch.ndim != 4 or batch.shape[3] != 3 or batch.dtype != np.uint8:
@@ -84,12 +112,19 @@ def images(values: Any, what: str) -> NDArray[np.uint8]:
 def image_pairs(
     predicted: Any, true: Any, mask: Any
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.bool_] | None]:
-    """Two batches of pictures of one shape, and their masks.
+    """Return two batches of pictures and their masks as arrays, or refuse them.
+
+    Parameters
+    ----------
+    predicted, true : (n, H, W, 3) uint8
+        Pictures, pair by pair.
+    mask : (n, H, W) bool, optional
+        Masks of the pairs; None stays None.
 
     Raises
     ------
     UsageError
-        Shapes that differ, another type, a mask that does not go with the pictures.
+        Shapes that differ, another type, or a mask of another shape.
     """
     ours, theirs = images(predicted, "predicted"), images(true, "true")
     if ours.shape != theirs.shape:
@@ -100,12 +135,12 @@ def image_pairs(
 
 
 def image_masks(mask: Any, pictures: NDArray[np.uint8]) -> NDArray[np.bool_] | None:
-    """The masks of pictures, checked; None stays None.
+    """Return the masks (n, H, W) of pictures as an array, or refuse them; None stays None.
 
     Raises
     ------
     UsageError
-        Not bool, or of another shape.
+        Masks that are not bool, or of another shape than the pictures.
     """
     if mask is None:
         return None
@@ -116,12 +151,19 @@ def image_masks(mask: Any, pictures: NDArray[np.uint8]) -> NDArray[np.bool_] | N
 
 
 def number_pairs(predicted: Any, true: Any, axes: tuple[str, ...]) -> tuple[Values, Values]:
-    """Two batches of numbers of one shape, whose last axis has three components.
+    """Return two batches of vectors of one shape as float64 arrays, or refuse them.
+
+    Parameters
+    ----------
+    predicted, true : (..., 3)
+        Vectors, sample by sample.
+    axes : tuple of str
+        Names of the axes, as messages show them; the last one has three components.
 
     Raises
     ------
     UsageError
-        Other shapes, or values that are not finite.
+        Another number of axes, shapes that differ, or values that are not finite.
     """
     ours, theirs = np.asarray(predicted, np.float64), np.asarray(true, np.float64)
     if ours.shape != theirs.shape or ours.ndim != len(axes) or ours.shape[-1] != 3:

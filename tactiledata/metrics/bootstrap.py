@@ -1,4 +1,4 @@
-"""Intervals of scores, by drawing whole trajectories: frames of one touch are near copies and say little twice."""
+"""Intervals of scores by drawing whole trajectories: frames of one touch are nearly copies of one another."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from numpy.typing import NDArray
 from tactiledata.errors import UsageError
 
 LEAST_GROUPS = 5
-"""Trajectories below which no interval is given: it would be far too narrow."""
+"""Least number of trajectories for an interval: with fewer it would be far too narrow."""
 
 
 @dataclass(frozen=True)
 class Interval:
     """A statistic with its interval.
 
-    ``low`` and ``high`` are NaN where there are too few trajectories. ``left_out`` samples had no value (an empty
-    contact mask) and took no part.
+    Parameters
+    ----------
+    value : float
+        The statistic of all samples that have a value.
+    low, high : float
+        Ends of the interval; NaN where there are too few trajectories.
+    samples, trajectories : int
+        Numbers of samples and trajectories that took part.
+    left_out : int
+        Number of samples without a value (an empty contact mask), which took no part.
     """
 
     value: float
@@ -31,6 +39,7 @@ class Interval:
     left_out: int
 
     def __str__(self) -> str:
+        """Return the value with its interval in brackets, four digits each."""
         if not np.isfinite(self.low):
             return f"{self.value:.4g}"
         return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
@@ -45,21 +54,23 @@ def bootstrap(
     level: float = 0.95,
     seed: int = 0,
 ) -> Interval:
-    """A statistic of values over samples, and its percentile interval over trajectories.
+    """Return a statistic of values over samples, and its percentile interval over trajectories.
 
     Parameters
     ----------
     values : (n,) or (n, ...)
-        A score of each sample; NaN where it has none. For the difference of two methods on the same samples hand in
-        the differences. With a ``statistic``, anything with a row a sample, row numbers included.
+        Score of each sample; NaN where it has none. For the difference of two methods on the same samples, the
+        differences. With a ``statistic``, anything that has a row for each sample, row numbers included.
     trajectories : (n,)
-        Which trajectory each sample is of; any names.
+        Trajectory of each sample; any names.
     statistic : callable, optional
-        Of the rows drawn; the mean unless stated.
+        Gives a float for the rows that were drawn; the mean unless stated.
     rounds : int
+        Number of draws.
     level : float
         Share of the draws that the interval holds.
     seed : int
+        Seed of the draws.
 
     Raises
     ------
@@ -74,11 +85,13 @@ def bootstrap(
     rows, groups = np.asarray(values, np.float64), np.asarray(trajectories)
     if rows.ndim == 0 or groups.shape != rows.shape[:1]:
         raise UsageError(f"{rows.shape} values for {groups.shape} trajectories", "a trajectory for each value", "")
+    # samples that have a value, and the trajectory of each
     is_there = ~np.isnan(rows.reshape(len(rows), -1)).any(axis=1) if len(rows) else np.zeros(0, bool)
     if not is_there.any():
         raise UsageError(f"none of {len(rows)} samples has a value", "at least one", "Are all contact masks empty?")
     kept = rows[is_there]
     names, group = np.unique(groups[is_there], return_inverse=True)
+    # the statistic of all, and that of each draw of trajectories
     rng = np.random.default_rng(seed)
     if statistic is None:
         value, draws = float(kept.mean()), _means(kept, group, len(names), rounds, rng)
@@ -94,7 +107,21 @@ def bootstrap(
 def _means(
     values: NDArray[np.float64], group: NDArray[np.intp], count: int, rounds: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Means of draws, from each trajectory's sum and size alone."""
+    """Means (rounds,) of draws of trajectories, from the sum and the size of each trajectory alone.
+
+    Parameters
+    ----------
+    values : (n,)
+        Score of each sample.
+    group : (n,)
+        Number of the trajectory of each sample, from 0.
+    count : int
+        Number of trajectories.
+    rounds : int
+        Number of draws.
+    rng : Generator
+        Source of the draws.
+    """
     if values.ndim != 1:
         raise UsageError(f"values of shape {values.shape}", "(n,), or a statistic of the rows", "")
     sums, sizes = np.bincount(group, values, count), np.bincount(group, minlength=count)
@@ -110,6 +137,7 @@ def _drawn(
     rounds: int,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
+    """Statistics (rounds,) of the rows of drawn trajectories; the other arguments are those of `_means`."""
     members = np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group, minlength=count))[:-1])
     return np.array(
         [

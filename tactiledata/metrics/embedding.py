@@ -1,4 +1,4 @@
-"""How well two sets of latent vectors mix: silhouette, share of foreign neighbours, maximum mean discrepancy; t-SNE."""
+"""Measures of how well two sets of latent vectors mix: silhouette, neighbours, maximum mean discrepancy; t-SNE."""
 
 from __future__ import annotations
 
@@ -11,13 +11,24 @@ from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Score, Values, metric
 
 NEIGHBOURS = 10
+"""Nearest vectors of each vector among which `knn_mixing` counts."""
 PERPLEXITY = 30.0
+"""Perplexity of t-SNE: about the number of neighbours that each vector keeps."""
 
 
 def tsne(vectors: Any, perplexity: float = PERPLEXITY, seed: int = 0) -> NDArray[np.float32]:
-    """Places (n, 2) of vectors (n, d) on a plane, by scikit-learn's t-SNE, started from the main directions.
+    """Places (n, 2) of vectors on a plane, by scikit-learn's t-SNE, started from the principal components.
 
-    A picture for people; distances in it are none. For fewer vectors the perplexity is lowered to a third of them.
+    The places are for pictures; distances between them have no meaning.
+
+    Parameters
+    ----------
+    vectors : (n, d)
+        Latent vectors, at least five.
+    perplexity : float
+        About the number of neighbours that each vector keeps; lowered to a third of the vectors where they are few.
+    seed : int
+        Seed of the random numbers.
 
     Raises
     ------
@@ -34,12 +45,12 @@ def tsne(vectors: Any, perplexity: float = PERPLEXITY, seed: int = 0) -> NDArray
 
 
 def silhouettes(vectors: Any, labels: Any) -> Values:
-    """Silhouettes (n,) of vectors (n, d) by their labels: 1 far from all others, 0 mixed, -1 among others.
+    """Silhouettes (n,) of vectors (n, d) by their labels (n,): 1 far from other labels, 0 mixed, -1 among others.
 
     Raises
     ------
     UsageError
-        Fewer than two labels, NaN, or scikit-learn is not installed.
+        Fewer than two labels, as many labels as vectors, NaN, or scikit-learn is not installed.
     """
     points, names = _vectors(vectors, "vectors", least=3), np.asarray(labels)
     count = len(np.unique(names))
@@ -52,54 +63,56 @@ def silhouettes(vectors: Any, labels: Any) -> Values:
 
 
 def silhouette(ours: Any, theirs: Any) -> Values:
-    """Silhouettes (n,) of the first set against the second; 0 is mixed, 1 apart."""
-    one, other = _two_sets(ours, theirs)
-    labels = np.repeat([0, 1], [len(one), len(other)])
-    return silhouettes(np.concatenate([one, other]), labels)[: len(one)]
+    """Silhouettes (n,) of the first set (n, d) against the second (m, d): 0 is mixed, 1 apart."""
+    first, second = _two_sets(ours, theirs)
+    labels = np.repeat([0, 1], [len(first), len(second)])
+    return silhouettes(np.concatenate([first, second]), labels)[: len(first)]
 
 
 def knn_mixing(ours: Any, theirs: Any) -> Values:
-    """Share (n,) of foreign vectors among each one's ten nearest, over what chance gives: 1 is mixed, 0 apart."""
+    """Share (n,) of vectors of the second set among the ten nearest, over that by chance: 1 is mixed, 0 apart."""
     from scipy.spatial import cKDTree
 
-    one, other = _two_sets(ours, theirs)
-    whole = np.concatenate([one, other])
+    first, second = _two_sets(ours, theirs)
+    whole = np.concatenate([first, second])
     count = min(NEIGHBOURS, len(whole) - 1)
-    _, nearest = cKDTree(whole).query(one, k=count + 1)
-    # its own place is among them; where there are doubles of it, any one of them may stand for it
-    is_self = nearest == np.arange(len(one))[:, None]
+    _, nearest = cKDTree(whole).query(first, k=count + 1)
+    # the vector itself is among them; where equal vectors hide it, the last one stands for it
+    is_self = nearest == np.arange(len(first))[:, None]
     is_self[~is_self.any(axis=1), -1] = True
-    is_foreign = (nearest >= len(one)) & ~is_self
-    by_chance = len(other) / (len(whole) - 1)
+    is_foreign = (nearest >= len(first)) & ~is_self
+    by_chance = len(second) / (len(whole) - 1)
     return is_foreign.sum(axis=1) / count / by_chance
 
 
 def mmd(ours: Any, theirs: Any) -> Values:
-    """Parts (n,) of the squared maximum mean discrepancy: their mean is its unbiased estimate, 0 for one distribution.
+    """Parts (n,) of the squared maximum mean discrepancy; their mean is its unbiased estimate, 0 for one distribution.
 
-    Gaussian kernel as wide as the median distance between all vectors.
+    The kernel is a Gaussian, as wide as the median distance between all vectors.
     """
     from scipy.spatial.distance import cdist
 
-    one, other = _two_sets(ours, theirs)
-    whole = np.concatenate([one, other])
+    first, second = _two_sets(ours, theirs)
+    whole = np.concatenate([first, second])
     distance = cdist(whole, whole)
     width = np.median(distance[np.triu_indices(len(whole), 1)])
     kernel = np.exp(-0.5 * np.square(distance / max(float(width), 1e-12)))
-    n, m = len(one), len(other)
+    n, m = len(first), len(second)
     within = (kernel[:n, :n].sum(axis=1) - 1) / (n - 1)
     among = (kernel[n:, n:].sum() - m) / (m * (m - 1))
     return within - 2 * kernel[:n, n:].mean(axis=1) + among
 
 
 def _two_sets(ours: Any, theirs: Any) -> tuple[Values, Values]:
-    one, other = _vectors(ours, "the first set", least=2), _vectors(theirs, "the second set", least=2)
-    if one.shape[1] != other.shape[1]:
-        raise UsageError(f"vectors of {one.shape[1]} and of {other.shape[1]} components", "one latent space", "")
-    return one, other
+    """Return two sets of vectors of one length as arrays, or refuse them."""
+    first, second = _vectors(ours, "the first set", least=2), _vectors(theirs, "the second set", least=2)
+    if first.shape[1] != second.shape[1]:
+        raise UsageError(f"vectors of {first.shape[1]} and of {second.shape[1]} components", "one latent space", "")
+    return first, second
 
 
 def _vectors(values: Any, what: str, least: int) -> Values:
+    """Return vectors (n, d) as float64, or refuse fewer than ``least``, or some that are not finite."""
     points = np.asarray(values, np.float64)
     if points.ndim != 2 or len(points) < least or not np.isfinite(points).all():
         raise UsageError(f"{what} of shape {points.shape}", f"at least {least} finite vectors (n, d)", "")
@@ -107,6 +120,7 @@ def _vectors(values: Any, what: str, least: int) -> Values:
 
 
 def _need_learning_library() -> None:
+    """Raise a UsageError where scikit-learn is not installed."""
     from importlib.util import find_spec
 
     if find_spec("sklearn") is None:

@@ -1,6 +1,6 @@
-"""How wrong a predicted force is, by axis and in its norm, in newtons.
+"""Errors of a predicted force, N, by axis and in its norm.
 
-Each sample gives its absolute errors: their mean is the MAE, their root mean square the RMSE.
+The values are absolute errors of samples: their mean is the MAE, their root mean square the RMSE.
 """
 
 from __future__ import annotations
@@ -13,23 +13,43 @@ import numpy as np
 from tactiledata.metrics.base import Score, Values, metric, number_pairs
 
 AXES = ("n", "3")
+"""Axes of a batch of forces."""
 COMPONENTS = ("fx", "fy", "fz")
+"""Names of the components of a force, in order."""
 
 
 def component_error(axis: int, predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Absolute error (n,), N, of one component."""
+    """Absolute error (n,), N, of one component of the force.
+
+    Parameters
+    ----------
+    axis : int
+        Number of the component, 0 to 2.
+    predicted, true : (n, 3), N
+        Forces, sample by sample.
+    mask : ignored
+        Forces have no mask.
+    """
     ours, theirs = number_pairs(predicted, true, AXES)
     return np.abs(ours - theirs)[:, axis]
 
 
 def norm_error(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Absolute difference (n,), N, of the norms."""
+    """Absolute difference (n,), N, of the norms of the forces.
+
+    Parameters
+    ----------
+    predicted, true : (n, 3), N
+        Forces, sample by sample.
+    mask : ignored
+        Forces have no mask.
+    """
     ours, theirs = number_pairs(predicted, true, AXES)
     return np.abs(np.linalg.norm(ours, axis=1) - np.linalg.norm(theirs, axis=1))
 
 
 def root_mean_square(errors: Any) -> float:
-    """RMSE, N, of absolute errors (n,); hand it to ``bootstrap`` as its statistic."""
+    """Root mean square, N, of absolute errors (n,); a statistic for ``bootstrap``."""
     return float(np.sqrt(np.square(np.asarray(errors, np.float64)).mean()))
 
 

@@ -1,7 +1,7 @@
-"""How alike the texture of two sets of pictures is: distance of Gram matrices of VGG-19's features.
+"""Similarity of the texture of two sets of pictures: distance of Gram matrices of VGG-19's features.
 
-Source: Gatys et al. 2016, equations 3 to 5: five layers, equal weights. The official weights are torchvision's file;
-where there are none, a network of random weights serves, under another name: its numbers mean nothing beside VGG's.
+Source: Gatys et al. 2016, equations 3 to 5: five layers, equal weights. The official weights are torchvision's file.
+Without it a network of random weights gives a score of another name, whose numbers cannot be compared with VGG's.
 """
 
 from __future__ import annotations
@@ -24,22 +24,24 @@ if TYPE_CHECKING:
     from torch import Tensor, nn
 
 WIDTHS = (64, 64, 0, 128, 128, 0, 256, 256, 256, 256, 0, 512, 512, 512, 512, 0, 512, 512, 512, 512, 0)
-"""Output channels of VGG-19's convolutions, each followed by ReLU; 0: maxima of 2 x 2."""
+"""Output channels of VGG-19's convolutions, each followed by ReLU; 0 stands for maxima of 2 x 2."""
 STYLE_LAYERS = (1, 6, 11, 20, 29)
-"""After ReLU of conv1_1, conv2_1, conv3_1, conv4_1 and conv5_1."""
+"""Numbers of the layers that are compared: ReLU after conv1_1, conv2_1, conv3_1, conv4_1 and conv5_1."""
 WEIGHTS = "vgg19-dcbb9e9d.pth"
-"""torchvision's name of the file; the digits are the beginning of its SHA-256."""
+"""Name of the file of weights, as torchvision publishes it; the digits are the beginning of its SHA-256."""
 MEAN, SPREAD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-"""Of ImageNet, by which the weights were learned."""
+"""Mean and standard deviation of the channels of ImageNet, on which the weights were trained."""
 NARROWER = 8
-"""The random network has so many times fewer channels: it must be quick, not wise."""
+"""Factor by which the random network has fewer channels, so that it is fast."""
 CHUNK = 8
+"""Largest number of pictures that go through the network together."""
 MOST_PIXELS = 2**22
-"""Of the pictures that go through the network together, and of one: its first layers take some 0.8 kB a pixel."""
+"""Largest number of pixels of a picture, and of those that go through the network together: its first layers take some
+0.8 kB a pixel."""
 
 
 def build_features(narrower: int = 1) -> nn.Sequential:
-    """VGG-19's convolutional part, its parameters named as torchvision's ``features``."""
+    """Return the convolutional part of VGG-19, with all widths divided; parameters are named as in torchvision."""
     from torch import nn
 
     parts: list[nn.Module] = []
@@ -55,12 +57,12 @@ def build_features(narrower: int = 1) -> nn.Sequential:
 
 
 def find_weights(path: Path | None = None) -> Path | None:
-    """The file of official weights: the one named, else torchvision's in PyTorch's cache, else None.
+    """Return the file of official weights: the given one, else that in PyTorch's cache, else None.
 
     Raises
     ------
     MissingFile
-        The named one is not there.
+        The given file does not exist.
     """
     import torch
 
@@ -74,12 +76,12 @@ def find_weights(path: Path | None = None) -> Path | None:
 
 @cache
 def vgg19_features(path: Path) -> nn.Sequential:
-    """The network with official weights.
+    """Return VGG-19 with the official weights in a file.
 
     Raises
     ------
     SchemaError
-        Not those weights.
+        A file that does not hold these weights.
     """
     refuse_lfs_pointer(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -101,7 +103,7 @@ def vgg19_features(path: Path) -> nn.Sequential:
 
 @cache
 def random_features() -> nn.Sequential:
-    """A network of VGG-19's shape with an eighth of its channels and random weights, always the same."""
+    """Return a network shaped as VGG-19 with an eighth of its channels and random weights, always the same."""
     import torch
 
     with torch.random.fork_rng(devices=[]):
@@ -122,22 +124,28 @@ def gram_style(
     Parameters
     ----------
     pictures, others : (n, H, W, 3), (m, H, W, 3), uint8 RGB
-        At least 32 x 32.
-    mask, others_mask : bool, optional
-        Restrict the Gram matrices to the masks' pixels; a picture with an empty mask has no value.
+        Pictures to score, and those of the other set; at least 32 x 32.
+    mask, others_mask : (n, H, W), (m, H, W), bool, optional
+        Restrict the Gram matrices to the pixels of the masks; a picture with an empty mask is NaN.
     weights : Path, optional
         torchvision's ``vgg19-dcbb9e9d.pth``; that in PyTorch's cache unless stated.
 
     Raises
     ------
     UsageError
-        No weights; pictures that are too small.
+        No weights, or pictures that are too small or too large.
     """
     return style_distances("gram_style", pictures, others, [(mask, others_mask)], weights)[0]
 
 
 def gram_style_random(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
-    """Style distance (n,) by random features; not to be compared with ``gram_style``."""
+    """Style distance (n,) by the features of a random network; its values cannot be compared with ``gram_style``.
+
+    Parameters
+    ----------
+    pictures, others, mask, others_mask : arrays
+        As in `gram_style`.
+    """
     return style_distances("gram_style_random", pictures, others, [(mask, others_mask)])[0]
 
 
@@ -149,10 +157,18 @@ def style_distances(
     Parameters
     ----------
     name : "gram_style" or "gram_style_random"
+        The score, and with it the network.
     pictures, others : (n, H, W, 3), (m, H, W, 3), uint8 RGB
+        Pictures to score, and those of the other set.
     masks : sequence of (mask, others_mask)
-        As `gram_style` takes them; None for the full frame.
+        Masks as in `gram_style`; None for the full frame.
     weights : Path, optional
+        Official weights of VGG-19; those in PyTorch's cache unless stated.
+
+    Returns
+    -------
+    list of (n,)
+        Distances for each pair of masks.
     """
     if name == "gram_style_random":
         return _distances(random_features(), pictures, others, masks)
@@ -167,51 +183,54 @@ def style_distances(
 
 
 def style_score(weights: Path | None = None) -> str:
-    """The score that can be had here: ``gram_style`` where there are weights, else ``gram_style_random``.
+    """Return the style score that can be computed: ``gram_style`` with official weights, else ``gram_style_random``.
 
-    Choose once for a table: the two are never mixed in one.
+    The two must not be mixed in a table: choose once for a table.
     """
     return "gram_style" if find_weights(weights) is not None else "gram_style_random"
 
 
 def _distances(network: nn.Sequential, pictures: Any, others: Any, masks: Sequence[tuple[Any, Any]]) -> list[Values]:
+    """Style distances (n,) by a network, for each pair of masks."""
     means = _mean_grams(network, others, [theirs for _, theirs in masks])
-    found = [[np.zeros(0)] for _ in masks]
-    for several in _grams(network, pictures, [ours for ours, _ in masks], "pictures"):
-        for grams, mean, kept in zip(several, means, found, strict=True):
-            # equation 4 with Gram matrices already over the number of places: 1 / (4 N²) of the squares' sum
+    distances = [[np.zeros(0)] for _ in masks]
+    for by_mask in _grams(network, pictures, [ours for ours, _ in masks], "pictures"):
+        for grams, mean, kept in zip(by_mask, means, distances, strict=True):
+            # equation 4; the Gram matrices are over the number of places already: 1 / (4 N²) of the sum of squares
             parts = [
                 np.square(ours - theirs).sum(axis=(1, 2)) / (4 * theirs.shape[0] ** 2) / len(STYLE_LAYERS)
                 for ours, theirs in zip(grams, mean, strict=True)
             ]
             kept.append(np.sum(parts, axis=0))
-    return [np.concatenate(kept) for kept in found]
+    return [np.concatenate(kept) for kept in distances]
 
 
 def _mean_grams(network: nn.Sequential, others: Any, masks: Sequence[Any]) -> list[list[Values]]:
-    """Mean Gram matrix (c, c) of each mask and style layer, over the pictures whose masks are not empty."""
+    """Mean Gram matrix (c, c) of each style layer, over the pictures whose masks are not empty, for each mask."""
     sums: list[list[Values]] = []
     counts = np.zeros(len(masks))
-    for several in _grams(network, others, masks, "others"):
-        is_there = [~np.isnan(grams[0][:, 0, 0]) for grams in several]
-        some = [[gram[there].sum(axis=0) for gram in grams] for grams, there in zip(several, is_there, strict=True)]
-        sums = [[o + s for o, s in zip(*two, strict=True)] for two in zip(sums, some, strict=True)] if sums else some
+    for by_mask in _grams(network, others, masks, "others"):
+        # a picture with an empty mask is NaN, and does not count
+        is_there = [~np.isnan(grams[0][:, 0, 0]) for grams in by_mask]
+        more = [[gram[there].sum(axis=0) for gram in grams] for grams, there in zip(by_mask, is_there, strict=True)]
+        sums = [[o + s for o, s in zip(*two, strict=True)] for two in zip(sums, more, strict=True)] if sums else more
         counts += [there.sum() for there in is_there]
     if not len(sums) or not counts.all():
         raise UsageError("no picture of the other set has a pixel in its mask", "at least one", "")
-    return [[one / count for one in layers] for layers, count in zip(sums, counts, strict=True)]
+    return [[layer / count for layer in layers] for layers, count in zip(sums, counts, strict=True)]
 
 
 def _grams(network: nn.Sequential, pictures: Any, masks: Sequence[Any], what: str) -> Iterator[list[list[Values]]]:
-    """Yield, by mask, Gram matrices (n, c, c) of each style layer over the number of places; NaN for an empty mask.
+    """Gram matrices (k, c, c) of each style layer, over the number of places, for each mask; NaN where it is empty.
 
-    A few pictures at a time: the matrices of one take 5 MB.
+    They come for a few pictures at a time, as the matrices of one picture take 5 MB.
     """
     import torch
 
     batch = images(pictures, what)
     if min(batch.shape[1:3]) < 32:
         raise UsageError(f"{what} of {batch.shape[1]} x {batch.shape[2]}", "at least 32 px a side", "")
+    # pictures that the network, and the memory, can take
     pixels = np.full(len(batch), batch.shape[1] * batch.shape[2])
     if len(batch) and pixels[0] > MOST_PIXELS:
         raise UsageError(
@@ -219,17 +238,20 @@ def _grams(network: nn.Sequential, pictures: Any, masks: Sequence[Any], what: st
             f"at most {MOST_PIXELS} pixels for a style distance: so many take the network {MOST_PIXELS * 8e-7:.0f} GB",
             "Scale the pictures down, or ask for another score.",
         )
+    # without a mask, every pixel counts
     whole = np.ones(batch.shape[:3], bool)
-    inside = [whole if (one := image_masks(mask, batch)) is None else one for mask in masks]
+    inside = [whole if (checked := image_masks(mask, batch)) is None else checked for mask in masks]
     for some in (slice(*run) for run in image_batches(pixels, CHUNK, MOST_PIXELS)):
         with torch.no_grad():
-            weights = [torch.from_numpy(one[some]) for one in inside]
+            weights = [torch.from_numpy(mask[some]) for mask in inside]
             yield _layer_grams(network, torch.from_numpy(np.array(batch[some])), weights)
 
 
 def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Tensor]) -> list[list[Values]]:
+    """Gram matrices (k, c, c) of each style layer of pictures (k, H, W, 3), for each weight (k, H, W) of the pixels."""
     import torch
 
+    # colours as the weights were trained on
     values = pictures.permute(0, 3, 1, 2).float() / 255
     values = (values - torch.tensor(MEAN).view(3, 1, 1)) / torch.tensor(SPREAD).view(3, 1, 1)
     grams: list[list[Values]] = [[] for _ in weights]
@@ -238,6 +260,7 @@ def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Ten
         if number in STYLE_LAYERS:
             flat = values.flatten(2)
             for kept, weight in zip(grams, weights, strict=True):
+                # the share of each place of the layer that the mask covers
                 share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].float(), values.shape[2:])
                 places = share.sum(dim=(2, 3))[..., None]
                 gram = (flat * share.flatten(2)) @ flat.transpose(1, 2) / places

@@ -1,6 +1,6 @@
-"""How alike the colours of two sets of pictures are: histogram intersection and histogram correlation.
+"""Similarity of the colours of two sets of pictures: histogram intersection and histogram correlation.
 
-The SPLIT paper's text describes the intersection, its table is headed correlation: both are here, each by its name.
+The text of the SPLIT paper describes the intersection, the head of its table says correlation: both are here.
 """
 
 from __future__ import annotations
@@ -14,42 +14,67 @@ from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Score, Values, image_masks, images, metric
 
 BINS = 32
-"""Of each channel: eight grey levels wide, so that noise moves little between them."""
+"""Bins of each channel: eight grey levels wide, so that noise moves few pixels between them."""
 
 
 def histograms(pictures: Any, mask: Any = None) -> Values:
-    """Histograms (n, 3, 32) of pictures, each channel's summing to 1; NaN where a mask is empty."""
+    """Histograms (n, 3, BINS) of pictures (n, H, W, 3), each channel of sum 1; NaN where a mask (n, H, W) is empty."""
     batch = images(pictures, "pictures")
     inside = image_masks(mask, batch)
-    found = np.empty((len(batch), 3, BINS))
+    shares = np.empty((len(batch), 3, BINS))
     for row, picture in enumerate(batch):
         pixels = picture.reshape(-1, 3) if inside is None else picture[inside[row]]
         level = pixels // (256 // BINS)
         for channel in range(3):
             counts = np.bincount(level[:, channel], minlength=BINS)
-            found[row, channel] = counts / counts.sum() if len(level) else np.nan
-    return found
+            shares[row, channel] = counts / counts.sum() if len(level) else np.nan
+    return shares
 
 
 def histogram_intersection(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
-    """Overlap (n,), 0 to 1, of each picture's histogram with the mean one of the other set, mean over channels."""
+    """Overlap (n,), 0 to 1, of the histogram of each picture with the mean one of the other set, mean over channels.
+
+    Parameters
+    ----------
+    pictures : (n, H, W, 3) uint8
+        Pictures to score.
+    others : (m, H, W, 3) uint8
+        Pictures of the other set.
+    mask : (n, H, W) bool, optional
+        Restricts the pictures to their contacts; a picture with an empty mask is NaN.
+    others_mask : (m, H, W) bool, optional
+        The same of the other set, whose pictures with an empty mask are left out.
+    """
     ours, theirs = histograms(pictures, mask), _mean(histograms(others, others_mask))
     return np.minimum(ours, theirs).sum(axis=2).mean(axis=1)
 
 
 def histogram_correlation(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
-    """Pearson's correlation (n,), -1 to 1, of the same histograms over their bins, mean over channels."""
+    """Pearson's correlation (n,), -1 to 1, of each histogram with the mean one of the other set, mean over channels.
+
+    Parameters
+    ----------
+    pictures : (n, H, W, 3) uint8
+        Pictures to score.
+    others : (m, H, W, 3) uint8
+        Pictures of the other set.
+    mask : (n, H, W) bool, optional
+        Restricts the pictures to their contacts; a picture with an empty mask is NaN.
+    others_mask : (m, H, W) bool, optional
+        The same of the other set, whose pictures with an empty mask are left out.
+    """
     ours, theirs = histograms(pictures, mask), _mean(histograms(others, others_mask))
     ours, theirs = ours - ours.mean(axis=2, keepdims=True), theirs - theirs.mean(axis=1, keepdims=True)
     sizes = np.linalg.norm(ours, axis=2) * np.linalg.norm(theirs, axis=1)
     return ((ours * theirs).sum(axis=2) / np.maximum(sizes, 1e-12)).mean(axis=1)
 
 
-def _mean(found: NDArray[np.float64]) -> Values:
-    is_there = ~np.isnan(found[:, 0, 0])
+def _mean(shares: NDArray[np.float64]) -> Values:
+    """Mean histogram (3, BINS) of those (m, 3, BINS) that are not NaN; refuse a set without any."""
+    is_there = ~np.isnan(shares[:, 0, 0])
     if not is_there.any():
-        raise UsageError(f"none of {len(found)} pictures of the other set has a pixel in its mask", "at least one", "")
-    mean: Values = found[is_there].mean(axis=0)
+        raise UsageError(f"none of {len(shares)} pictures of the other set has a pixel in its mask", "at least one", "")
+    mean: Values = shares[is_there].mean(axis=0)
     return mean
 
 

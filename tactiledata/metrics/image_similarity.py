@@ -1,4 +1,4 @@
-"""How alike a predicted and a true picture are: l1, MSE, SSIM, PSNR, on the full frame or inside a contact mask."""
+"""Similarity of a predicted and a true picture: l1, MSE, SSIM, PSNR, on the full frame or inside a contact mask."""
 
 from __future__ import annotations
 
@@ -11,23 +11,47 @@ from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Score, Values, image_pairs, metric
 
 WINDOW = 7
-"""px, side of the square in which SSIM compares: the default of scikit-image."""
+"""Side, px, of the square in which SSIM compares: the default of scikit-image."""
 RANGE = 255.0
-"""Grey levels from black to white."""
+"""Difference, grey levels, of white and black."""
 
 
 def l1(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Mean absolute difference (n,), grey levels."""
+    """Mean absolute difference (n,) of pictures, grey levels.
+
+    Parameters
+    ----------
+    predicted, true : (n, H, W, 3) uint8
+        Pictures, pair by pair.
+    mask : (n, H, W) bool, optional
+        Restricts each pair to the pixels of its contact; a pair with an empty mask is NaN.
+    """
     return _mean_of(np.abs, predicted, true, mask)
 
 
 def mse(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Mean squared difference (n,), grey levels squared."""
+    """Mean squared difference (n,) of pictures, grey levels squared.
+
+    Parameters
+    ----------
+    predicted, true : (n, H, W, 3) uint8
+        Pictures, pair by pair.
+    mask : (n, H, W) bool, optional
+        Restricts each pair to the pixels of its contact; a pair with an empty mask is NaN.
+    """
     return _mean_of(np.square, predicted, true, mask)
 
 
 def psnr(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Peak signal-to-noise ratio (n,), dB; infinite for pictures that are equal."""
+    """Peak signal-to-noise ratio (n,) of pictures, dB; infinite for pictures that are equal.
+
+    Parameters
+    ----------
+    predicted, true : (n, H, W, 3) uint8
+        Pictures, pair by pair.
+    mask : (n, H, W) bool, optional
+        Restricts each pair to the pixels of its contact; a pair with an empty mask is NaN.
+    """
     error = mse(predicted, true, mask)
     with np.errstate(divide="ignore"):
         return 20.0 * np.log10(RANGE) - 10.0 * np.log10(error)
@@ -36,9 +60,16 @@ def psnr(predicted: Any, true: Any, mask: Any = None) -> Values:
 def ssim(predicted: Any, true: Any, mask: Any = None) -> Values:
     """Structural similarity (n,), 1 for equal pictures, mean over the channels.
 
-    As scikit-image has it with its defaults (uniform window of 7 px, sample covariance, a border of 3 px left out).
-    Inside a mask: the mean of the same map over the mask's pixels, the border left out as well, so that a full mask
-    gives the value of the full frame.
+    It is that of scikit-image with its defaults (uniform window of 7 px, sample covariance, a border of 3 px left out).
+    Inside a mask it is the mean of the same map over the pixels of the mask, also without the border, so that a full
+    mask gives the value of the full frame.
+
+    Parameters
+    ----------
+    predicted, true : (n, H, W, 3) uint8
+        Pictures, pair by pair.
+    mask : (n, H, W) bool, optional
+        Restricts each pair to the pixels of its contact; a pair with an empty mask is NaN.
 
     Raises
     ------
@@ -51,24 +82,26 @@ def ssim(predicted: Any, true: Any, mask: Any = None) -> Values:
     similarity = _structural_similarity()
     border = WINDOW // 2
     values = np.full(len(ours), np.nan)
-    for row, (one, other) in enumerate(zip(ours, theirs, strict=True)):
+    for row, (picture, truth) in enumerate(zip(ours, theirs, strict=True)):
         where = _cropped(inside, row, border)
         if where is not None and not where.any():
             continue
-        mean, full = similarity(one, other, win_size=WINDOW, data_range=RANGE, channel_axis=2, full=True)
+        mean, full = similarity(picture, truth, win_size=WINDOW, data_range=RANGE, channel_axis=2, full=True)
         values[row] = mean if where is None else full[border:-border, border:-border][where].mean()
     return values
 
 
 def _cropped(inside: NDArray[np.bool_] | None, row: int, border: int) -> NDArray[np.bool_] | None:
+    """Return the mask of a row without the border, px; None where there are no masks."""
     return None if inside is None else inside[row, border:-border, border:-border]
 
 
 def _mean_of(power: Any, predicted: Any, true: Any, mask: Any) -> Values:
+    """Mean (n,) over pixels and channels of a function of the difference of each pair."""
     ours, theirs, inside = image_pairs(predicted, true, mask)
     values = np.full(len(ours), np.nan)
-    for row, (one, other) in enumerate(zip(ours, theirs, strict=True)):
-        difference = power(one.astype(np.float32) - other)
+    for row, (picture, truth) in enumerate(zip(ours, theirs, strict=True)):
+        difference = power(picture.astype(np.float32) - truth)
         if inside is None:
             values[row] = difference.mean(dtype=np.float64)
         elif inside[row].any():
@@ -77,6 +110,7 @@ def _mean_of(power: Any, predicted: Any, true: Any, mask: Any) -> Values:
 
 
 def _structural_similarity() -> Any:
+    """Return the function of scikit-image, or refuse where it is not installed."""
     try:
         from skimage.metrics import structural_similarity
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""How far a predicted mesh is from the true one, node by node, in millimetres."""
+"""Distances of a predicted mesh from the true one, node by node, in millimetres."""
 
 from __future__ import annotations
 
@@ -9,24 +9,49 @@ import numpy as np
 from tactiledata.metrics.base import Score, Values, metric, number_pairs
 
 AXES = ("n", "vertices", "3")
+"""Axes of a batch of meshes."""
 MILLIMETRES = 1e3
-"""Tables of meshes are in mm, as the field prints them; inputs are metres."""
+"""Factor from metres to millimetres: inputs are in m, tables of meshes in mm, as in the literature."""
 
 
 def rmse(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Root mean square (n,), mm, over all components of all nodes."""
+    """Root mean square (n,), mm, of the errors of all components of all nodes.
+
+    Parameters
+    ----------
+    predicted, true : (n, V, 3), m
+        Nodes or displacements, mesh by mesh.
+    mask : ignored
+        Meshes have no mask.
+    """
     ours, theirs = number_pairs(predicted, true, AXES)
     return MILLIMETRES * np.sqrt(np.square(ours - theirs).mean(axis=(1, 2)))
 
 
 def l1(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Mean absolute difference (n,), mm, over all components of all nodes."""
+    """Mean absolute error (n,), mm, of all components of all nodes.
+
+    Parameters
+    ----------
+    predicted, true : (n, V, 3), m
+        Nodes or displacements, mesh by mesh.
+    mask : ignored
+        Meshes have no mask.
+    """
     ours, theirs = number_pairs(predicted, true, AXES)
     return MILLIMETRES * np.abs(ours - theirs).mean(axis=(1, 2))
 
 
 def euclidean(predicted: Any, true: Any, mask: Any = None) -> Values:
-    """Mean distance (n,), mm, from each node to its true place."""
+    """Mean distance (n,), mm, of the nodes from their true places.
+
+    Parameters
+    ----------
+    predicted, true : (n, V, 3), m
+        Nodes or displacements, mesh by mesh.
+    mask : ignored
+        Meshes have no mask.
+    """
     ours, theirs = number_pairs(predicted, true, AXES)
     return MILLIMETRES * np.linalg.norm(ours - theirs, axis=2).mean(axis=1)
 

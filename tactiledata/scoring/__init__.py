@@ -1,10 +1,12 @@
-"""Metrics over stores: how far apart the pictures of sensors are.
+"""Scoring: how far apart are the pictures of the sensors of a store?
 
-- ``sensor_sets``: which pictures of a store stand for a sensor, and how many of them.
-- ``chosen_scores``: the scores that a user names.
-- ``sensor_pairs``: scores of all pairs of sensors; start here. ``background_targets``: a target that is known by its
-  picture without contact alone is scored outside the contact.
-- ``embedding_picture``: vectors of touches on a plane, to look at.
+Read in this order:
 
-Metrics themselves are in ``metrics``: they know arrays, no stores.
+- ``sensor_sets``: frames of a store by sensor; recorded, simulated and synthetic ones are kept apart.
+- ``chosen_scores``: the scores that a person names.
+- ``sensor_pairs``: scores of each set against each other one.
+- ``background_targets``: scores against a sensor of which only the picture without contact is known.
+- ``embedding_picture``: a picture of the latent vectors of all sets.
+
+This room reads stores and calls metrics. It trains nothing: who encodes pictures hands in the function.
 """

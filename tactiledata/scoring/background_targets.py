@@ -1,4 +1,4 @@
-"""Scores against a sensor that is known by its picture without contact alone: what lies outside the contact."""
+"""Scores against a sensor of which only the picture without contact is known: they compare pixels outside contacts."""
 
 from __future__ import annotations
 
@@ -20,34 +20,40 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.read.targets import Target
 
 KIND = "picture without contact"
+"""Kind of the pictures of such a target, in tables."""
 OUTSIDE = "outside the contact"
+"""Part of the pictures that is compared, in tables."""
 FRINGE = 3.0
-"""Widths of the blur of `shows_contact` by which its contact is widened: beyond them the blur carries nothing."""
+"""Widths of the blur of `shows_contact` by which a contact is widened: the blur does not reach further."""
 
 
 def score_backgrounds(
     store: Store, scores: Sequence[tuple[str, Score]], sets: Sequence[SensorSet], targets: Sequence[Target]
 ) -> Iterator[PairScore]:
-    """Scores of the pictures of sets, outside their contacts, against pictures without contact of targets.
+    """Yield scores of the pictures of sets, outside their contacts, against the pictures without contact of targets.
 
-    One set is in memory at once. Sets whose sensor has no picture without contact have no scores: where their contact
-    is is not known (`unlocated` names them).
+    One set is in memory at a time. Sets whose sensor has no picture without contact have no scores, because the place
+    of their contacts is not known (`unlocated` names them).
 
     Parameters
     ----------
     store : Store
+        The store of the sets.
     scores : list of (metric, Score)
-        Those of latent vectors are of touches and left out.
+        Scores with the names of their metrics; those of latent vectors need touches and are left out.
     sets : list of SensorSet
+        Sets to score.
     targets : list of Target
+        Sensors to score against.
 
     Raises
     ------
     UsageError
         No score is one of pictures.
     StoreError
-        The contact is known in no set, or is everywhere in one.
+        The place of the contact is known in no set, or the contact fills every picture of a set.
     """
+    # scores and sets that can be compared
     of_pictures = [(metric, score) for metric, score in scores if METRICS[metric].takes == "image sets"]
     names = ", ".join(target.name for target in targets)
     if not of_pictures:
@@ -63,63 +69,64 @@ def score_backgrounds(
             f"one of each sensor that is scored against {names}: it tells where the contact is",
             f"`tactiledata sensors add {sets[0].sensor} --background FILE...` adds one.",
         )
-    for one in (one for one in sets if one.name not in missing):
-        pictures = load_pictures(store, one)
-        outside = outside_contact(contact_masks(pictures, background_of(store, one)))
+    # set by set, outside its contacts
+    for located in (sensor_set for sensor_set in sets if sensor_set.name not in missing):
+        pictures = load_pictures(store, located)
+        outside = outside_contact(contact_masks(pictures, background_of(store, located)))
         if not outside.any():
             raise StoreError(
-                f"all of every picture of {one.name} differs from the picture of {one.sensor} without contact",
+                f"all of every picture of {located.name} differs from the picture of {located.sensor} without contact",
                 "pictures with something outside the contact",
-                f"If that picture is of another sensor: `tactiledata sensors add {one.sensor} --background FILE... "
+                f"If that picture is of another sensor: `tactiledata sensors add {located.sensor} --background FILE... "
                 "--replace`.",
             )
         for target in targets:
             untouched, there = _compared(target.background, outside)
             for metric, score in of_pictures:
                 values = score.compute(pictures, untouched, outside, there)
-                interval = bootstrap(values, one.trajectories)
-                yield PairScore(metric, score, one.name, target.name, one.kind, KIND, OUTSIDE, interval)
+                interval = bootstrap(values, located.trajectories)
+                yield PairScore(metric, score, located.name, target.name, located.kind, KIND, OUTSIDE, interval)
 
 
 def _compared(background: PictureArray, outside: NDArray[np.bool_]) -> tuple[PictureArray, NDArray[np.bool_]]:
-    """A background as the other set, and its masks: where the pictures are free of touch, if sizes let them be laid."""
+    """Return a background as the other set, and its masks: those of the pictures where the sizes are equal."""
     if background.shape[:2] == outside.shape[1:]:
         return np.broadcast_to(background, (len(outside), *background.shape)), outside
     return background[None], np.ones((1, *background.shape[:2]), bool)
 
 
 def unlocated(store: Store, sets: Sequence[SensorSet]) -> list[str]:
-    """Names of the sets whose sensor has no picture without contact of their pictures' size."""
+    """Return the names of the sets whose sensor has no picture without contact of the size of their pictures."""
     lacking = []
-    for one in sets:
-        background = background_of(store, one)
-        first = np.asarray(store.images(one.rows[:1])[0])
+    for sensor_set in sets:
+        background = background_of(store, sensor_set)
+        first = np.asarray(store.images(sensor_set.rows[:1])[0])
         if background is None or background.shape != first.shape:
-            lacking.append(one.name)
+            lacking.append(sensor_set.name)
     return lacking
 
 
 def outside_contact(masks: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
-    """Return where (n, H, W) pictures show nothing of the touch: all but their widened contacts."""
-    assert masks is not None  # sets without are left out
+    """Return masks (n, H, W) of the pixels that show nothing of the touch: all but the widened contacts."""
+    assert masks is not None  # sets without masks are left out
     reach = int(np.ceil(FRINGE * CONTACT_BLUR * max(masks.shape[1:])))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     return np.stack([cv2.dilate(mask.astype(np.uint8), disc) == 0 for mask in masks])
 
 
 def sentences(targets: Sequence[Target], missing: Sequence[str]) -> list[str]:
-    """What scores against targets that are known by a picture alone can and cannot say, for people."""
-    told = []
+    """Return sentences on what scores against such targets can and cannot show, and on sets without scores."""
+    lines = []
     for target in targets:
-        told += [
+        lines += [
             f"{target.name} is known by its picture without contact alone: {target.resolved}.",
             "Scores against it compare light and colours outside the contact. A method that lays its change on this "
             "picture agrees with it there by construction.",
             f"Whether a touch looks as it would on {target.name} cannot be said: that needs recorded touches of it.",
         ]
     if missing:
-        told.append(
+        lines.append(
             f"Not scored: {', '.join(missing)}. Without a picture of that sensor without contact it is not known where "
             "the contact is."
         )
-    return told
+    return lines

@@ -1,4 +1,4 @@
-"""Scores that a person asked for by name, of sets of pictures or of latent vectors; never two scales in one table."""
+"""Scores of two sets that a person names, of pictures or of latent vectors; a table never mixes two scales."""
 
 from __future__ import annotations
 
@@ -13,63 +13,77 @@ from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 
 OF_SETS = ("image sets", "latent sets")
+"""Kinds of metrics that compare two sets."""
 STYLE = "gram_style"
+"""Name by which a person asks for a style distance."""
 TSNE = "tsne"
-"""Not a score but a picture; its quantitative companions are those of the metric ``embedding``."""
+"""Name of the picture of latent vectors; the scores that go with it are those of the metric ``embedding``."""
 
 
 def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tuple[str, Score]]:
-    """Scores of sets, each with the name of its metric.
+    """Return the named scores of sets, each with the name of its metric.
 
-    A name is a score's, or a metric's for all its scores. ``gram_style`` is the distance by VGG-19's official weights
-    where they are found, else by the labelled random network: one of the two, never both.
+    A name is that of a score, or of a metric for all its scores. ``gram_style`` is the distance by the official weights
+    of VGG-19 where they are found, else by the random network: one of the two, never both.
 
     Parameters
     ----------
     names : list of str
+        Names of scores or metrics, or ``tsne``.
     weights : Path, optional
         Official weights of VGG-19; those in PyTorch's cache by default.
 
     Raises
     ------
     UnknownName
-        Nothing goes by that name.
+        A name of no score and no metric of sets.
     UsageError
         Both style distances in one table.
     MissingFile
-        No weights where they were said to be.
+        No file at ``weights``.
     """
     able = {name: METRICS[name].scores for name in METRICS if METRICS[name].takes in OF_SETS}
-    found: dict[str, tuple[str, Score]] = {}
-    for wanted in names:
-        for metric, score in _named(wanted, able, weights):
-            found[score.name] = (metric, score)
-    if {STYLE, f"{STYLE}_random"} <= set(found):
+    chosen: dict[str, tuple[str, Score]] = {}
+    for name in names:
+        for metric, score in _named(name, able, weights):
+            chosen[score.name] = (metric, score)
+    if {STYLE, f"{STYLE}_random"} <= set(chosen):
         raise UsageError(
             "style distances by VGG-19 and by random features in one table",
             "one of them: their numbers cannot be compared",
             f"Ask for {STYLE} alone: it takes VGG-19 where its weights are found.",
         )
-    return list(found.values())
+    return list(chosen.values())
 
 
-def _named(wanted: str, able: dict[str, Any], weights: Path | None) -> list[tuple[str, Score]]:
-    if wanted == STYLE:
+def _named(name: str, able: dict[str, Any], weights: Path | None) -> list[tuple[str, Score]]:
+    """Return the scores that one name stands for, each with the name of its metric.
+
+    Parameters
+    ----------
+    name : str
+        Name of a score or a metric, or ``tsne``.
+    able : dict, metric -> dict of Score
+        Scores of all metrics of sets.
+    weights : Path, optional
+        Official weights of VGG-19.
+    """
+    if name == STYLE:
         from tactiledata.metrics.gram_style import style_score
 
         score = able[STYLE][style_score(weights)]
         return [(STYLE, replace(score, compute=partial(score.compute, weights=weights)) if weights else score)]
-    if wanted == TSNE:
+    if name == TSNE:
         return [("embedding", score) for score in able["embedding"].values()]
-    if wanted in able:
-        return [(wanted, score) for score in able[wanted].values()]
-    found = [(metric, scores[wanted]) for metric, scores in able.items() if wanted in scores]
-    if not found:
-        known = {TSNE, *able, *(name for scores in able.values() for name in scores)}
+    if name in able:
+        return [(name, score) for score in able[name].values()]
+    matches = [(metric, scores[name]) for metric, scores in able.items() if name in scores]
+    if not matches:
+        known = {TSNE, *able, *(key for scores in able.values() for key in scores)}
         raise UnknownName(
             "score of two sets",
-            wanted,
+            name,
             known,
             "Pictures that have a truth beside them are scored by `tactiledata evaluate RECIPE`.",
         )
-    return found
+    return matches

@@ -1,4 +1,4 @@
-"""t-SNE of the latent vectors of sensors' touches, drawn: a picture for people, whose distances mean nothing."""
+"""A picture of the latent vectors of the touches of sensors, by t-SNE; distances in it have no meaning."""
 
 from __future__ import annotations
 
@@ -20,24 +20,37 @@ def embed_sets(
 ) -> dict[str, dict[str, NDArray[np.float32]]]:
     """Return places (n, 2) of the touches of each set on a plane, by kind of vector and set.
 
-    Sets with such vectors share one plane.
+    All sets that have vectors of a kind share one plane. The pictures of one set are in memory at a time.
 
-    Pictures of one set are in memory at once.
+    Parameters
+    ----------
+    store : Store
+        The store of the sets.
+    sets : list of SensorSet
+        Sets of touches.
+    encode : callable
+        Gives latent vectors by kind; see `tactiledata.scoring.sensor_pairs.Encode`.
+    seed : int
+        Seed of t-SNE.
     """
-    return embed_vectors({one.name: load_touches(store, one, encode).vectors for one in sets}, seed)
+    vectors = {sensor_set.name: load_touches(store, sensor_set, encode).vectors for sensor_set in sets}
+    return embed_vectors(vectors, seed)
 
 
 def embed_vectors(
     vectors: Mapping[str, Mapping[str, NDArray[np.floating]]], seed: int = 0
 ) -> dict[str, dict[str, NDArray[np.float32]]]:
-    """Return places (n, 2) on a plane of vectors (n, d) that are given by set and by kind."""
-    kinds = list(dict.fromkeys(kind for found in vectors.values() for kind in found))
+    """Return places (n, 2) on a plane, by kind and set, of vectors (n, d) that are given by set and kind.
+
+    ``seed`` is that of t-SNE.
+    """
+    kinds = list(dict.fromkeys(kind for by_kind in vectors.values() for kind in by_kind))
     drawn = {}
     for kind in kinds:
-        those = {name: found[kind] for name, found in vectors.items() if kind in found}
-        places = tsne(np.concatenate(list(those.values())), seed=seed)
-        stops = np.cumsum([len(one) for one in those.values()])[:-1]
-        drawn[kind] = dict(zip(those, np.split(places, stops), strict=True))
+        by_set = {name: by_kind[kind] for name, by_kind in vectors.items() if kind in by_kind}
+        places = tsne(np.concatenate(list(by_set.values())), seed=seed)
+        stops = np.cumsum([len(points) for points in by_set.values()])[:-1]
+        drawn[kind] = dict(zip(by_set, np.split(places, stops), strict=True))
     return drawn
 
 
@@ -47,16 +60,18 @@ def draw_embedding(
     kinds: Mapping[str, str] | None = None,
     heading: str = "",
 ) -> Path:
-    """A PNG with a panel for each kind of vector, a colour for each set.
+    """Write a PNG with a panel for each kind of vector and a colour for each set; return its path.
 
     Parameters
     ----------
     drawn : dict, kind of vector -> set -> (n, 2)
+        Places of the touches.
     path : Path
+        File to write; its folder is made.
     kinds : dict, set -> str, optional
-        What the pictures of a set are, for the legend.
+        What the pictures of each set are, for the legend.
     heading : str
-        Above all panels: what kind of recordings the sets are of; empty for none.
+        Text above all panels, such as what kind of recordings the sets are of; empty for none.
 
     Raises
     ------
@@ -70,6 +85,7 @@ def draw_embedding(
         raise UsageError(
             "t-SNE is drawn by matplotlib, which is not installed", "", "pip install -c constraints.txt -e '.[report]'"
         ) from error
+    # a panel for each kind of vector, its legend below it
     figure = Figure(figsize=(5.2 * len(drawn), 5.6), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, (kind, sets) in zip(np.atleast_1d(figure.subplots(1, len(drawn))), drawn.items(), strict=True):

@@ -1,4 +1,4 @@
-"""Scores of one sensor's touches against another's: pictures, their contacts, and what they are encoded to."""
+"""Scores of the touches of one sensor against those of another: pictures, contacts and latent vectors."""
 
 from __future__ import annotations
 
@@ -18,13 +18,25 @@ from tactiledata.scoring.sensor_sets import SensorSet, background_of, contact_ma
 from tactiledata.store.read.reader import Store
 
 Vectors = Mapping[str, NDArray[np.floating]]
+"""Latent vectors (n, d) of n pictures, by kind."""
 Encode = Callable[[PictureArray, PictureArray | None], Vectors]
-"""Latent vectors (n, d) by name, of pictures (n, H, W, 3) of a sensor and its picture without contact, if there is."""
+"""Function that gives latent vectors by kind, for pictures (n, H, W, 3) of a sensor and its picture (H, W, 3) without
+contact; the latter is None where it is not known."""
 
 
 @dataclass(frozen=True)
 class Touches:
-    """What a set is scored by."""
+    """Data of a set on which its scores rest.
+
+    Parameters
+    ----------
+    pictures : (n, H, W, 3), uint8 RGB
+        Pictures of the touches.
+    masks : (n, H, W), bool, optional
+        Where each picture shows its touch; None where the sensor has no picture without contact.
+    vectors : dict, kind -> (n, d)
+        Latent vectors of the pictures; empty without a function that encodes.
+    """
 
     pictures: PictureArray
     masks: NDArray[np.bool_] | None
@@ -33,11 +45,22 @@ class Touches:
 
 @dataclass(frozen=True)
 class PairScore:
-    """One score of one pair.
+    """One score of one pair of sets.
 
-    ``first`` was scored against ``second``; the interval draws the trajectories of ``first``. ``first_kind`` and
-    ``second_kind`` say what each is: recorded, a simulated recording, synthetic, or a picture without contact.
-    ``looked_at``: the whole ``frame``, the ``contact``, all ``outside the contact``, or the name of the latent vectors.
+    Parameters
+    ----------
+    metric : str
+        Name of the metric.
+    score : Score
+        The score.
+    first, second : str
+        Names of the sets: ``first`` was scored against ``second``.
+    first_kind, second_kind : str
+        What each set is: recorded, a simulated recording, synthetic, or a picture without contact.
+    looked_at : str
+        What was compared: the ``frame``, the ``contact``, ``outside the contact``, or the kind of latent vectors.
+    interval : Interval
+        Mean of the score, with the interval over the trajectories of ``first``.
     """
 
     metric: str
@@ -50,7 +73,7 @@ class PairScore:
     interval: Interval
 
     def document(self) -> dict[str, Any]:
-        """The score as JSON values."""
+        """Return the score as values for JSON."""
         names = ("metric", "first", "second", "first_kind", "second_kind", "looked_at")
         facts = {name: getattr(self, name) for name in names}
         about = {name: getattr(self.score, name) for name in ("name", "title", "unit", "better")}
@@ -59,13 +82,24 @@ class PairScore:
 
 
 def _finite(value: float) -> float | None:
+    """Return a number, or None where JSON has none for it."""
     return value if np.isfinite(value) else None
 
 
-def load_touches(store: Store, one: SensorSet, encode: Encode | None = None) -> Touches:
-    """Pictures of a set, masks of their contacts, and their latent vectors."""
-    pictures = load_pictures(store, one)
-    background = background_of(store, one)
+def load_touches(store: Store, sensor_set: SensorSet, encode: Encode | None = None) -> Touches:
+    """Return the pictures of a set, the masks of their contacts, and their latent vectors.
+
+    Parameters
+    ----------
+    store : Store
+        The store of the set.
+    sensor_set : SensorSet
+        The set to read.
+    encode : callable, optional
+        Gives the latent vectors; without it there are none.
+    """
+    pictures = load_pictures(store, sensor_set)
+    background = background_of(store, sensor_set)
     vectors = encode(pictures, background) if encode is not None else {}
     return Touches(pictures, contact_masks(pictures, background), vectors)
 
@@ -78,19 +112,35 @@ def score_pairs(
     encode: Encode | None = None,
     progress: Progress | None = None,
 ) -> Iterator[PairScore]:
-    """Scores of all pairs of sets, or of all sets against the named ones; two sets are in memory at once.
+    """Yield scores of all pairs of sets, or of all sets against the named ones; two sets are in memory at a time.
 
-    Scores of pictures look at the whole frame, and at the contact where both sensors have a picture without contact;
-    scores of latent vectors at each kind of vector.
+    Scores of pictures compare the whole frame, and the contact where both sensors have a picture without contact.
+    Scores of latent vectors compare each kind of vector.
+
+    Parameters
+    ----------
+    store : Store
+        The store of the sets.
+    scores : list of (metric, Score)
+        Scores with the names of their metrics.
+    sets : list of SensorSet
+        Sets to compare.
+    against : list of str, optional
+        Names of the sets that all others are scored against; each pair once where it is None.
+    encode : callable, optional
+        Gives latent vectors; without it scores of latent vectors have nothing to compare.
+    progress : callable, optional
+        Called with pairs done, pairs in all, and the names of the pair.
     """
     pairs = list(_pairs(sets, against))
     loaded: dict[str, Touches] = {}
     for done, (first, second) in enumerate(pairs, start=1):
+        # the two sets of this pair stay in memory, others go
         for gone in set(loaded) - {first.name, second.name}:
             del loaded[gone]
-        for one in (first, second):
-            if one.name not in loaded:
-                loaded[one.name] = load_touches(store, one, encode)
+        for sensor_set in (first, second):
+            if sensor_set.name not in loaded:
+                loaded[sensor_set.name] = load_touches(store, sensor_set, encode)
         for metric, score in scores:
             for looked_at, values in _values(metric, score, loaded[first.name], loaded[second.name]):
                 interval = bootstrap(values, first.trajectories)
@@ -101,13 +151,15 @@ def score_pairs(
 
 
 def _pairs(sets: Sequence[SensorSet], against: Sequence[str] | None) -> Iterator[tuple[SensorSet, SensorSet]]:
-    for number, one in enumerate(sets):
-        for other in sets if against is not None else sets[number + 1 :]:
-            if other is not one and (against is None or other.name in against):
-                yield one, other
+    """Yield all pairs of sets once, or each set with each other one that is named."""
+    for index, first in enumerate(sets):
+        for second in sets if against is not None else sets[index + 1 :]:
+            if second is not first and (against is None or second.name in against):
+                yield first, second
 
 
 def _values(metric: str, score: Score, ours: Touches, theirs: Touches) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """Yield what was compared, and the values (n,) of a score for the first set."""
     if METRICS[metric].takes == "latent sets":
         for name in ours.vectors:
             if name in theirs.vectors:

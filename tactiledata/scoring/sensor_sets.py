@@ -1,4 +1,4 @@
-"""Pictures of touches by sensor: recorded, simulated and synthetic ones apart."""
+"""Frames of touches by sensor; recorded, simulated and synthetic ones are different sets."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import trajectory_kinds
 
 CONTACT_FORCE = (1.0, 13.0)
-"""N; frames whose contact force lies between show a touch, as in splits. Without forces every frame counts."""
+"""Range of contact forces, N, of frames that count as a touch, as in splits. Without forces every frame counts."""
 PIXELS_OF_SET = 2**26
-"""Largest number of pixels of a set, 192 MiB of RGB: 200 frames of 640 x 480 are fewer. Two sets are in memory."""
+"""Largest number of pixels of a set, 192 MiB of RGB: 200 frames of 640 x 480 have fewer. Two sets are in memory."""
 
 
 @dataclass(frozen=True)
@@ -29,18 +29,19 @@ class SensorSet:
     Parameters
     ----------
     name : str
-        The sensor; of derived frames ``SENSOR of PARENT by METHOD``.
+        Name of the sensor; of derived frames ``SENSOR of PARENT by METHOD``.
     sensor : str
+        Serial of the sensor.
     is_derived : bool
-        Made of another sensor's frames.
+        Whether the frames were made from frames of another sensor.
     is_simulated : bool
-        The touches, its own or those that it was made of, are of recordings that state that they are simulated.
+        Whether the recordings, or those from which the frames were made, state that they are simulated.
     rows : (n,) int64
-        Of the store.
+        Row of each frame in the store.
     trajectories : (n,) int64
-        Row of each frame's trajectory.
+        Row of the trajectory of each frame.
     left_out : int
-        Frames that were asked for beside these, and would have taken more than `PIXELS_OF_SET`.
+        Number of frames that were requested too, but would have taken more than `PIXELS_OF_SET`.
     """
 
     name: str
@@ -53,29 +54,31 @@ class SensorSet:
 
     @property
     def kind(self) -> str:
-        """What the pictures are, for people: recorded, a simulated recording, or synthetic."""
+        """Kind of the pictures, in words: recorded, a simulated recording, or synthetic."""
         if self.is_derived:
             return "synthetic, of a simulated recording" if self.is_simulated else "synthetic"
         return "simulated recording" if self.is_simulated else "recorded"
 
 
 def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
-    """The sets of a store, sorted by name; those of one name that are recorded and simulated are two.
+    """Return the sets of a store, sorted by name; recorded and simulated frames of one name are two sets.
 
     Parameters
     ----------
     store : Store
+        The store to read.
     most : int
-        Frames of each set, spread evenly over those that it has; fewer where their pictures are so large that they
-        would not fit into memory (`PIXELS_OF_SET`).
+        Largest number of frames of a set, spread evenly over those that it has; fewer where their pictures are so
+        large that they would not fit into memory (`PIXELS_OF_SET`).
     least : int
-        Sets that there must be: one is enough where its target is known without touches.
+        Least number of sets; one is enough where the target is known without touches.
 
     Raises
     ------
     StoreError
-        Fewer sets.
+        A store with fewer sets.
     """
+    # usable frames in contact
     frames = store.frames(["trajectory", "flags", "contact_force", "camera", "height", "width"])
     owner = np.asarray(frames["trajectory"])
     whole = (np.asarray(frames["flags"]) & UNUSABLE) == 0
@@ -84,42 +87,46 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
     usable = np.flatnonzero(whole & in_contact & (owner >= 0) & _own_camera(store))
     height, width = (frames[side].to_numpy().astype(np.int64) for side in ("height", "width"))
     pixels = np.maximum(height * width, 1)
+    # for each set as many of them as were requested, and as fit into memory
     labels = _labels(store)
-    found = []
+    sets = []
     for label in sorted(set(labels)):
-        rows = usable[np.isin(owner[usable], [row for row, one in enumerate(labels) if one == label])]
+        rows = usable[np.isin(owner[usable], [row for row, other in enumerate(labels) if other == label])]
         if len(rows):
-            wanted = min(most, len(rows))
-            fit = min(wanted, max(1, PIXELS_OF_SET // int(pixels[rows].max())))
-            kept = rows[np.unique(np.linspace(0, len(rows) - 1, most if fit == wanted else fit).astype(int))]
-            found.append(SensorSet(*label, kept, owner[kept].astype(np.int64), wanted - fit))
-    require_sets(store, found, least)
-    return found
+            requested = min(most, len(rows))
+            fit = min(requested, max(1, PIXELS_OF_SET // int(pixels[rows].max())))
+            kept = rows[np.unique(np.linspace(0, len(rows) - 1, most if fit == requested else fit).astype(int))]
+            sets.append(SensorSet(*label, kept, owner[kept].astype(np.int64), requested - fit))
+    require_sets(store, sets, least)
+    return sets
 
 
 def size_sentences(sets: Sequence[SensorSet]) -> list[str]:
-    """Sentences on the sets that have fewer frames than were asked for, because their pictures are large."""
+    """Return a sentence on each set that has fewer frames than requested, because its pictures are large."""
     return [
-        f"{one.name}: {len(one.rows)} of {len(one.rows) + one.left_out} frames are scored; its pictures are so large "
-        "that more would not fit into memory. Scaled down before they are ingested, all can be."
-        for one in sets
-        if one.left_out
+        f"{some.name}: {len(some.rows)} of {len(some.rows) + some.left_out} frames are scored; its pictures are so "
+        "large that more would not fit into memory. Scaled down before they are ingested, all can be."
+        for some in sets
+        if some.left_out
     ]
 
 
 def require_sets(store: Store, sets: Sequence[SensorSet], least: int) -> None:
-    """Refuse a store that has fewer sets.
+    """Refuse a store that has fewer sets than are needed.
 
     Parameters
     ----------
     store : Store
+        The store, for the message.
     sets : list of SensorSet
+        Sets that it has.
     least : int
+        Least number of sets.
 
     Raises
     ------
     StoreError
-        Fewer.
+        Fewer sets than ``least``.
     """
     if len(sets) < least:
         raise StoreError(
@@ -130,7 +137,7 @@ def require_sets(store: Store, sets: Sequence[SensorSet], least: int) -> None:
 
 
 def _own_camera(store: Store) -> NDArray[np.bool_]:
-    """Whether each frame is of the sensor that its trajectory is of, not of a camera beside it."""
+    """Return whether each frame (f,) is of the sensor of its trajectory, and not of a camera beside it."""
     sensors = np.array([*store.trajectories(["sensor"])["sensor"].to_pylist(), ""], object)
     frames = store.frames(["sensor", "trajectory"])
     return np.array(frames["sensor"].to_pylist(), object) == sensors[np.asarray(frames["trajectory"])]
@@ -141,7 +148,7 @@ Label = tuple[str, str, bool, bool]
 
 
 def _labels(store: Store) -> list[Label]:
-    """The set that each trajectory belongs to; a name says what tells sets apart that would have the same."""
+    """Return the label of the set of each trajectory; simulated sets say so where a recorded one has their name."""
     rows = store.trajectories(["sensor", "parent", "extra"]).to_pylist()
     labels = [
         (_name(row), row["sensor"], bool(row["parent"]), kind == "simulated")
@@ -155,41 +162,43 @@ def _labels(store: Store) -> list[Label]:
 
 
 def _name(row: Mapping[str, str]) -> str:
+    """Return the name of the set of a trajectory: its sensor, and for derived frames parent and method."""
     if not row["parent"]:
         return row["sensor"]
     extra = json.loads(row["extra"])
     return f"{row['sensor']} of {extra.get('parent_sensor', '?')} by {extra.get('transfer', '?')}"
 
 
-def load_pictures(store: Store, one: SensorSet) -> NDArray[np.uint8]:
-    """Pictures (n, H, W, 3) of a set.
+def load_pictures(store: Store, sensor_set: SensorSet) -> NDArray[np.uint8]:
+    """Return the pictures (n, H, W, 3), uint8 RGB, of a set.
 
     Raises
     ------
     StoreError
-        Its pictures differ in size.
+        Pictures of several sizes.
     """
-    # before any is decoded: pictures of several sizes would be, all of them, for nothing
-    sides = store.frames(["height", "width"]).take(one.rows)
+    # before any picture is decoded: where sizes differ, all of them would be decoded in vain
+    sides = store.frames(["height", "width"]).take(sensor_set.rows)
     sizes = sorted(set(zip(*(sides[side].to_pylist() for side in ("height", "width")), strict=True)))
-    # one beyond the limit is refused by the store, which names its frame
+    # the store refuses a picture beyond the limit, and names its frame
     if len(sizes) > 1 and not any(size_fault(*size) for size in sizes):
         raise StoreError(
-            f"pictures of {one.name} have sizes {', '.join(f'{rows} x {columns}' for rows, columns in sizes)} "
+            f"pictures of {sensor_set.name} have sizes {', '.join(f'{rows} x {columns}' for rows, columns in sizes)} "
             "(rows x columns)",
             "one size a sensor",
             "Ingest its recordings again with --replace: single images of another size are then marked and left out.",
         )
-    return np.asarray(store.images(one.rows))
+    return np.asarray(store.images(sensor_set.rows))
 
 
-def background_of(store: Store, one: SensorSet) -> NDArray[np.uint8] | None:
-    """The picture without contact (H, W, 3) of a set's sensor; None where the store has none."""
-    return store.reference(one.sensor).image if one.sensor in store.manifest["references"] else None
+def background_of(store: Store, sensor_set: SensorSet) -> NDArray[np.uint8] | None:
+    """Return the picture (H, W, 3) without contact of the sensor of a set; None where the store has none."""
+    sensor = sensor_set.sensor
+    return store.reference(sensor).image if sensor in store.manifest["references"] else None
 
 
 def contact_masks(pictures: NDArray[np.uint8], background: NDArray[np.uint8] | None) -> NDArray[np.bool_] | None:
-    """Masks (n, H, W) of where each picture shows its touch; None without a background of that size."""
+    """Return masks (n, H, W) of where each picture shows its touch; None without a background of that size."""
     if background is None or background.shape != pictures.shape[1:]:
         return None
     return np.stack([shows_contact(picture, background).mask for picture in pictures])

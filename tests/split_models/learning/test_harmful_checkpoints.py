@@ -1,5 +1,6 @@
 """A checkpoint that would run code is refused in our words: nothing is run, and no advice to switch the check off."""
 
+import json
 import os
 import pickle
 import traceback
@@ -7,7 +8,7 @@ import traceback
 import pytest
 import torch
 
-from split_models.learning.checkpoint import load_checkpoint
+from split_models.learning.checkpoint import FORMAT, load_checkpoint
 from tactiledata.contract.tensor_files import refusal
 from tactiledata.errors import CheckpointError, SchemaError
 from tactiledata.metrics.gram_style import vgg19_features
@@ -103,3 +104,15 @@ def test_no_text_of_a_file_reaches_the_message(tmp_path):
     assert "weights_only" not in why + remedy
     why, remedy = refusal(tmp_path / "x.pt", RuntimeError("set weights_only=False"))
     assert "weights_only" not in why + remedy
+
+
+@pytest.mark.parametrize("lost", ["kind", "settings", "stamps", "topology", "progress"])
+def test_a_checkpoint_without_a_part_of_its_document_is_refused_in_our_words(tmp_path, lost):
+    """Of the right format, yet one entry is missing: that is said, and no KeyError reaches a user."""
+    stamps = {"recipe": "", "split": "", "items": "", "topology": ""}
+    document = {"format": FORMAT, "kind": "x", "settings": {}, "stamps": stamps, "topology": None, "progress": None}
+    del document[lost]
+    path = tmp_path / "weights.pt"
+    torch.save({"document": json.dumps(document), "weights": {}, "extras": {}, "optimiser": {}}, path)
+    with pytest.raises(CheckpointError, match=f"lacks '{lost}'"):
+        load_checkpoint(path)
