@@ -29,7 +29,7 @@ Calibrate = Callable[[GelSurface, View, Sequence[Touch]], OpticalMethod]
 """A function of surface, view and touches that gives a calibrated method."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class PerUnit:
     """A method that is registered and calibrated for each unit (single sensor) on touches of that unit.
 

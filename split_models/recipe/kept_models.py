@@ -113,5 +113,5 @@ class KeptModels:
             self.tell(done, total, f"{name}: {what}")
 
         return train(
-            objective, items, validation, options, folder, stamps, self.device, self.ranks, report_epoch
+            objective, items, validation, options, folder, stamps, self.device, ranks=self.ranks, tell=report_epoch
         ).network

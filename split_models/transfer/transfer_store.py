@@ -141,9 +141,9 @@ def transfer_store(
         made.sources(["sha256"]).num_rows,
         made.n_frames,
         added,
-        store.n_frames - sum(counts),
-        tuple(notes),
-        tuple(target_findings(target, store, backgrounds, getattr(method, "learned_from", None))),
+        left_out=store.n_frames - sum(counts),
+        notes=tuple(notes),
+        findings=tuple(target_findings(target, store, backgrounds, getattr(method, "learned_from", None))),
     )
 
 
