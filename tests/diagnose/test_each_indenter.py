@@ -50,7 +50,7 @@ def test_each_indenter_gets_its_own_offset_back(quiet):
     assert f"mount_offset deeper of {names[0]}" in numbers
     assert np.isnan(naming.decision.best.indenter_gain)
     said = next(sentence for sentence in found.sentences if "as fitted" in sentence)
-    assert said.endswith("numbers may be nothing.")
+    assert said.endswith("numbers may be 0.")
 
 
 def test_nothing_is_missing_where_every_indenter_sits_as_told(quiet):
