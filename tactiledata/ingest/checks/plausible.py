@@ -37,6 +37,8 @@ FARTHEST = {"tcp_from_gel": 1.5, "tcp_from_ft": 1.5, "base_from_indenter": 5.0, 
 """m. Beyond this a stated distance is in millimetres."""
 HEAVIEST_TOOL = 30.0
 """kg. More than any arm of these carries; a larger number is grams."""
+UNTURNED = (0.0, 0.0, 0.0, 1.0)
+"""A quaternion that turns nothing."""
 UNIT_TOLERANCE = 1e-3
 """Deviation of a stated quaternion's length from 1 that rounding explains."""
 
@@ -109,7 +111,7 @@ def _implausible_numbers(description: LogDescription) -> Iterator[tuple[str, obj
     if tool.get("mass", 0) > HEAVIEST_TOOL:
         yield "robot.tool.mass", tool["mass"], f"more than {HEAVIEST_TOOL:g} kg; masses are in kilograms"
     place = "robot.tool.centre_of_gravity"
-    if np.linalg.norm(tool.get("centre_of_gravity", [0.0])) > FARTHEST[place]:
+    if np.linalg.norm(tool.get("centre_of_gravity", ())) > FARTHEST[place]:
         why = f"more than {FARTHEST[place]:g} m from the tcp; lengths are in metres"
         yield place, tool["centre_of_gravity"], why
 
@@ -121,6 +123,6 @@ def _poses(description: LogDescription) -> Iterator[tuple[str, tuple[Sequence[fl
         stated[f"indenters.{name}.base_from_indenter"] = entry.get("base_from_indenter")
     for place, value in stated.items():
         if isinstance(value, Mapping):
-            yield place, (value.get("xyz", (0.0, 0.0, 0.0)), value.get("xyzw", (0.0, 0.0, 0.0, 1.0)))
+            yield place, (value.get("xyz", ()), value.get("xyzw", UNTURNED))
         elif value is not None:
-            yield place, ([row[3] for row in value[:3]], (0.0, 0.0, 0.0, 1.0))
+            yield place, ([row[3] for row in value[:3]], UNTURNED)

@@ -62,7 +62,7 @@ def camera_lag(take: Take, decode: Callable[[NDArray[np.int64]], list[NDArray[np
 
 
 def clear_peak(curve: NDArray[np.float64]) -> int | None:
-    """Where a correlation at each of `LAGS` (n,) peaks; ``None`` where it is low there, or hardly falls on one side."""
+    """Index of the peak of a correlation at each of `LAGS` (n,); ``None`` for a low peak, or one that hardly falls."""
     best = int(np.nanargmax(curve))
     beside = curve[[max(best - BESIDE, 0), min(best + BESIDE, len(curve) - 1)]]
     return None if curve[best] < MIN_CORRELATION or curve[best] - beside.max() < MIN_PEAK else best
