@@ -86,6 +86,7 @@ def make_indenter(entry: Mapping[str, Any], folder: Path | None, where: str) -> 
             "docs/indenters.md lists shapes and sizes.",
             path=where,
         )
+    # errors of the table and of the solid become errors of the document, with the place in it
     try:
         solid = INDENTERS[shape]
     except UnknownName as error:

@@ -241,10 +241,10 @@ def _grams(network: nn.Sequential, pictures: Any, masks: Sequence[Any], what: st
     # without a mask, every pixel counts
     whole = np.ones(batch.shape[:3], bool)
     inside = [whole if (checked := image_masks(mask, batch)) is None else checked for mask in masks]
-    for some in (slice(*run) for run in image_batches(pixels, CHUNK, MOST_PIXELS)):
+    for rows in (slice(*run) for run in image_batches(pixels, CHUNK, MOST_PIXELS)):
         with torch.no_grad():
-            weights = [torch.from_numpy(mask[some]) for mask in inside]
-            yield _layer_grams(network, torch.from_numpy(np.array(batch[some])), weights)
+            weights = [torch.from_numpy(mask[rows]) for mask in inside]
+            yield _layer_grams(network, torch.from_numpy(np.array(batch[rows])), weights)
 
 
 def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Tensor]) -> list[list[Values]]:

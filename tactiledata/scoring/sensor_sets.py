@@ -104,10 +104,10 @@ def sensor_sets(store: Store, most: int, least: int = 2) -> list[SensorSet]:
 def size_sentences(sets: Sequence[SensorSet]) -> list[str]:
     """Return a sentence on each set that has fewer frames than requested, because its pictures are large."""
     return [
-        f"{some.name}: {len(some.rows)} of {len(some.rows) + some.left_out} frames are scored; its pictures are so "
-        "large that more would not fit into memory. Scaled down before they are ingested, all can be."
-        for some in sets
-        if some.left_out
+        f"{cut.name}: {len(cut.rows)} of {len(cut.rows) + cut.left_out} frames are scored; its pictures are so large "
+        "that more would not fit into memory. Scaled down before they are ingested, all can be."
+        for cut in sets
+        if cut.left_out
     ]
 
 
@@ -130,7 +130,7 @@ def require_sets(store: Store, sets: Sequence[SensorSet], least: int) -> None:
     """
     if len(sets) < least:
         raise StoreError(
-            f"{store.location} holds touches of {', '.join(some.name for some in sets) or 'no sensor'}",
+            f"{store.location} holds touches of {', '.join(present.name for present in sets) or 'no sensor'}",
             "two sensors to compare, or one and what was transferred to it" if least > 1 else "frames in contact",
             "Merge stores first: `tactiledata merge S1 S2 --into both.zarr`.",
         )

@@ -49,6 +49,7 @@ class EffectSetting:
     where: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        """Complete the values, and refuse a place that is no field of ``PLACES``."""
         object.__setattr__(self, "values", self.member.complete(self.values))
         for name in self.where:
             if name not in PLACES:

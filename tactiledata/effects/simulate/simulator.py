@@ -134,6 +134,7 @@ def _in_balance(
 
     # springs bent by a wrench, then the answer of the gel
     def after(felt: Array) -> TouchState:
+        """Return the state after all effects where a wrench (n, 6) bends arm and stem."""
         state = replace(start, felt=felt)
         for setting in settings:
             state = setting.apply(state)

@@ -99,6 +99,7 @@ class Touch:
     sensor_weight: Array | None = None
 
     def __post_init__(self) -> None:
+        """Refuse arrays whose shapes do not fit the frames, and times that do not ascend."""
         shapes = {
             "poses": (4, 4),
             "gravity": (3,),
