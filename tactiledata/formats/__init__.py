@@ -1,11 +1,10 @@
 """Formats in which recordings come: one member a format, one line each in the table below.
 
 ``base`` says what a format offers: ``sniff`` judges by content, ``sources`` lists recordings, ``read`` pushes
-pictures
-into a sink and returns signals in SI units, ``inspect`` says what is in a file without keeping it.
-A format in one file is ``<name>.py``; ``mcap`` and ``folder`` are folders whose member bears the same name.
-``reading`` holds what several formats read alike. Members never import one another.
-Nothing here chooses clocks or takes off zeros: that is ``ingest``.
+pictures into a sink and returns signals in SI units, ``inspect`` says what is in a file without keeping it. A
+format in one file is ``<name>.py``; ``mcap`` and ``folder`` are folders whose member bears the same name.
+``reading`` holds what several formats read alike. Members never import one another. Nothing here chooses clocks or
+takes off zeros: that is ``ingest``.
 """
 
 from tactiledata.registry import Registry

@@ -116,7 +116,7 @@ class Answer:
 
     @property
     def sentences(self) -> list[str]:
-        """The answer in sentences: what is missing, then how the simulation behaves with it."""
+        """The answer in sentences: what is missing, then, for a claim, its fitted numbers and what E, nu and mu become."""
         return [*self.what, *self.how]
 
     @property

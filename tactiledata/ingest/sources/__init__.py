@@ -3,5 +3,6 @@
 - ``discover``: recordings under the paths that a user names.
 - ``replacing``: which recording of a store a corrected one replaces.
 - ``reports``: what became of each recording, for people and for machines.
-- ``overview``: what a store holds, gathered for a page. ``first_program``: the program with which to start using it.
+- ``overview``: what a store holds, gathered for a page. ``first_program``: the program with which to start using
+  it.
 """

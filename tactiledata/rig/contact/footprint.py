@@ -31,7 +31,10 @@ COARSE = 4
 
 @dataclass(frozen=True)
 class GelGrid:
-    """The points of the pad's undeformed surface: x (n_x,) and y (n_y,), metres, gel frame; maps are (n_y, n_x)."""
+    """A grid over the pad's undeformed surface and 2 mm beyond it: x (n_x,) and y (n_y,), metres, gel frame.
+
+    Maps on it are (n_y, n_x); ``on_pad`` masks the points of the pad itself.
+    """
 
     x: RealArray
     y: RealArray

@@ -2,8 +2,7 @@
 
 - ``check``: the one entry; it runs the checks below in the order of their needs and gives findings.
 - ``documents``, ``tables``, ``indices``, ``values``, ``payloads``, ``meshes``, ``splits``: one kind of file each,
-  against the
-  digests and CRCs that were written with it.
+  against the digests and CRCs that were written with it.
 - ``pointers``: files of Git LFS that were not fetched. ``stray_sizes``: pictures of another size without a mark.
 - ``repair``: what can be mended without inventing data; what cannot is marked, never guessed.
 """
