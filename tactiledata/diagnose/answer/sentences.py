@@ -116,7 +116,7 @@ class Answer:
 
     @property
     def sentences(self) -> list[str]:
-        """The answer in sentences: what is missing, then, for a claim, its fitted numbers and what E, nu and mu become."""
+        """The answer in sentences: what is missing; for a claim, its fitted numbers and what E, nu and mu become."""
         return [*self.what, *self.how]
 
     @property
