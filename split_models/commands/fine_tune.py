@@ -30,7 +30,7 @@ def fine_tune(
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Train an image VAE further on a store's pictures, for example on those of a GelSight.
+    """Train an image VAE further, on pictures of another sensor.
 
     Mesh VAE and projections are not changed.
 

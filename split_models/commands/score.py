@@ -47,7 +47,7 @@ def score(
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Score the pictures of sensors against each other, with intervals over trajectories.
+    """Score pictures of sensors against each other, with intervals.
 
     Recorded and synthetic pictures are separate sets. A sensor of --against of which only a picture without contact
     is known is compared outside the contact.

@@ -64,7 +64,7 @@ def evaluate(
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Make the table of a recipe with models that are already trained.
+    """Make the table of a recipe with trained models.
 
     Example: tactiledata evaluate table_digit_images --scale small
     """
@@ -81,7 +81,7 @@ def run(
     workers: int = WORKERS,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Make a table of the paper from the start: data, models and scores. Existing results are used.
+    """Make a table of the paper from data to scores; what is there is used.
 
     Example: tactiledata run table_digit_images --scale small --workers 2
     """

@@ -142,7 +142,8 @@ def test_the_truth_never_makes_forces_worse(seed, touches, dwell, place, drift, 
     tares = PLACES[place](touches, dwell)
     world = World(seed, touches, dwell, tares, drift, peak, sign, compensated)
     whole = world.error(ALL)
-    assert whole < WITHIN
+    # a zero that is known at one end of a dwell drifts until its other end
+    assert whole < WITHIN + abs(drift) * dwell
     assert whole < world.error(sorted(kept)) + 0.05
 
 

@@ -1,7 +1,7 @@
 """What is said of twins and of conflicts, over stores that are only their tables."""
 
 import pyarrow as pa
-from tests.ingest.test_twins import touch
+from test_twins import touch
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import findings_table

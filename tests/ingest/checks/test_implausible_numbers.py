@@ -3,7 +3,7 @@
 import copy
 
 import pytest
-from tests.ingest.test_plausible import SOUND
+from test_plausible import SOUND
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.ingest.checks.plausible import description_findings
