@@ -81,7 +81,7 @@ def run(
     workers: int = WORKERS,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Make a table of the paper from data to scores; what is there is used.
+    """Make a table of the paper, from data to scores.
 
     Example: tactiledata run table_digit_images --scale small --workers 2
     """
