@@ -147,6 +147,15 @@ def test_a_trajectory_without_samples_changes_nothing():
     bias, said = zeroed([(1, 50), (9, 50), (2, 50), (9, 50), (1, 300)], [(800, 900), (100, 200), (0, 100)])
     assert runs(bias) == [(1.0, 100), (2.0, 100), (1.0, 300)]
     assert "no-free-air" not in said
+    bias, _ = zeroed([(1, 50), (9, 50), (2, 50), (9, 50), (1, 300)], [(100, 200), (-90, -50), (0, 100)])
+    assert runs(bias) == [(1.0, 100), (2.0, 100), (1.0, 300)]
+
+
+def test_where_two_trajectories_overlap_the_later_one_counts():
+    """By its start, whatever their names are."""
+    levels = [(1, 100), (1.4, 50), (9, 50), (1, 300)]
+    assert runs(zeroed(levels, [(100, 200), (0, 150)])[0]) == [(1.0, 100), (1.4, 100), (1.0, 300)]
+    assert runs(zeroed(levels, [(0, 150), (100, 200)])[0]) == [(1.0, 100), (1.4, 100), (1.0, 300)]
 
 
 def test_the_nearest_known_zero_is_taken():
@@ -175,6 +184,8 @@ def test_zeros_that_move_are_said():
     assert "its zero moves by 0.21 N over 3 trajectories" in said["zero-drift"].message
     _, said = zeroed([(1, 50), (9, 50), (1, 300)], [(0, 100)])
     assert "zero-drift" not in said
+    _, said = zeroed([(1, 50), (9, 50), (1.21, 50), (9, 50), (1, 300)], [(0, 100), (100, 200)])
+    assert said["zero-drift"].count == 2
 
     def change(load):
         load[100:200, 4] += 5
@@ -197,6 +208,21 @@ def test_a_tare_while_something_presses_moves_the_zero_by_its_step():
     ramp = [(1 + k * 0.5, 5) for k in range(1, 12)]
     bias, _ = zeroed([(1, 100), *ramp, (7, 50), (0, 50), (-6, 100)], tares=[205])
     assert runs(bias) == [(1.0, 205), (-6.0, 150)]
+
+
+def test_the_drift_of_trajectories_with_tares_is_that_of_their_last_zeros():
+    """One that was zeroed inside ends where the next one begins: nothing has moved."""
+    levels = [(3, 40), (0, 20), (9, 60), (0, 60), (9, 60), (0, 60)]
+    _, said = zeroed(levels, [(0, 120), (120, 240)], [40])
+    assert "zero-drift" not in said
+    _, said = zeroed([(3, 40), (9, 60), (3, 20), (3, 20), (0, 20), (9, 60), (0, 60)], [(0, 120), (120, 240)], [140])
+    assert "its zero moves by 3.00 N over 2" in said["zero-drift"].message
+
+
+def test_before_the_first_of_two_tares_the_mode_is_that_of_its_rows():
+    """What is read between the two does not count."""
+    bias, _ = zeroed([(4, 60), (0, 20), (2, 200), (0, 100)], tares=[60, 280])
+    assert bias[0] == 4.0
 
 
 def test_a_drift_is_no_press():
