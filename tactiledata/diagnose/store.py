@@ -14,8 +14,8 @@ from tactiledata.diagnose.next_trial.limits import limits
 from tactiledata.diagnose.next_trial.propose import propose_trials
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.residuals.learners import need_learning_library
+from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.store_touches import store_touches
-from tactiledata.diagnose.touches.whitened import NumericalErrors
 from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes

@@ -87,32 +87,34 @@ class OverlayPicture:
     simulated: dict[str, Array]
 
 
-def draw_ladder(names: Sequence[str], gains: Sequence[float], errors: Sequence[float], claim: float) -> Figure:
-    """Draw the gains of candidates on held-out trajectories, with two standard errors.
+def draw_ladder(names: Sequence[str], evidence: Sequence[float], needed: Sequence[float]) -> Figure:
+    """Draw the evidence of candidates, and how much evidence each of them needs for a claim.
 
     Parameters
     ----------
     names : sequence of str
         Labels of the candidates.
-    gains, errors : sequence of float
-        Gain in log-likelihood, and its standard error.
-    claim : float
-        Gain that a claim needs.
+    evidence : sequence of float
+        Logarithm of each candidate's Bayes factor against the plain simulation.
+    needed : sequence of float
+        Evidence that a claim of each candidate needs.
     """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 0.32 * len(names) + 1.0), layout="constrained")
     axis = figure.subplots()
     places = np.arange(len(names))
-    axis.errorbar(gains, places, xerr=2 * np.asarray(errors), fmt="o", color=AFTER, markersize=4, linewidth=1)
+    axis.hlines(places, 0.0, evidence, color=AFTER, linewidth=1)
+    axis.plot(evidence, places, "o", color=AFTER, markersize=4, label="evidence")
+    axis.plot(needed, places, "|", color=BEFORE, markersize=12, label="needed for a claim")
     axis.axvline(0.0, color="black", linewidth=0.6)
-    axis.axvline(claim, color=BEFORE, linewidth=0.8, linestyle="--", label=f"needed for a claim: {claim:g}")
     axis.set_yticks(places, names, fontsize=8)
     axis.set_ylim(len(names) - 0.5, -0.5)
-    if max(gains, default=0.0) > FAR * claim:
-        axis.set_xscale("symlog", linthresh=claim)
+    usual = max(needed, default=1.0)
+    if max(evidence, default=0.0) > FAR * usual:
+        axis.set_xscale("symlog", linthresh=usual)
         axis.xaxis.set_major_formatter("{x:g}")
-    axis.set_xlabel("gain on trajectories held out, log-likelihood", fontsize=8)
+    axis.set_xlabel("evidence, logarithm of the Bayes factor", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
     figure.legend(loc="outside upper right", fontsize=7, frameon=False)
     return figure

@@ -126,24 +126,25 @@ def _what(naming: NamingResult) -> Section:
         return Section("What is missing", [("", "No effect of the catalogue looks promising: none was refitted.")])
     text = (
         "Evidence is the logarithm of the Bayes factor against the plain simulation: how much more likely the data are "
-        "with the candidate. In brackets: without the two trajectories that bring most of it. Gain is the rise of the "
+        "with the candidate. In brackets: without the two trajectories that bring most of it. How much evidence a claim "
+        "needs differs from effect to effect: errors of a simulation resemble some of them. Gain is the rise of the "
         "log-likelihood on held-out trajectories, gain on indenters that on held-out indenters, each with its standard "
         "error. Agreement is how clearly trajectories agree on the candidate before and after the refit, in standard "
         "errors. An objection says why a candidate is not claimed."
     )
     scale = (
-        "Probabilities were fitted to simulated worlds of known truth. They grow far more slowly than a Bayes factor, "
-        "as differences between two simulators bring evidence as well."
+        "Probabilities follow the evidence beyond what a claim needs. They grow far more slowly than a Bayes factor, as "
+        "differences between two simulators bring evidence as well."
     )
     sentences = [("info", text), ("info", scale), ("info", _probabilities(naming))]
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")
     drawn = draw_ladder(
         [title_of(candidate.names) for candidate in ranked],
-        [candidate.gain for candidate in ranked],
-        [candidate.gain_error for candidate in ranked],
-        DEFAULT_THRESHOLDS.claim_gain,
+        [candidate.evidence for candidate in ranked],
+        [DEFAULT_THRESHOLDS.needed(candidate.names) for candidate in ranked],
     )
-    picture = Picture(png_bytes(drawn), "Gains of candidates on held-out trajectories; bars are two standard errors.")
+    caption = "Evidence of the candidates (dots), and the evidence that a claim of each needs (vertical lines)."
+    picture = Picture(png_bytes(drawn), caption)
     return Section("What is missing", sentences, columns, [_cells(candidate) for candidate in ranked], [picture])
 
 
@@ -235,6 +236,7 @@ def _seen_at_all(naming: NamingResult) -> list[Section]:
             known.strengths[place].replace("_", " "),
             percent(known.concealment[place]),
             rounded(float(known.reach[place])),
+            rounded(float(known.visible[place])),
         )
         for place in order
         if most[known.effects[place]] == place
@@ -242,8 +244,7 @@ def _seen_at_all(naming: NamingResult) -> list[Section]:
     text = (
         "Each row is the number of an effect that these recordings show best. Hidden is the share of its change that "
         "E, nu, mu, offsets and errors of the simulation can imitate. Reach is the ratio of signal to noise of the "
-        "rest, at the end of the plausible range; from "
-        f"{rounded(DEFAULT_THRESHOLDS.visible)} on the effect can be claimed."
+        "rest, at the end of the plausible range. Needed is the reach from which the effect can be claimed."
     )
     sentences = [("info", text)]
     if known.undetectable:
@@ -252,7 +253,9 @@ def _seen_at_all(naming: NamingResult) -> list[Section]:
     if naming.not_tried:
         names = ", ".join(title_of([name]) for name in naming.not_tried)
         sentences.append(("", f"Not tried, as the recordings do not state what these effects depend on: {names}."))
-    sections = [Section("What could be seen at all", sentences, ("effect", "number", "hidden", "reach"), rows)]
+    sections = [
+        Section("What could be seen at all", sentences, ("effect", "number", "hidden", "reach", "needed"), rows)
+    ]
     # pairs that these trajectories cannot tell apart
     alike = [(title_of([first]), title_of([second]), rounded(size)) for first, second, size in known.look_alikes()]
     if alike:

@@ -297,7 +297,7 @@ def _candidate_row(candidate: ScoredCandidate) -> dict[str, Any]:
         "effects": list(candidate.names),
         "gain": candidate.gain,
         "gain_error": candidate.gain_error,
-        "gain_of_others": candidate.gain_without_best_two,
+        "needed": DEFAULT_THRESHOLDS.needed(candidate.names),
         "evidence": candidate.evidence,
         "evidence_of_others": candidate.evidence_without_best_two,
         "indenter_gain": None if is_alone else candidate.indenter_gain,

@@ -4,9 +4,6 @@
 
 claim
     The effect, or the pair, that the answer names: the candidate with most evidence among those without objections.
-difference that is certain
-    The sum D = Σ (g_k - h_k) of two candidates' gains over trajectories k, where it exceeds ``claim_gain`` and
-    ``gain_sigmas`` standard errors of D. Smaller differences can come from errors of the simulation or from chance.
 tie
     Another effect that explains the data about as well as the claim, so that these data cannot decide between the two.
     A claim and its ties are a set.
@@ -138,21 +135,14 @@ def decide(
     """
     is_left = left.is_structure(thresholds)
     chances = _probabilities(singles, pairs, thresholds, is_left)
-    # the single without objections that has most evidence
-    ranked = sorted(singles, key=lambda single: -single.gain_lower_bound(thresholds))
-    best = max((single for single in singles if not single.objections(thresholds)), key=_evidence, default=None)
-    if best is not None and _is_certain_difference(gains[ranked[0].label] - gains[best.label], thresholds):
-        # the single that gains most is not the best, and gains certainly more: the best is not what is missing
+    ranked = sorted(singles, key=lambda single: -single.evidence)
+    # the single without objections that has most evidence, unless another one that is objected to has far more
+    best = next((single for single in ranked if not single.objections(thresholds)), None)
+    if best is not None and ranked[0].evidence - best.evidence > thresholds.tie_margin(ranked[0].evidence):
         best = None
-    # a pair replaces it where it gains certainly more; of several, the one with most evidence
-    gaining = [
-        pair
-        for pair in pairs
-        if best is None or _is_certain_difference(gains[pair.label] - gains[best.label], thresholds)
-    ]
-    pair = max((pair for pair in gaining if not pair.objections(thresholds)), key=_evidence, default=None)
-    if pair is not None:
-        best = needed_of(pair, singles, thresholds)
+    # a pair replaces it where both of its effects are needed
+    needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
+    best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
     # a candidate that removes the smaller part of the excess, beside more than noise, stands in for something else
     is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
     if best is not None and is_more_than_noise and best.excess_share < thresholds.main_cause_share:
@@ -171,9 +161,9 @@ def decide(
     # no claim: structure, a trace, or nothing
     hint = ranked[0] if ranked else None
     objections = hint.objections(thresholds) if hint is not None else ()
-    if is_left or (hint is not None and hint.is_structure(thresholds)):
+    if is_left or any(single.is_structure(thresholds) for single in singles):
         return Decision(Verdict.NOT_EXPLAINED, hint, (), chances, objections, left, is_left)
-    trace = max((single for single in singles if single.is_trace(thresholds)), key=_evidence, default=None)
+    trace = next((single for single in ranked if single.is_trace(thresholds)), None)
     if trace is not None:
         ties = _ties(trace, ranked, gains, metric, thresholds)
         objections = trace.objections(thresholds)
@@ -187,10 +177,10 @@ def needed_of(
     """Return a pair, or the one of its two effects that suffices where the other adds too little.
 
     Let A(x | y) be the evidence of the pair less that of y alone, and B(x) the evidence of x alone. Effect x adds too
-    little beside y in either of two cases. First, A(x | y) is below ``claim_gain``, which errors of the simulation can
-    bring as well. Second, A(x | y) is below ``remainder_share`` times B(x) and below that share of B(y): an effect y
-    whose form is a little off leaves what looks like its look-alike x. An effect with an implausible strength never
-    suffices. Where either effect suffices, the one with more evidence is returned.
+    little beside y in either of two cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
+    of the simulation can bring as well. Second, A(x | y) is below ``remainder_share`` times B(x) and below that share
+    of B(y): an effect y whose form is a little off leaves what looks like its look-alike x. An effect with an
+    implausible strength never suffices. Where either effect suffices, the one with more evidence is returned.
 
     Parameters
     ----------
@@ -209,18 +199,13 @@ def needed_of(
             adds < thresholds.remainder_share * alone[other].evidence
             and adds < thresholds.remainder_share * alone[name].evidence
         )
-        if (adds < thresholds.claim_gain or is_remainder) and not alone[name].implausible:
+        if (adds < thresholds.claim(other) or is_remainder) and not alone[name].implausible:
             sufficient.append(alone[name])
     return max(sufficient, key=_evidence, default=pair)
 
 
 def _evidence(candidate: ScoredCandidate) -> float:
     return candidate.evidence
-
-
-def _is_certain_difference(difference: Array, thresholds: DecisionThresholds) -> bool:
-    """Whether a difference of gains (t,) sums to more than ``claim_gain`` and ``gain_sigmas`` standard errors."""
-    return float(difference.sum()) > max(thresholds.claim_gain, thresholds.gain_sigmas * error_of_sum(difference))
 
 
 def _ties(
@@ -232,15 +217,15 @@ def _ties(
 ) -> tuple[Tie, ...]:
     """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
 
-    A plausible effect is a tie where it explains the data as well and is not needlessly wide, or where it has more
-    evidence and nearly a claim's gain.
+    A plausible effect is a tie where its evidence is within ``tie_margin`` of the best one's, where it could be claimed
+    itself or changes what the best one changes (cosine above ``tie``), and where it is not needlessly wide.
     """
     others = [
         other
         for other in ranked
         if other.label != best.label
         and not other.implausible
-        and (other.gain > 0 or _has_more_evidence(other, best, thresholds))
+        and best.evidence - other.evidence <= thresholds.tie_margin(best.evidence)
     ]
     if not others:
         return ()
@@ -250,51 +235,10 @@ def _ties(
         # two fits differ by noise: what the other effect could change counts, not only what it was fitted to change
         cosine_possible = best_imitation(metric, best.fit.effect_change, other.fit.effect_fields)
         cosine, apart = max(float(cosine_fitted), cosine_possible), gains[best.label] - gains[other.label]
-        is_tied = _explains_as_well(other, best, cosine, apart, thresholds) and not _is_needlessly_wide(
-            other, best, cosine_possible, thresholds
-        )
-        if is_tied or _has_more_evidence(other, best, thresholds):
+        is_rival = cosine > thresholds.tie or not other.objections(thresholds)
+        if is_rival and not _is_needlessly_wide(other, best, cosine_possible, thresholds):
             ties.append(Tie(other.label, best.label, other.label, cosine, float(apart.sum()), error_of_sum(apart)))
     return tuple(ties)
-
-
-def _explains_as_well(
-    other: ScoredCandidate, best: ScoredCandidate, cosine: float, apart: Array, thresholds: DecisionThresholds
-) -> bool:
-    """Whether another candidate explains the data about as well as the best one.
-
-    Three conditions must hold. It resembles the best one (cosine above ``tie``), could be claimed itself with
-    ``comparable_gain_share`` of the gain, or reaches ``claim_gain`` and is not beaten by ``rival_sigmas`` standard
-    errors. It keeps enough evidence without its best two trajectories, or as much as the best one does. And the best
-    one is ahead neither by a certain difference of gains nor by evidence of ``claim_gain``.
-
-    Parameters
-    ----------
-    cosine : float
-        Cosine of what the two change, as in `Tie`.
-    apart : (t,)
-        How much more the best one gains in each trajectory.
-    """
-    is_comparable = not other.objections(thresholds) and other.gain >= thresholds.comparable_gain_share * best.gain
-    is_rival = other.gain >= thresholds.claim_gain and float(apart.sum()) <= thresholds.rival_sigmas * error_of_sum(
-        apart
-    )
-    has_broad_support = other.evidence_without_best_two >= min(
-        thresholds.evidence_without_best_two, best.evidence_without_best_two
-    )
-    # errors of the simulation can bring evidence of a claim's size: no proof of one effect against the other
-    is_not_beaten = (
-        not _is_certain_difference(apart, thresholds) and best.evidence - other.evidence <= thresholds.claim_gain
-    )
-    return (cosine > thresholds.tie or is_comparable or is_rival) and has_broad_support and is_not_beaten
-
-
-def _has_more_evidence(other: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
-    """Whether another has at least the evidence of the best and of a claim, and a claim's gain within its error."""
-    return (
-        other.evidence >= max(best.evidence, thresholds.claim_gain)
-        and other.gain + other.gain_error >= thresholds.claim_gain
-    )
 
 
 def _is_needlessly_wide(
@@ -318,9 +262,8 @@ def ties_of_two(
 ) -> tuple[Tie, ...]:
     """Return effects that could stand for one of two named effects.
 
-    A substitute is a tie where it has no objections, adds ``comparable_gain_share`` of the gain that the named effect
-    adds to the one that is kept, is not beaten by a certain difference of gains or by evidence of ``claim_gain``, and
-    is not needlessly wide.
+    A substitute is a tie where it has no objections, is not beaten by evidence of ``tie_margin``, and is not needlessly
+    wide.
 
     Parameters
     ----------
@@ -334,13 +277,10 @@ def ties_of_two(
     ties = []
     for kept, substitute in substitutes:
         apart = best.gains - substitute.gains
-        adds_as_much = substitute.gain - kept.gain >= thresholds.comparable_gain_share * (best.gain - kept.gain)
-        is_beaten = (
-            _is_certain_difference(apart, thresholds) or best.evidence - substitute.evidence > thresholds.claim_gain
-        )
+        is_beaten = best.evidence - substitute.evidence > thresholds.tie_margin(best.evidence - kept.evidence)
         cosine_possible = best_imitation(kept.fit.metric, best.fit.effect_change, substitute.fit.effect_fields)
         is_needless = _is_needlessly_wide(substitute, best, cosine_possible, thresholds)
-        if substitute.objections(thresholds) or not adds_as_much or is_beaten or is_needless:
+        if substitute.objections(thresholds) or is_beaten or is_needless:
             continue
         (named,), (other,) = ([name for name in pair.names if name not in kept.names] for pair in (best, substitute))
         cosine = float(cosines(kept.fit.metric, [best.fit.effect_change, substitute.fit.effect_change])[0, 1])
@@ -361,6 +301,8 @@ def _probabilities(
     ]
     candidates = [*singles, *pairs]
     shares = thresholds.shares(
-        np.array([candidate.evidence for candidate in candidates]), np.array(objected, dtype=bool), is_left
+        np.array([candidate.evidence - thresholds.needed(candidate.names) for candidate in candidates]),
+        np.array(objected, dtype=bool),
+        is_left,
     )
     return dict(zip([*(candidate.label for candidate in candidates), NONE, OTHER], shares.tolist(), strict=True))

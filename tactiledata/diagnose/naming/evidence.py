@@ -9,8 +9,9 @@ gain
     was fitted without it, its own contact offset marginalised; p_k is the same of the plain fit. G is the rise of the
     log-likelihood on held-out data. Its standard error is √t times the sample standard deviation of the g_k.
 evidence
-    B = (P - C) / (2 φ) - O. C is the cost of the candidate fitted to all trajectories, whitened squares plus priors,
-    and P is that of the plain fit. B approximates the logarithm of their Bayes factor.
+    B = ζ (P - C) / (2 φ) - O. C is the cost of the candidate fitted to all trajectories, whitened squares plus priors,
+    and P is that of the plain fit. B approximates the logarithm of their Bayes factor. ζ = 1 / (1 + t/α) lets it
+    saturate with the number of trajectories, since errors of the simulation repeat in all of them.
 Occam penalty
     O = ½ ln det(I + SᵀMS) + Σ ln m, the price of the candidate's free numbers (`JointFit.occam`). S is what one prior
     standard deviation of each strength changes in the whitened data, M the inverse covariance of the data with every
@@ -175,56 +176,31 @@ class ScoredCandidate:
         return thresholds.lower_bound(self.gain, self.gain_error)
 
     @property
-    def gain_without_best_two(self) -> float:
-        """Gain that remains without the two trajectories that gain most."""
-        return float(np.sort(self.gains)[:-MOST_INFLUENTIAL].sum())
-
-    @property
     def evidence_without_best_two(self) -> float:
         """Evidence that remains without the two trajectories that contribute most; the Occam penalty stays whole."""
         return self.evidence - float(np.sort(self.evidence_per_trajectory)[-MOST_INFLUENTIAL:].sum())
 
-    def has_broad_support(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the evidence is large, remains without its best two trajectories, and half the gain is there.
-
-        Nulls with a mismatched simulator have most of their evidence from two trajectories.
-        """
-        return (
-            self.evidence >= thresholds.claim_gain
-            and self.evidence_without_best_two >= thresholds.evidence_without_best_two
-            and self.gain >= 0.5 * thresholds.claim_gain
-        )
-
     def is_certain(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the gain is more than chance and does not depend on two trajectories.
+        """Whether the gain on held-out trajectories is positive and more than chance.
 
-        Without its best two trajectories a candidate must keep enough evidence or enough gain. Besides, one of four
-        conditions must hold: the gain has ``gain_sigmas`` standard errors; the signature statistic reaches
-        ``certain_signature`` (an effect that only fast touches show has a large error of its gain); the gain without
-        the best two reaches a claim (an effect of one place acts under few touches); or the support is broad.
+        It is where it has ``gain_sigmas`` standard errors, or where the signature statistic reaches
+        ``certain_signature``.
         """
-        depends_on_two = (
-            self.evidence_without_best_two < thresholds.evidence_without_best_two
-            and self.gain_without_best_two < thresholds.claim_gain
-        )
-        return not depends_on_two and (
+        return self.gain > 0 and (
             self.gain >= thresholds.gain_sigmas * self.gain_error
             or self.signature_before >= thresholds.certain_signature
-            or self.gain_without_best_two >= thresholds.claim_gain
-            or self.has_broad_support(thresholds)
         )
 
-    def is_agreed(self, thresholds: DecisionThresholds) -> bool:
-        """Whether trajectories agree on the effect's direction, or enough of them gain by it on their own."""
-        return (
-            self.signature_before >= thresholds.signature_threshold
-            or self.gain_without_best_two >= thresholds.claim_gain
-            or self.has_broad_support(thresholds)
-        )
+    @property
+    def is_worse_on_indenters(self) -> bool:
+        """Whether indenters that were held out are predicted worse than by the plain simulation, beyond chance."""
+        return self.indenter_gain + self.indenter_error < 0
 
     def is_structure(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the gain is certain and twice a claim's: the residual has structure, even if no claim is possible."""
-        return self.gain >= 2.0 * thresholds.claim_gain and self.is_certain(thresholds)
+        """Whether the evidence is far beyond a claim's, even if no claim is possible: the residual has structure."""
+        return self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(
+            self.names
+        ) and self.is_certain(thresholds)
 
     def is_trace(self, thresholds: DecisionThresholds) -> bool:
         """Whether there are no objections with the lowered thresholds of a trace."""
@@ -233,27 +209,32 @@ class ScoredCandidate:
     def objections(self, thresholds: DecisionThresholds) -> tuple[str, ...]:
         """Return sentences that say why the candidate cannot be claimed; empty where it can.
 
-        There are six: too small a gain without broad support; an uncertain gain; too little of the excess gone on data
-        that were not fitted; trajectories that do not agree; a signature that the refit has not removed; and strengths
-        that are not plausible.
+        There are eight: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
+        indenters that were held out; too little of the excess gone on data that were not fitted; trajectories that do
+        not agree; a signature that the refit has not removed; and strengths that are not plausible.
         """
-        reasons = []
-        if self.gain < thresholds.claim_gain and not self.has_broad_support(thresholds):
+        needed, reasons = thresholds.needed(self.names), []
+        if self.evidence < needed:
             reasons.append(
-                f"the held-out gain is {self.gain:.1f}, and errors of the simulation alone can bring up to"
-                f" {thresholds.claim_gain:g}"
+                f"the evidence is {self.evidence:.1f}, and errors of the simulation alone can bring up to {needed:.0f}"
+            )
+        if self.evidence_without_best_two < thresholds.broad_share * needed:
+            reasons.append(
+                f"the evidence is {self.evidence_without_best_two:.1f} without the two trajectories that contribute"
+                " most"
             )
         if not self.is_certain(thresholds):
             reasons.append(
-                f"the held-out gain is {self.gain:.1f} with a standard error of {self.gain_error:.1f}, and the evidence"
-                f" is {self.evidence_without_best_two:.1f} without the two trajectories that contribute most"
+                f"the gain on held-out trajectories is {self.gain:.1f} with a standard error of {self.gain_error:.1f}"
             )
+        if self.is_worse_on_indenters:
+            reasons.append("held-out indenters are predicted worse with it than without")
         if self.excess_share < thresholds.least_excess_share:
             reasons.append(
                 f"only {100 * self.excess_share:.0f} % of the excess over the noise is gone in data that were not"
                 " fitted"
             )
-        if not self.is_agreed(thresholds):
+        if self.signature_before < thresholds.signature_threshold:
             reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
         elif abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
             reasons.append("the residual still holds the change that the effect should remove")
@@ -261,7 +242,13 @@ class ScoredCandidate:
 
 
 def score_candidate(
-    base: JointFit, fit: JointFit, base_out: GroupedCosts, out: GroupedCosts, expected: float, dispersion: float
+    base: JointFit,
+    fit: JointFit,
+    base_out: GroupedCosts,
+    out: GroupedCosts,
+    expected: float,
+    dispersion: float,
+    counted: float = 1.0,
 ) -> ScoredCandidate:
     """Return the scores of a refit beside the plain fit; the module's docstring has the formulas.
 
@@ -275,6 +262,8 @@ def score_candidate(
         Sum of whitened squares of all trajectories where noise is all there is.
     dispersion : float
         φ, at least 1.
+    counted : float
+        ζ: factor on the evidence by the number of trajectories, `DecisionThresholds.counted`.
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # numbers that differ by indenter cannot be predicted for an indenter that is held out
@@ -295,8 +284,8 @@ def score_candidate(
         fit, gains, float(of_indenters.sum()) if has_indenter_gain else float("nan"),
         error_of_sum(of_indenters), _excess_share(float(groups.sum() - fitted.sum()), excess), before, after,
         implausible, at_bounds,
-        0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
-        0.5 * (base.cost_by_trajectory - fit.cost_by_trajectory) / dispersion,
+        0.5 * counted * (base.cost - fit.cost) / dispersion - fit.occam,
+        0.5 * counted * (base.cost_by_trajectory - fit.cost_by_trajectory) / dispersion,
     )  # fmt: skip
 
 

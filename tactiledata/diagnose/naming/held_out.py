@@ -25,8 +25,8 @@ class GroupedCosts:
     by_trajectory : (t,)
         Of each trajectory, held out with the others of its fold.
     by_indenter : (i,)
-        Of all trajectories of each indenter, held out together, the force factor of that indenter marginalised; empty
-        where there is one indenter only.
+        Of all trajectories of each indenter, held out together, the simulation's errors of that indenter marginalised;
+        empty where there is one indenter only.
     """
 
     by_trajectory: Array
@@ -37,8 +37,8 @@ def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> Grouped
     """Return the squares that held-out trajectories and indenters leave under a fit to the others.
 
     The fit to the others is one step of the whole fit, in its linearisation. E, nu, mu, the effects' numbers and the
-    errors of the simulation move; the contact offset of a held-out trajectory, and the force factor of a held-out
-    indenter, are left to their priors.
+    errors of the simulation move. The contact offset of a held-out trajectory, and the simulation's errors of a
+    held-out indenter, are left to their priors.
 
     Parameters
     ----------
@@ -135,9 +135,9 @@ class LinearRefits:
             starts = np.concatenate([[0], np.cumsum(self.whitened.touch_set.counts[group])[:-1]]).astype(np.int64)
             random = fit.shared[rows][:, :, first_error:] if together else fit.shared[rows][:, :, :0]
             if together:
-                # the indenter's own factor was not fitted: it is at its prior's centre, with its spread
-                indenter = int(self.whitened.indenter[group[0]])
-                random = random[:, :, [indenter]]
+                # the indenter's own errors were not fitted: they are at their prior's centre, with its spread
+                name = self.whitened.indenter_names[int(self.whitened.indenter[group[0]])]
+                random = random[:, :, [error.indenter == name for error in self.whitened.simulation_errors]]
             metric = RandomEffects(fit.own[rows], random, np.ones(random.shape[2]), starts)
             costs[int(group[0])] = metric.cost(left[rows])
         return costs

@@ -16,12 +16,10 @@ from tactiledata.diagnose.naming.metric import RandomEffects, cosines
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, nuisance, playable
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
-
-VISIBLE = DEFAULT_THRESHOLDS.visible
-"""Signal-to-noise ratio, after all that a refit imitates, from which an effect can be claimed."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +37,8 @@ class Identifiability:
         Cosines of what is left of the changes: at 1, no data of this kind can tell two strengths apart.
     reach : (k,)
         Signal-to-noise ratio in these trajectories, after concealment, at the far end of the plausible range.
+    visible : (k,)
+        Signal-to-noise ratio, after all that a refit imitates, from which the effect of each strength can be claimed.
     not_told : tuple of str
         Effects that depend on covariates which the touches do not have.
     without_trace : tuple of str
@@ -49,6 +49,7 @@ class Identifiability:
     concealment: Array
     confusability: Array
     reach: Array
+    visible: Array
     not_told: tuple[str, ...]
     without_trace: tuple[str, ...] = ()
 
@@ -70,12 +71,14 @@ class Identifiability:
     @property
     def shows_from(self) -> Array:
         """Sizes (k,) from which a strength can be claimed, in the parameters' units; infinite where none can."""
-        return np.divide(self.ends * VISIBLE, self.reach, out=np.full(len(self.reach), np.inf), where=self.reach > 0)
+        return np.divide(
+            self.ends * self.visible, self.reach, out=np.full(len(self.reach), np.inf), where=self.reach > 0
+        )
 
     @property
     def undetectable(self) -> tuple[str, ...]:
         """Effects that could not be claimed in these trajectories at any plausible strength."""
-        seen = {name for name, reach in zip(self.effects, self.reach, strict=True) if reach >= VISIBLE}
+        seen = {name for name, is_seen in zip(self.effects, self.reach >= self.visible, strict=True) if is_seen}
         return (*(name for name in dict.fromkeys(self.effects) if name not in seen), *self.without_trace)
 
     @property
@@ -85,13 +88,13 @@ class Identifiability:
         Of a strength with several places, the first one stands for all.
         """
         unseen = set(self.undetectable)
-        most: dict[tuple[str, str], float] = {}
+        is_seen: dict[tuple[str, str], bool] = {}
         first: dict[tuple[str, str], Strength] = {}
-        for strength, reach in zip(self.numbers, self.reach, strict=True):
+        for strength, reaches in zip(self.numbers, self.reach >= self.visible, strict=True):
             key = strength.effect, strength.name
             first.setdefault(key, strength)
-            most[key] = max(most.get(key, 0.0), float(reach))
-        return tuple(first[key] for key, reach in most.items() if reach < VISIBLE and key[0] not in unseen)
+            is_seen[key] = is_seen.get(key, False) or bool(reaches)
+        return tuple(first[key] for key, seen in is_seen.items() if not seen and key[0] not in unseen)
 
     def look_alikes(self, least: float = 0.95) -> list[tuple[str, str, float]]:
         """Return pairs of detectable effects with their largest absolute cosine, at least ``least``, largest first."""
@@ -99,7 +102,8 @@ class Identifiability:
         for i, first in enumerate(self.effects):
             for j, second in enumerate(self.effects[:i]):
                 size = abs(float(self.confusability[i, j]))
-                if first != second and min(self.reach[i], self.reach[j]) >= VISIBLE and size >= least:
+                are_seen = self.reach[i] >= self.visible[i] and self.reach[j] >= self.visible[j]
+                if first != second and are_seen and size >= least:
                     pairs[second, first] = max(size, pairs.get((second, first), 0.0))
         return sorted(((*pair, size) for pair, size in pairs.items()), key=lambda alike: -alike[2])
 
@@ -188,6 +192,7 @@ def identifiability_of(
         np.array([hidden for _, hidden, _ in best.values()]),
         alike,
         np.array([reach for reach, _, _ in best.values()]),
+        np.array([DEFAULT_THRESHOLDS.visible(strength.effect, len(metric.starts)) for strength in best]),
         not_told,
         tuple(name for name in names if name not in with_signature),
     )

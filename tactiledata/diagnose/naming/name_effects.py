@@ -9,6 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision
+from tactiledata.diagnose.naming.error_sizes import with_estimated_sizes
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
 from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
@@ -90,7 +91,8 @@ def name_effects(
     if chosen.robust:
         whitened = whitened.with_trust(_huber(base.residual))
         base = plain_fit(whitened, base.model.material)
-    # errors of the simulation grow with its forces: their fields are taken anew where the plain fit ended
+    # errors of the simulation: as large as the data ask for, with fields where the plain fit ended
+    whitened = with_estimated_sizes(whitened, base)
     numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
     base = joint_fit(whitened, numerical, base.model)
     # screen

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
-from tactiledata.diagnose.touches.whitened import NumericalErrors
+from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,9 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
+COMPARABLE = 0.8
+"""Share of a named effect's score from which another effect is tried in its place."""
+
 
 @dataclass(frozen=True)
 class Refits:
@@ -62,8 +65,8 @@ class Refits:
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
         """Return refits of the few most promising pairs among the best singles.
 
-        A pair is promising where a screen beside the refitted first effect gives the second one evidence of
-        ``claim_gain``. The expected cost of a pair is that of the first effect less the score of the second.
+        A pair is promising where a screen beside the refitted first effect gives the second one the evidence that it
+        needs. The expected cost of a pair is that of the first effect less the score of the second.
         """
         best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
         kept = {effect.effect: effect.strengths for effect in screened}
@@ -75,7 +78,7 @@ class Refits:
             model = first.model
             signatures = effect_signatures(self.whitened, model.material, others, model.settings, model.offsets)
             for second in screen(first.metric, first.residual_at_centre, signatures):
-                if second.evidence < self.options.thresholds.claim_gain:
+                if second.evidence < self.options.thresholds.claim(second.effect):
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
@@ -108,7 +111,8 @@ class Refits:
         dispersion = max(1.0, left.dispersion)
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
-            return score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion)
+            counted = thresholds.counted(len(self.whitened.starts))
+            return score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
@@ -131,8 +135,8 @@ class Refits:
     def substitutes(self, pair: JointFit, singles: Sequence[JointFit]) -> list[tuple[str, JointFit]]:
         """Return refits in which another single replaces one effect of a pair, each with the name of the kept effect.
 
-        Refitted are those whose score beside the kept effect is at least ``comparable_gain_share`` of the score of the
-        effect that they replace.
+        Refitted are those whose score beside the kept effect is at least ``COMPARABLE`` times the score of the effect
+        that they replace.
         """
         fits = []
         for index, kept in enumerate(pair.names):
@@ -143,7 +147,7 @@ class Refits:
             model = alone.model
             signatures = effect_signatures(self.whitened, model.material, others, model.settings, model.offsets)
             scores = {effect.effect: effect for effect in screen(alone.metric, alone.residual_at_centre, signatures)}
-            least = self.options.thresholds.comparable_gain_share * scores[named].score if named in scores else np.inf
+            least = COMPARABLE * scores[named].score if named in scores else np.inf
             for name, other in scores.items():
                 if name == named or other.score < least:
                     continue

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import percent
+from tactiledata.diagnose.touches.simulation_errors import KINDS
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 TOLD = 0.05
@@ -29,28 +28,28 @@ class SimulatorError:
         Fitted size as a share of the force; of the growth of force, as a share over a factor e of the force.
     indenter : str
         Indenter whose forces are off; empty where the error is common to all.
+    kind : str
+        The error in words, without the indenter.
     """
 
     what: str
     deviations: float
     share: float
     indenter: str = ""
+    kind: str = ""
 
 
 def simulator_share(whitened: WhitenedTouches, fit: JointFit) -> list[SimulatorError]:
     """Return the simulation's errors of a fit, in the order of `WhitenedTouches.simulation_error_fields`."""
-    names = [str(name) for name in np.unique(whitened.touch_set.indenters)]
-    words = [*(f"all forces of {name}" for name in names), "the growth of force with depth", "shear that sticks"]
-    scales = [*([whitened.errors.shape] * len(names)), whitened.errors.law, whitened.errors.shear]
     return [
-        SimulatorError(what, float(size), float(size) * scale, name)
-        for what, size, scale, name in zip(words, fit.model.errors, scales, [*names, "", ""], strict=True)
+        SimulatorError(error.label, float(size), float(size) * error.deviation, error.indenter, error.what)
+        for error, size in zip(whitened.simulation_errors, fit.model.errors, strict=True)
     ]
 
 
 def simulator_share_words(errors: list[SimulatorError]) -> list[str]:
     """Return one sentence on indenters whose simulated forces are off by at least ``TOLD``; empty where none are."""
-    large = [error for error in errors if error.indenter and abs(error.share) >= TOLD]
+    large = [error for error in errors if error.kind == KINDS[0].what and abs(error.share) >= TOLD]
     if not large:
         return []
     listed = joined_names([

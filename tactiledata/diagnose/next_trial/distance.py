@@ -14,8 +14,9 @@ from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.linearise import bounded_change
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel
+from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
-from tactiledata.diagnose.touches.whitened import NumericalErrors, WhitenedTouches
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 NEAR = np.array([0.03, 0.005, 0.05])
 """Standard deviations of ln E, nu and mu about the true ones with which a refit starts. Recorded data may leave them
@@ -90,7 +91,7 @@ class TrialRows:
     white : WhitenedTouches
         The trial's touches.
     numerical : (n, 6, e)
-        Whitened changes by the errors of the simulation: one for each indenter, by name, then the common ones.
+        Whitened changes by the errors of the simulation: those of each indenter, by name, then the common ones.
     columns : (e,) int
         Place of each error among those of the recorded data; indenters that were not recorded follow after these.
     errors, recorded : int
@@ -106,17 +107,15 @@ class TrialRows:
     @staticmethod
     def of(trial: TouchSet, recorded: WhitenedTouches) -> TrialRows:
         """Return the whitened frames of a trial, with the errors of the simulation that the recorded data have."""
-        before = sorted(set(recorded.touch_set.indenters))
-        now = sorted(set(trial.indenters))
-        new = [name for name in now if name not in before]
         errors: NumericalErrors = recorded.errors
         white = WhitenedTouches.of(trial, errors)
         numerical = white.simulation_error_fields(trial.touches[0].touch.material)
-        common = numerical.shape[2] - len(now)
-        known = len(before) + common
-        places = [before.index(name) if name in before else known + new.index(name) for name in now]
-        columns = np.array([*places, *range(len(before), known)])
-        return TrialRows(white, numerical, columns, known + len(new), known)
+        place_of = {(error.what, error.indenter): place for place, error in enumerate(recorded.simulation_errors)}
+        known = len(place_of)
+        for error in white.simulation_errors:
+            place_of.setdefault((error.what, error.indenter), len(place_of))
+        columns = np.array([place_of[error.what, error.indenter] for error in white.simulation_errors])
+        return TrialRows(white, numerical, columns, len(place_of), known)
 
     def model(self, fit: JointFit, vector: Array) -> JointModel:
         """Return the model of a fit in the trial, at a vector of the fit's numbers and of all errors."""

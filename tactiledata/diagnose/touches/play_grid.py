@@ -22,11 +22,12 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
+from tactiledata.diagnose.touches.missing_frames import complete, solved
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
 from tactiledata.effects.touch.gel_variants import surface_height, variant_engine, warped
 from tactiledata.effects.touch.response import GelVariant
-from tactiledata.gel.contact.history import FrameStatus, GelTouch
+from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
@@ -99,12 +100,10 @@ def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
 
 SHIFT = 5e-5
 """Distance in metres by which whole paths are moved to either side along x and along y."""
-KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
-"""Statuses of frames whose wrench is known."""
 MOST_LOST = 0.1
 """Largest share of the frames that a variant may fail to solve.
 
-If it fails in more, the variant is left out; otherwise, the frames are.
+If it fails in more, the variant is left out; otherwise, the frames are interpolated.
 """
 
 
@@ -117,9 +116,11 @@ def play_touches(
     progress: Progress = no_progress,
     variants: Sequence[GelVariant] = (),
 ) -> list[TouchPlays]:
-    """Return the plays of each touch; frames that one of its plays could not solve are not numbers in all of them.
+    """Return the plays of each touch.
 
-    Plays without shift and variant are those of the calibration, and are read from disk where it was run before.
+    Frames that the middle play could not solve are not numbers. Frames that another play could not solve are
+    interpolated from those that it could (`missing_frames`). Plays without shift and variant are those of the
+    calibration, and are read from disk where it was run before.
 
     Parameters
     ----------
@@ -170,13 +171,18 @@ def play_touches(
             play_progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
     # the plays of each touch side by side
     shifted, varied = others[: len(moved)], dict(zip(variants, others[len(moved) :], strict=True))
-    kept = solvable(varied, nodes[Node(*pair, 0.0)])
+    middle = nodes[Node(*pair, 0.0)]
+    kept = solvable(varied, middle)
+    heights = [np.nan_to_num(touch.touch.poses[:, 2, 3]) for touch in touches]
+    all_nodes = {node: complete(plays, middle, heights) for node, plays in nodes.items()}
+    all_shifted = [complete(plays, middle, heights) for plays in shifted]
+    all_kept = {variant: complete(plays, middle, heights) for variant, plays in kept.items()}
     join = partial(_touch_plays, plan, mesh)
     return [
         join(
-            {node: nodes[node][k] for node in nodes},
-            [group[k] for group in shifted],
-            {variant: plays[k] for variant, plays in kept.items()},
+            {node: plays[k] for node, plays in all_nodes.items()},
+            [plays[k] for plays in all_shifted],
+            {variant: plays[k] for variant, plays in all_kept.items()},
             touch,
         )
         for k, touch in enumerate(touches)
@@ -205,11 +211,11 @@ def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> 
     plain : sequence of Play
         Plays of the nominal gel at the same nu and mu, in the same order.
     """
-    solved = np.concatenate([np.isin(play.status, KNOWN) for play in plain])
+    known = np.concatenate([solved(play) for play in plain])
     kept = {}
     for variant, plays in varied.items():
-        lost = solved & ~np.concatenate([np.isin(play.status, KNOWN) for play in plays])
-        if lost.sum() <= MOST_LOST * solved.sum():
+        lost = known & ~np.concatenate([solved(play) for play in plays])
+        if lost.sum() <= MOST_LOST * known.sum():
             kept[variant] = plays
     return kept
 
@@ -241,7 +247,7 @@ def _touch_plays(
     """
     unknown = np.zeros(len(touch.seconds), dtype=bool)
     for play in (*plays.values(), *shifted, *varied.values()):
-        unknown |= ~np.isin(play.status, KNOWN)
+        unknown |= ~solved(play)
 
     def columns(play: Play) -> Array:
         rows = np.column_stack([np.nan_to_num(play.wrench), play.area])

@@ -18,6 +18,7 @@ from tactiledata.diagnose.residuals.gap import Gap, gap_closed
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.touch_residuals import known_rows
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
+from tactiledata.nuisance.tare import tare_variance
 
 ROUNDS = 2
 """Gauss-Newton steps of a trajectory's own contact offset."""
@@ -55,7 +56,10 @@ def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.
 
 def zero_shares(white: WhitenedTouches) -> Array:
     """Return the share (t,) of each trajectory's mean residual that its zero takes, by the prior from free air."""
-    known = np.add.reduceat(white.weights**2, white.starts) * white.tare
+    touches = white.touch_set.touches
+    readings = np.array([case.noise.reading_variance for case in touches])
+    tare = tare_variance(np.array([case.free_samples for case in touches]), readings)
+    known = np.add.reduceat(white.weights**2, white.starts) * tare
     return known / (1.0 + known)
 
 

@@ -71,19 +71,18 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
     rows = known_rows(white, np.concatenate([answer.wrench for answer in answers]))
     single = _single(white)
     parameters, fields = _parameters(white, fit)
-    # zeros become parameters of their own: else whitening would spread what contact leaves into frames in free air
-    slopes = white.with_zeros(np.stack(fields, axis=2))
-    zeros = np.sqrt(white.tare)[white.trajectory][:, None, None] * white.zero_gains
-    names = tuple(ResidualParameter(f"zero of {name}", own_deviation=1.0, is_tested=False) for name in COMPONENTS)
+    # own unknowns become parameters: else whitening would spread what contact leaves into frames in free air
+    slopes = white.with_own(np.stack(fields, axis=2))
+    names = tuple(ResidualParameter(name, own_deviation=1.0, is_tested=False) for name in white.own.names())
     deviations = np.mean([case.noise.deviations for case in cases.touches], axis=0) * TO_UNIT
     return Residuals(
-        white.with_zeros(fit.residual + fit.own * fit.by_row) * single,
+        white.with_own(fit.residual + fit.own * fit.by_row) * single,
         COMPONENTS,
         white.trajectory.astype(np.int64),
         case_covariates(cases, answers),
         _labels(white, np.concatenate([answer.sliding for answer in answers])),
         (*parameters, *names),
-        np.concatenate([slopes, zeros], axis=2) * single[:, :, None],
+        np.concatenate([slopes, white.own_fields], axis=2) * single[:, :, None],
         units=UNITS,
         deviations=deviations,
         ways=slide_ways(white),
@@ -121,7 +120,7 @@ def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[st
     for signature in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
         shapes = "".join(f", {name} {value:g}" for name, value in signature.shapes.items())
         for place, strength in enumerate(signature.strengths):
-            change = white.with_zeros(signature.field[:, :, place]) * _single(white)
+            change = white.with_own(signature.field[:, :, place]) * _single(white)
             fields[f"{EFFECTS[signature.effect]().title} ({strength.label}{shapes})"] = change[rows]
     return fields
 
@@ -196,15 +195,10 @@ def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualPa
     for place, coordinate in enumerate(model.coordinates):
         listed.append(ResidualParameter(model.name_of(coordinate), coordinate.parameter.unit, is_tested=False))
         fields.append(fit.shared[:, :, 3 + place])
-    # a factor on an indenter's forces changes the wrench as E does, for that indenter alone
-    owner = white.indenter[white.trajectory]
-    kinds = int(white.indenter.max()) + 1
-    for kind in range(kinds):
-        listed.append(ResidualParameter(f"forces of indenter {kind}", is_tested=False))
-        fields.append(by_log * (owner == kind)[:, None])
-    for place in range(len(model.errors) - kinds):
-        listed.append(ResidualParameter(f"error of the simulation {place}", is_tested=False))
-        fields.append(fit.shared[:, :, 3 + len(model.coordinates) + kinds + place])
+    first = 3 + len(model.coordinates)
+    for place, error in enumerate(white.simulation_errors):
+        listed.append(ResidualParameter(f"error of the simulation: {error.label}", is_tested=False))
+        fields.append(fit.shared[:, :, first + place])
     return tuple(listed), fields
 
 

@@ -1,0 +1,283 @@
+"""Errors that mesh, contact and solver leave in simulated wrenches, as a low-rank discrepancy of each indenter.
+
+Two solvers of one gel differ by some per cent. The difference is smooth along a touch, differs from indenter to
+indenter, and repeats in every touch of one indenter, so that more touches do not average it away. Here it is a sum of
+a few directions for each indenter, each with a normal prior: factors on the force that grow with it, on shear that
+sticks and that slides, on what a tilted indenter is pushed aside, and motions of the centre of pressure. A fit
+determines their sizes with everything else.
+
+Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), with a basis in place of a Gaussian process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactiledata.arrays import Array, Indices
+from tactiledata.diagnose.residuals.history import largest_so_far
+from tactiledata.nuisance.numerical import LAW_ERROR, SHAPE_ERROR
+
+NORMAL, SHEAR, CENTRE = "normal force", "shear", "centre of pressure"
+"""Families of errors, each with a size of its own."""
+FAMILIES = (NORMAL, SHEAR, CENTRE)
+SLIDING = 0.98
+"""Share of the friction limit from which shear counts as sliding."""
+LARGEST_GROWTH = 2.5
+"""Largest logarithm of a force over its typical one at which the growth of force is still counted."""
+
+
+@dataclass(frozen=True)
+class NumericalErrors:
+    """Standard deviations of the errors of a simulation.
+
+    Parameters
+    ----------
+    shape : float
+        Of a factor on all forces of one indenter, about 1.
+    law : float
+        Of the growth of force: a share over a factor e of the force, common to all indenters and of each of them.
+    shear : float
+        Of a factor on shear that sticks, about 1, common to all indenters and of each of them.
+    scatter : float
+        Of each frame by itself, as a share of its force.
+    centre : float
+        Of the centre of pressure, in metres, under one indenter and of each frame by itself.
+    sizes : dict, family -> float
+        Factor on the errors of each family, as estimated from the data at hand; 1 where nothing is known.
+    """
+
+    shape: float = SHAPE_ERROR["finite-strain"]
+    law: float = 0.03
+    shear: float = 0.04
+    scatter: float = 0.007
+    centre: float = 4e-5
+    sizes: Mapping[str, float] | None = None
+
+    @staticmethod
+    def of(mechanics: str) -> NumericalErrors:
+        """Return the errors of a kind of mechanics: a key of ``SHAPE_ERROR``, as "finite-strain" or "linear"."""
+        law = 0.03 * (LAW_ERROR[mechanics] / LAW_ERROR["finite-strain"])
+        return NumericalErrors(shape=SHAPE_ERROR[mechanics], law=law)
+
+    def with_sizes(self, sizes: Mapping[str, float]) -> NumericalErrors:
+        """Return the same errors with other factors on the families."""
+        return replace(self, sizes=dict(sizes))
+
+    def size(self, family: str) -> float:
+        """Return the factor on the errors of a family."""
+        return 1.0 if self.sizes is None else self.sizes[family]
+
+
+@dataclass(frozen=True)
+class SimulationError:
+    """One direction in which the simulation may err.
+
+    Parameters
+    ----------
+    what : str
+        The error in words, without the indenter.
+    family : str
+        One of ``FAMILIES``.
+    deviation : float
+        Standard deviation, a share of the force, or metres.
+    indenter : str
+        Indenter whose simulation errs; empty where the error is common to all.
+    """
+
+    what: str
+    family: str
+    deviation: float
+    indenter: str = ""
+
+    @property
+    def label(self) -> str:
+        """The error in words, with the indenter."""
+        return f"{self.what} of {self.indenter}" if self.indenter else self.what
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """Simulated contact at N frames, by which errors grow.
+
+    Parameters
+    ----------
+    wrench : (N, 6) N, N m
+        Simulated wrench.
+    tips : (N, 3) m
+        Tip of the indenter.
+    axis : (N, 2)
+        Components of the indenter's axis along the gel: its tilt.
+    turned : (N, 2, 2)
+        Directions of the indenter's x and y axes along the gel, one a row.
+    limit : (N,) N
+        Friction limit.
+    """
+
+    wrench: Array
+    tips: Array
+    axis: Array
+    turned: Array
+    limit: Array
+
+    def sheared(self, shear: Array) -> Array:
+        """Wrench (N, 6) of a tangential force (N, 2) at the tip."""
+        x, y, z = self.tips.T
+        fx, fy = shear.T
+        return np.column_stack([fx, fy, 0.0 * fx, -z * fy, z * fx, x * fy - y * fx])
+
+    def moved(self, motion: Array) -> Array:
+        """Change (N, 6) of the wrench where its centre of pressure moves by (N, 2) metres."""
+        dx, dy = motion.T
+        fx, fy, fz = self.wrench[:, :3].T
+        none = 0.0 * fx
+        return np.column_stack([none, none, none, dy * fz, -dx * fz, dx * fy - dy * fx])
+
+
+def _directions(contact: _Contact, growth: Array, unloaded: Array) -> list[Array]:
+    """Changes (N, 6) of the wrench by errors of size 1 of one indenter, or of all of them, in the order of ``KINDS``.
+
+    Parameters
+    ----------
+    growth : (N,)
+        Logarithm of the force over its typical one.
+    unloaded : (N,)
+        Share of the largest load so far that has been taken off.
+    """
+    wrench = contact.wrench
+    load, shear = wrench[:, 2], wrench[:, :2]
+    size = np.hypot(*shear.T)
+    slides = size >= SLIDING * contact.limit
+    used = np.divide(size, contact.limit, out=np.zeros_like(size), where=contact.limit > 0)
+    sticking, sliding = (contact.sheared(shear * flag[:, None]) for flag in (~slides, slides))
+    bend = growth**2 - float(np.mean(growth[load > 0] ** 2)) if (load > 0).any() else growth
+    none = np.zeros_like(load)
+    pushed = np.column_stack([none, none, load * np.minimum(used, 1.0) ** 2, none, none, none])
+    factors = (growth, bend, unloaded)
+    return [
+        wrench, *(wrench * factor[:, None] for factor in factors), pushed,
+        sticking, sticking * growth[:, None], sticking * used[:, None] ** 2,
+        sliding, sliding * growth[:, None], sliding * unloaded[:, None],
+        contact.sheared(load[:, None] * contact.axis),
+        contact.moved(contact.turned[:, 0]), contact.moved(contact.turned[:, 1]), contact.moved(contact.axis),
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ErrorKind:
+    """One kind of error of a simulation; its standard deviation is a multiple of one of `NumericalErrors`.
+
+    Parameters
+    ----------
+    what : str
+        The error in words, without the indenter.
+    family : str
+        One of ``FAMILIES``.
+    of : str
+        Name of the field of `NumericalErrors`.
+    times : float
+        Factor on it.
+    is_common : bool
+        Whether all indenters have such an error in common, beside that of each of them.
+    """
+
+    what: str
+    family: str
+    of: str
+    times: float = 1.0
+    is_common: bool = False
+
+
+KINDS = (
+    ErrorKind("all forces", NORMAL, "shape"),
+    ErrorKind("the growth of force with depth", NORMAL, "law", is_common=True),
+    ErrorKind("the curve of force over depth", NORMAL, "law", 0.5),
+    ErrorKind("force while it is taken off", NORMAL, "law", 0.5),
+    ErrorKind("normal force under shear", NORMAL, "law", 0.5),
+    ErrorKind("shear that sticks", SHEAR, "shear", is_common=True),
+    ErrorKind("the growth of shear with depth", SHEAR, "shear", 0.5),
+    ErrorKind("shear that begins to slide", SHEAR, "shear"),
+    ErrorKind("shear that slides", SHEAR, "shear", 0.5),
+    ErrorKind("the growth of sliding shear with depth", SHEAR, "shear", 0.5),
+    ErrorKind("sliding shear while the force is taken off", SHEAR, "shear", 0.5),
+    ErrorKind("the push aside by a tilt", SHEAR, "shear", 4.0),
+    ErrorKind("the centre of pressure along the indenter's x", CENTRE, "centre"),
+    ErrorKind("the centre of pressure along the indenter's y", CENTRE, "centre"),
+    ErrorKind("the centre of pressure under a tilt", CENTRE, "centre", 20.0),
+)
+"""Kinds of errors, in the order of the fields."""
+
+
+def error_list(errors: NumericalErrors, names: Sequence[str]) -> tuple[SimulationError, ...]:
+    """Return the directions in which a simulation may err: those of each indenter, then those of all together.
+
+    Parameters
+    ----------
+    errors : NumericalErrors
+        Sizes.
+    names : sequence of str
+        Names of the indenters.
+    """
+
+    def error(kind: ErrorKind, name: str) -> SimulationError:
+        deviation = kind.times * getattr(errors, kind.of) * errors.size(kind.family)
+        return SimulationError(kind.what, kind.family, deviation, name)
+
+    of_each = [error(kind, name) for name in names for kind in KINDS]
+    return (*of_each, *(error(kind, "") for kind in KINDS if kind.is_common))
+
+
+def error_wrenches(
+    errors: NumericalErrors,
+    plain: Array,
+    poses: Array,
+    friction: float,
+    names: Sequence[str],
+    owner: Indices,
+    starts: Indices,
+) -> Array:
+    """Return the errors of a simulation as wrenches (N, 6, e), one standard deviation each, as in `error_list`.
+
+    Parameters
+    ----------
+    errors : NumericalErrors
+        Sizes.
+    plain : (N, 6) N, N m
+        Simulated wrenches.
+    poses : (N, 4, 4) m
+        gel_from_indenter.
+    friction : float
+        Friction coefficient of the gel.
+    names : sequence of i str
+        Names of the indenters.
+    owner : (N,)
+        Index of each row's indenter.
+    starts : (t,)
+        First row of each trajectory.
+    """
+    load = plain[:, 2]
+    poses = np.nan_to_num(poses)
+    ways = np.transpose(poses[:, :2, :2], (0, 2, 1))
+    lengths = np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), 1e-9)
+    most = largest_so_far(load, starts)
+    unloaded = np.where(most > 0, 1.0 - load / np.where(most > 0, most, 1.0), 0.0)
+    whole = _Contact(plain, poses[:, :3, 3], poses[:, :2, 2], ways / lengths, friction * np.maximum(load, 0.0))
+    size = np.linalg.norm(plain[:, :3], axis=1)
+
+    def growth(rows: Array) -> Array:
+        """Logarithm (N,) of the force over the geometric mean of the forces of some rows, within bounds."""
+        touched = size[rows & (size > 0)]
+        typical = np.exp(np.mean(np.log(touched))) if len(touched) else 1.0
+        logarithm = np.log(np.maximum(size, 1e-300) / typical)
+        return np.where(size > 0, np.clip(logarithm, -LARGEST_GROWTH, LARGEST_GROWTH), 0.0)
+
+    units: list[Array] = []
+    for number in range(len(names)):
+        rows = owner == number
+        units += [unit * rows[:, None] for unit in _directions(whole, growth(rows), unloaded)]
+    together = _directions(whole, growth(np.ones(len(load), dtype=bool)), unloaded)
+    units += [unit for unit, kind in zip(together, KINDS, strict=True) if kind.is_common]
+    deviations = [error.deviation for error in error_list(errors, names)]
+    return np.stack(units, axis=2) * np.array(deviations)
