@@ -21,6 +21,7 @@ from tactiledata.effects.touch.moved_until import moved_until
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.indenters.base.turned import reach_below_tip
 from tactiledata.ingest.clocks.align import align, fractions_between
 from tactiledata.ingest.forces.contact import contact_wrench
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
@@ -219,7 +220,7 @@ class Maker:
         assert noise is not None
         return TouchSet(
             [
-                TouchCase(touch, wrench, noise, touch.tips[:, 2] > CLEAR, float(len(free)), f"t{number}")
+                TouchCase(touch, wrench, noise, _is_clear(touch), float(len(free)), f"t{number}")
                 for number, (touch, wrench, free) in enumerate(
                     zip(self.touches, recorded.wrenches, recorded.free, strict=True)
                 )
@@ -256,6 +257,11 @@ def _as_stored(log: Log, wrench: StoredSignal, tcp: StoredSignal) -> list[Stored
         fractions = fractions_between(contact.t_ns[rows], times)
         found.append(StoredTouch(align(contact, times).values, _before_touch(contact.values[rows]), fractions))
     return found
+
+
+def _is_clear(touch: Touch) -> NDArray[np.bool_]:
+    """Frames in free air: the lowest point of the indenter is over the gel."""
+    return np.asarray(touch.tips[:, 2] - reach_below_tip(touch.indenter, touch.poses) > CLEAR)
 
 
 def _before_touch(values: Array) -> Array:

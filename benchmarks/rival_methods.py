@@ -25,8 +25,8 @@ from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, playable
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.residuals.learners import FOLDS
-from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
+from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial

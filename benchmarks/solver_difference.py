@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.residuals.history import largest_so_far
-from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
+from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import FemEngine

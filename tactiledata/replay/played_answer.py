@@ -14,6 +14,7 @@ from tactiledata.effects.touch.state import wrench_at
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.indenters.base.turned import reach_below_tip
 
 SLIDES = 0.95
 """Share of Coulomb's limit above which the whole contact counts as sliding."""
@@ -61,7 +62,7 @@ class PlayedAnswer:
         """
         wrench, tips, gel = history.wrench[rows], poses[rows, :3, 3], touch.material
         area = history.pressed[rows] @ areas
-        depth = surface_height(mesh, tips[:, :2]) - tips[:, 2]
+        depth = surface_height(mesh, tips[:, :2]) + reach_below_tip(touch.indenter, poses[rows]) - tips[:, 2]
         touching = (area > 0) & (wrench[:, 2] > 0)
         normal = np.where(touching, wrench[:, 2], 1.0)
         # centre of pressure, from the torque M = r x F with r at the height of the tip

@@ -126,15 +126,15 @@ def _what(naming: NamingResult) -> Section:
         return Section("What is missing", [("", "No effect of the catalogue looks promising: none was refitted.")])
     text = (
         "Evidence is the logarithm of the Bayes factor against the plain simulation: how much more likely the data are "
-        "with the candidate. In brackets: without the two trajectories that bring most of it. How much evidence a claim "
-        "needs differs from effect to effect: errors of a simulation resemble some of them. Gain is the rise of the "
+        "with the candidate. In brackets: without the two trajectories that bring most of it. A claim needs more of it "
+        "where errors of a simulation resemble the effect. Gain is the rise of the "
         "log-likelihood on held-out trajectories, gain on indenters that on held-out indenters, each with its standard "
         "error. Agreement is how clearly trajectories agree on the candidate before and after the refit, in standard "
         "errors. An objection says why a candidate is not claimed."
     )
     scale = (
-        "Probabilities follow the evidence beyond what a claim needs. They grow far more slowly than a Bayes factor, as "
-        "differences between two simulators bring evidence as well."
+        "Probabilities follow the evidence beyond what a claim needs. They grow far more slowly than a Bayes factor, "
+        "as differences between two simulators bring evidence as well."
     )
     sentences = [("info", text), ("info", scale), ("info", _probabilities(naming))]
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")

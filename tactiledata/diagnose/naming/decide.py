@@ -143,9 +143,11 @@ def decide(
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
-    # a candidate that removes the smaller part of the excess, beside more than noise, stands in for something else
+    # an effect that resembles errors of the simulation, and removes the smaller part of what is beyond the noise, may
+    # stand in for something else
     is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
-    if best is not None and is_more_than_noise and best.excess_share < thresholds.main_cause_share:
+    is_doubtful = best is not None and thresholds.is_resembled(best.names) and is_more_than_noise
+    if best is not None and is_doubtful and best.excess_share < thresholds.main_cause_share:
         return Decision(
             Verdict.NOT_EXPLAINED, best, (), chances,
             (

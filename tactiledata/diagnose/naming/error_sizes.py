@@ -15,8 +15,8 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 DOUBT = 0.7
 """Standard deviation of the logarithm of a size about 0: two solvers differ by 1 to 10 %, about 3 %."""
-SMALLEST, LARGEST = 0.3, 4.0
-"""Bounds of a size: errors below a per cent are not believed, and more than a tenth is no solver of the same gel."""
+SMALLEST, LARGEST = 0.6, 4.0
+"""Bounds of a size: errors below two per cent are not believed, and more than a tenth is no solver of the same gel."""
 
 
 def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:

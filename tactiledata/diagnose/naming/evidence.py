@@ -191,6 +191,17 @@ class ScoredCandidate:
             or self.signature_before >= thresholds.certain_signature
         )
 
+    def is_agreed(self, thresholds: DecisionThresholds) -> bool:
+        """Whether trajectories agree on the effect.
+
+        They do where the signature statistic reaches ``signature_threshold``, or where the gain has ``gain_sigmas``
+        standard errors and the needed evidence remains without the two trajectories that contribute most.
+        """
+        return self.signature_before >= thresholds.signature_threshold or (
+            self.gain >= thresholds.gain_sigmas * self.gain_error
+            and self.evidence_without_best_two >= thresholds.needed(self.names)
+        )
+
     @property
     def is_worse_on_indenters(self) -> bool:
         """Whether indenters that were held out are predicted worse than by the plain simulation, beyond chance."""
@@ -234,9 +245,9 @@ class ScoredCandidate:
                 f"only {100 * self.excess_share:.0f} % of the excess over the noise is gone in data that were not"
                 " fitted"
             )
-        if self.signature_before < thresholds.signature_threshold:
+        if not self.is_agreed(thresholds):
             reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
-        elif abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
+        if abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
             reasons.append("the residual still holds the change that the effect should remove")
         return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 

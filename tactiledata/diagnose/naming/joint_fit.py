@@ -7,7 +7,7 @@ twice the negative logarithm of the posterior density up to a constant.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ STILL = 0.05
 """Fall of the cost below which a fit ends; at 0.25, fits that zigzag end far from their minimum."""
 MOST_DAMPING = 1e2
 """Relative damping of the normal equations at which a fit gives up looking for a step that lowers the cost."""
+HALVINGS = 3
+"""Largest number of times that the motion of contact offsets is halved before the whole step is damped."""
 BEHIND = 100.0
 """Cost above that of another explanation beyond which a fit ends early, unless its rounds so far could make it up."""
 
@@ -201,11 +203,20 @@ def _better(
     damping : float
         Relative damping of the first step; ten times more after each step that raises the cost.
     """
+    before = work.costs(model, state.residual)
     while damping < MOST_DAMPING:
         tried, promised = work.step(model, state, slopes, damping)
         if promised < STILL:
             return None
         after = work.evaluate_or_none(tried)
+        for _ in range(HALVINGS):
+            if after is None or after.cost <= state.cost:
+                break
+            # an offset is far from linear where contact begins: where it made its trajectory worse, it moves less
+            is_worse = work.costs(tried, after.residual) > before
+            halved = 0.5 * (model.offsets + tried.offsets)
+            tried = replace(tried, offsets=np.where(is_worse, halved, tried.offsets))
+            after = work.evaluate_or_none(tried)
         if after is not None and after.cost <= state.cost:
             return tried, after, max(damping / 10.0, 1e-6)
         damping *= 10.0

@@ -100,6 +100,11 @@ class Linearised:
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
         return Evaluation(predicted, residual, float((residual**2).sum() + priors))
 
+    def costs(self, model: JointModel, residual: Array) -> Array:
+        """Return the part (t,) of the cost that is each trajectory's own: its residual and the prior of its offset."""
+        squares: Array = np.add.reduceat((residual**2).sum(axis=1), self.whitened.starts)
+        return squares + (model.offsets / PRIOR) ** 2
+
     def evaluate_or_none(self, model: JointModel) -> Evaluation | None:
         """Return prediction, residual and cost of a model; ``None`` where gel and springs find no balance."""
         try:
@@ -151,7 +156,7 @@ class Linearised:
         about = RandomEffects(slopes.own, slopes.shared[:, :, :0], precision[:0], self.whitened.starts)
         own_now = model.offsets / PRIOR
         starts = self.whitened.starts
-        squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", slopes.own, slopes.own), starts)
+        squares = (1.0 + damping) * (1.0 + np.add.reduceat(np.einsum("nk,nk->n", slopes.own, slopes.own), starts))
         by_row = self.whitened.trajectory
         pulled = offset_steps(slopes.own, state.residual, starts, squares, own_now)
         pull = state.residual - slopes.own * pulled[by_row, None]

@@ -37,21 +37,10 @@ from tactiledata.arrays import Array, Mask
 Number = TypeVar("Number", float, Array)
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
-    "static_friction": 30.0,
-    "arm_compliance": 30.0,
-    "soft_region": 25.0,
-    "stem_bending": 25.0,
-    "thickness": 30.0,
-    "dome": 25.0,
-    "strain_stiffening": 30.0,
-    "skin": 30.0,
-    "mount_offset": 25.0,
-    "gain_crosstalk": 20.0,
-    "partial_slip": 25.0,
-    "area_friction": 20.0,
-    "heating": 20.0,
-    "mullins": 20.0,
-    "pad_edge": 20.0,
+    "static_friction": 40.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
+    "strain_stiffening": 35.0, "stem_bending": 30.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
+    "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
+    "adhesion": 20.0,
 })  # fmt: skip
 """Evidence that an effect needs where errors of the simulation resemble it; the others need ``USUAL_CLAIM``."""
 USUAL_CLAIM = 12.0
@@ -88,7 +77,8 @@ class DecisionThresholds:
     least_excess_share : float
         Share of the excess that a claim must remove on indenters held out.
     main_cause_share : float
-        Share of the excess that a claim must remove where more than the stated noise is left beside it.
+        Share of the excess that an effect which errors of the simulation resemble must remove where more than the
+        stated noise is left beside it.
     noise_dispersion : float
         Mean square that is left above which more than the stated noise is left.
     structure_dispersion : float
@@ -125,9 +115,9 @@ class DecisionThresholds:
     claims: Mapping[str, float] = field(default_factory=lambda: CLAIM_EVIDENCE)
     usual_claim: float = USUAL_CLAIM
     saturation: float = 100.0
-    broad_share: float = 0.4
+    broad_share: float = 0.5
     gain_sigmas: float = 2.0
-    certain_signature: float = 5.0
+    certain_signature: float = 4.0
     signature_threshold: float = 3.0
     least_excess_share: float = 0.05
     main_cause_share: float = 0.5
@@ -149,6 +139,10 @@ class DecisionThresholds:
     def claim(self, name: str) -> float:
         """Return the evidence that a claim of an effect needs."""
         return self.claims.get(name, self.usual_claim)
+
+    def is_resembled(self, names: Sequence[str]) -> bool:
+        """Return whether errors of a simulation resemble one of these effects."""
+        return any(name in self.claims for name in names)
 
     def needed(self, names: Sequence[str]) -> float:
         """Return the evidence that a candidate of these effects needs."""

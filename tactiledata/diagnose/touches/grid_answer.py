@@ -44,7 +44,7 @@ class TouchPlays:
     by_shift : (2, n, 7)
         Slopes (per m) over a shift of the whole path along x and along y, at the middle pair.
     height : (n,) m
-        Height of the undeformed surface below the tip.
+        Height of the tip at which the lowest point of the indenter meets the undeformed surface.
     variants : dict, GelVariant -> (n, 6)
         Change of the wrench over Young's modulus by each variant, at the middle pair.
     """

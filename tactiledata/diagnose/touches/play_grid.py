@@ -31,6 +31,7 @@ from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.indenters.base.turned import reach_below_tip
 from tactiledata.indenters.scaled import scaled
 
 
@@ -220,6 +221,12 @@ def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> 
     return kept
 
 
+def _height_of_contact(mesh: PadMesh, touch: GelTouch) -> Array:
+    """Height of the tip (n,), m, gel frame, at which the lowest point of the indenter meets the undeformed surface."""
+    poses = np.nan_to_num(touch.poses)
+    return surface_height(mesh, poses[:, :2, 3]) + reach_below_tip(touch.indenter, poses)
+
+
 def _touch_plays(
     plan: ResponsePlan,
     mesh: PadMesh,
@@ -268,6 +275,6 @@ def _touch_plays(
         np.array([bend(ratio, plan.frictions[mu_middle]) for ratio in plan.ratios]),
         np.array([bend(plan.ratios[nu_middle], friction) for friction in plan.frictions]),
         np.stack([right - left, up - down]) / (2 * SHIFT),
-        np.where(unknown, np.nan, surface_height(mesh, np.nan_to_num(touch.touch.poses[:, :2, 3]))),
+        np.where(unknown, np.nan, _height_of_contact(mesh, touch.touch)),
         {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
     )
