@@ -143,11 +143,10 @@ def decide(
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
-    # an effect that resembles errors of the simulation, and removes the smaller part of what is beyond the noise, may
-    # stand in for something else
+    # an effect that removes the smaller part of what is beyond the noise may stand in for something else, above all
+    # one that resembles errors of the simulation
     is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
-    is_doubtful = best is not None and thresholds.is_resembled(best.names) and is_more_than_noise
-    if best is not None and is_doubtful and best.excess_share < thresholds.main_cause_share:
+    if best is not None and is_more_than_noise and best.excess_share < thresholds.cause_share(best.names):
         return Decision(
             Verdict.NOT_EXPLAINED, best, (), chances,
             (

@@ -79,6 +79,8 @@ class DecisionThresholds:
     main_cause_share : float
         Share of the excess that an effect which errors of the simulation resemble must remove where more than the
         stated noise is left beside it.
+    part_share : float
+        The same share for an effect that errors of the simulation do not resemble.
     noise_dispersion : float
         Mean square that is left above which more than the stated noise is left.
     structure_dispersion : float
@@ -121,6 +123,7 @@ class DecisionThresholds:
     signature_threshold: float = 3.0
     least_excess_share: float = 0.05
     main_cause_share: float = 0.5
+    part_share: float = 0.15
     noise_dispersion: float = 1.1
     structure_dispersion: float = 1.25
     structure_evidence: float = 2.0
@@ -143,6 +146,10 @@ class DecisionThresholds:
     def is_resembled(self, names: Sequence[str]) -> bool:
         """Return whether errors of a simulation resemble one of these effects."""
         return any(name in self.claims for name in names)
+
+    def cause_share(self, names: Sequence[str]) -> float:
+        """Return the share of the excess that effects must remove where more than the stated noise is left."""
+        return self.main_cause_share if self.is_resembled(names) else self.part_share
 
     def needed(self, names: Sequence[str]) -> float:
         """Return the evidence that a candidate of these effects needs."""
