@@ -180,26 +180,30 @@ class ScoredCandidate:
         """Evidence that remains without the two trajectories that contribute most; the Occam penalty stays whole."""
         return self.evidence - float(np.sort(self.evidence_per_trajectory)[-MOST_INFLUENTIAL:].sum())
 
-    def is_certain(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the gain on held-out trajectories is positive and more than chance.
+    def has_certain_gain(self, thresholds: DecisionThresholds) -> bool:
+        """Whether the gain has ``gain_sigmas`` standard errors, on held-out trajectories or on held-out indenters."""
+        return (
+            self.gain >= thresholds.gain_sigmas * self.gain_error
+            or self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
+        )
 
-        It is where it has ``gain_sigmas`` standard errors, or where the signature statistic reaches
+    def is_certain(self, thresholds: DecisionThresholds) -> bool:
+        """Whether the gain on held-out trajectories is positive, and more than chance.
+
+        It is more than chance where it is certain (`has_certain_gain`), or where the signature statistic reaches
         ``certain_signature``.
         """
-        return self.gain > 0 and (
-            self.gain >= thresholds.gain_sigmas * self.gain_error
-            or self.signature_before >= thresholds.certain_signature
-        )
+        is_clear = self.has_certain_gain(thresholds) or self.signature_before >= thresholds.certain_signature
+        return self.gain > 0 and is_clear
 
     def is_agreed(self, thresholds: DecisionThresholds) -> bool:
         """Whether trajectories agree on the effect.
 
-        They do where the signature statistic reaches ``signature_threshold``, or where the gain has ``gain_sigmas``
-        standard errors and the needed evidence remains without the two trajectories that contribute most.
+        They do where the signature statistic reaches ``signature_threshold``, or where the gain is certain and the
+        needed evidence remains without the two trajectories that contribute most.
         """
         return self.signature_before >= thresholds.signature_threshold or (
-            self.gain >= thresholds.gain_sigmas * self.gain_error
-            and self.evidence_without_best_two >= thresholds.needed(self.names)
+            self.has_certain_gain(thresholds) and self.evidence_without_best_two >= thresholds.needed(self.names)
         )
 
     @property
@@ -236,7 +240,8 @@ class ScoredCandidate:
             )
         if not self.is_certain(thresholds):
             reasons.append(
-                f"the gain on held-out trajectories is {self.gain:.1f} with a standard error of {self.gain_error:.1f}"
+                f"the gain on held-out trajectories is {self.gain:.1f} with a standard error of {self.gain_error:.1f},"
+                " and held-out indenters do not confirm it"
             )
         if self.is_worse_on_indenters:
             reasons.append("held-out indenters are predicted worse with it than without")
