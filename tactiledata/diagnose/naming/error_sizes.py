@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.optimize import minimize
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.metric import RandomEffects
+from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.touches.simulation_errors import FAMILIES
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
@@ -20,21 +22,70 @@ SMALLEST, LARGEST = 0.6, 4.0
 
 
 def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:
-    """Return the trajectories with the sizes of the simulation's errors that the residual of a plain fit asks for.
+    """Return the trajectories with the sizes of the simulation's errors that the residual of a fit asks for.
 
     The sizes of the families maximise the marginal likelihood of the residual, to first order about the fit, times a
-    log-normal prior (empirical Bayes). What else is missing from the simulation can only make them larger.
+    log-normal prior (empirical Bayes). What is missing from the fitted model can only make them larger.
 
     Parameters
     ----------
     whitened : WhitenedTouches
-        Trajectories, every size 1.
+        Trajectories.
     fit : JointFit
-        Plain fit to them.
+        Fit to them.
 
     Source: MacKay, Neural Computation 4 (1992), the evidence for hyperparameters.
     """
-    errors = whitened.simulation_errors
+    cost = _size_cost(whitened, fit)
+    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * len(FAMILIES)
+    found = minimize(cost, np.log(_sizes(whitened)), method="L-BFGS-B", bounds=bounds)
+    sizes = dict(zip(FAMILIES, np.exp(found.x).tolist(), strict=True))
+    return replace(whitened, errors=whitened.errors.with_sizes(sizes))
+
+
+def size_penalty(whitened: WhitenedTouches, fit: JointFit, other: WhitenedTouches) -> float:
+    """Return by how much the logarithm of a fit's marginal likelihood falls with the sizes of others; at least 0.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories with the sizes of the fit.
+    fit : JointFit
+        Fit to them.
+    other : WhitenedTouches
+        The same trajectories with other sizes.
+    """
+    cost = _size_cost(whitened, fit)
+    return max(0.0, 0.5 * (cost(np.log(_sizes(other))) - cost(np.log(_sizes(whitened)))))
+
+
+def with_errors_of(model: JointModel, before: WhitenedTouches, after: WhitenedTouches) -> JointModel:
+    """Return a model whose errors of the simulation are the same wrenches where their sizes have changed.
+
+    Parameters
+    ----------
+    model : JointModel
+        Errors in standard deviations of ``before``.
+    before, after : WhitenedTouches
+        The same trajectories with the sizes before and after the change.
+    """
+    pairs = zip(before.simulation_errors, after.simulation_errors, strict=True)
+    return replace(model, errors=model.errors * np.array([old.deviation / new.deviation for old, new in pairs]))
+
+
+def smallest_ratio(before: WhitenedTouches, after: WhitenedTouches) -> float:
+    """Return the smallest ratio of a size after a change to that before it."""
+    return float((_sizes(after) / _sizes(before)).min())
+
+
+def _sizes(whitened: WhitenedTouches) -> Array:
+    """Sizes of the families (3,)."""
+    return np.array([whitened.errors.size(family) for family in FAMILIES])
+
+
+def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], float]:
+    """Twice the negative logarithm of marginal likelihood and prior, a function of the sizes' logarithms (3,)."""
+    errors, now = whitened.simulation_errors, np.log(_sizes(whitened))
     first = len(fit.precision) - len(errors)
     family = np.array([FAMILIES.index(error.family) for error in errors])
     about = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
@@ -42,9 +93,8 @@ def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTo
     toward = about.products(fit.shared, fit.residual_at_centre[:, :, None])[:, 0]
 
     def cost(logarithms: Array) -> float:
-        """Twice the negative logarithm of marginal likelihood and prior, up to a constant."""
         precision = fit.precision.copy()
-        precision[first:] = np.exp(-2.0 * logarithms)[family]
+        precision[first:] = np.exp(-2.0 * (logarithms - now))[family]
         posterior = gram + np.diag(precision)
         scale = np.sqrt(np.maximum(np.diag(posterior), 1e-300))
         scaled = posterior / np.outer(scale, scale)
@@ -52,7 +102,4 @@ def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTo
         explained = float((toward / scale) @ np.linalg.lstsq(scaled, toward / scale, rcond=1e-12)[0])
         return float(determinant - explained + ((logarithms / DOUBT) ** 2).sum())
 
-    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * len(FAMILIES)
-    found = minimize(cost, np.zeros(len(FAMILIES)), method="L-BFGS-B", bounds=bounds)
-    sizes = dict(zip(FAMILIES, np.exp(found.x).tolist(), strict=True))
-    return replace(whitened, errors=whitened.errors.with_sizes(sizes))
+    return cost

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.arrays import Array
 from tactiledata.calibrate.intervals import RISE
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.signatures import MATERIAL
@@ -42,7 +41,7 @@ class ProfiledInterval:
 
 
 def intervals(
-    whitened: WhitenedTouches, fit: JointFit, numerical: Array, dispersion: float, profiled: bool = True
+    whitened: WhitenedTouches, fit: JointFit, dispersion: float, profiled: bool = True
 ) -> tuple[ProfiledInterval, ...]:
     """Return the intervals of E, nu, mu and of each number of the effects.
 
@@ -52,8 +51,6 @@ def intervals(
         Trajectories of the fit.
     fit : JointFit
         Fit whose numbers are asked for; the plain fit has only the first three.
-    numerical : (N, 6, e)
-        Whitened errors of the simulation, as in the fit.
     dispersion : float
         Factor by which the cost must rise more at an end, where more than noise is left; at least 1.
     profiled : bool
@@ -68,7 +65,7 @@ def intervals(
             limit = low[entry] if side < 0 else high[entry]
             reach = float(np.sqrt(RISE) * deviations[entry])
             if profiled:
-                reach = _profiled(whitened, fit, numerical, entry, side, reach, abs(limit - vector[entry]), dispersion)
+                reach = _profiled(whitened, fit, entry, side, reach, abs(limit - vector[entry]), dispersion)
             ends.append(float(np.clip(vector[entry] + side * reach, low[entry], high[entry])))
         name, unit = _name(fit, entry)
         value, first, last = (_value(fit, entry, number) for number in (vector[entry], *ends))
@@ -78,16 +75,15 @@ def intervals(
 
 
 def _profiled(
-    whitened: WhitenedTouches, fit: JointFit, numerical: Array, entry: int, side: float, reach: float, room: float,
-    dispersion: float,
-) -> float:  # fmt: skip
+    whitened: WhitenedTouches, fit: JointFit, entry: int, side: float, reach: float, room: float, dispersion: float
+) -> float:
     """How far an entry of the vector goes until the cost has risen by ``RISE``, all other numbers fitted anew.
 
     Each round scales the reach as if the cost were a parabola with its minimum at the fit.
 
     Parameters
     ----------
-    whitened, fit, numerical, dispersion
+    whitened, fit, dispersion
         As in `intervals`.
     entry : int
         Index into the model's vector.
@@ -107,7 +103,9 @@ def _profiled(
         if reach <= 0.0:
             return 0.0
         start = fit.model.at(np.clip(fit.model.vector + side * reach * along, low, high), fit.model.offsets)
-        rise = (joint_fit(whitened, numerical, start, held=(entry,), rounds=ROUNDS).cost - fit.cost) / dispersion
+        rise = (
+            joint_fit(whitened, fit.simulation_error_fields, start, held=(entry,), rounds=ROUNDS).cost - fit.cost
+        ) / dispersion
         if reach >= room and rise < RISE:
             return room
         # 15 % of the rise is 7 % of the reach

@@ -76,6 +76,11 @@ class JointFit:
         return self.shared[:, :, 3 : 3 + len(self.model.coordinates)]
 
     @property
+    def simulation_error_fields(self) -> Array:
+        """Whitened change (N, 6, e) over one deviation of each error of the simulation: a part of ``shared``."""
+        return self.shared[:, :, 3 + len(self.model.coordinates) :]
+
+    @property
     def by_row(self) -> Array:
         """Contact offset (N, 1) of each row's trajectory, in standard deviations of its prior."""
         counts = np.diff(self.starts, append=len(self.own))
@@ -155,8 +160,7 @@ def joint_fit(
     whitened : WhitenedTouches
         Measured trajectories.
     numerical : (N, 6, e)
-        Whitened change over one standard deviation of each error of the simulation; the same for all models that are
-        compared.
+        Whitened change over one standard deviation of each error of the simulation.
     start : JointModel
         Where the fit starts.
     held : iterable of int

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision
-from tactiledata.diagnose.naming.error_sizes import with_estimated_sizes
+from tactiledata.diagnose.naming.error_sizes import (
+    size_penalty,
+    smallest_ratio,
+    with_errors_of,
+    with_estimated_sizes,
+)
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.held_out import held_out
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
 from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.refit import Refits
 from tactiledata.diagnose.naming.screen import Screened, screen
-from tactiledata.diagnose.naming.signatures import effect_signatures, playable
+from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, playable
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
+
+SMALLER = 0.85
+"""Ratio of a size of the simulation's errors beside the best effect to that without it below which all is refitted."""
 
 
 @dataclass(frozen=True)
@@ -95,14 +104,24 @@ def name_effects(
     whitened = with_estimated_sizes(whitened, base)
     numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
     base = joint_fit(whitened, numerical, base.model)
-    # screen
+    # screen and refits of single effects
     names, not_tried = playable(whitened, chosen.effects)
     progress("screen")
-    signatures = effect_signatures(whitened, base.model.material, names, offsets=base.model.offsets)
-    screened = screen(base.metric, base.residual_at_centre, signatures)
-    # refits and decision
-    fits = Refits(whitened, numerical, base, chosen, progress)
+    signatures, screened = _screened(whitened, base, names)
+    fits = Refits(whitened, base, chosen, progress)
     singles = fits.singles(screened)
+    # what is missing made the errors of the simulation look larger: their sizes are those beside the best effect
+    best_single = max(singles, key=lambda fit: _evidence(base, fit), default=None)
+    if best_single is not None and _evidence(base, best_single) >= chosen.thresholds.needed(best_single.names):
+        resized = with_estimated_sizes(whitened, best_single)
+        if smallest_ratio(whitened, resized) < SMALLER:
+            reference, penalty = held_out(whitened, base, chosen.seed), size_penalty(whitened, base, resized)
+            numerical = resized.simulation_error_fields(base.model.material, base.model.offsets)
+            base = joint_fit(resized, numerical, with_errors_of(base.model, whitened, resized))
+            whitened = resized
+            signatures, screened = _screened(whitened, base, names)
+            fits = Refits(whitened, base, chosen, progress, reference, penalty)
+            singles = fits.singles(screened)
     pairs = fits.pairs(screened, singles) if chosen.pairs else []
     scored, decision = fits.score_and_decide(singles, pairs)
     # intervals; a profile needs many plays and is taken of a claim alone
@@ -110,11 +129,23 @@ def name_effects(
     claimed = decision.best is not None and not decision.objections
     best = decision.best.fit if decision.best is not None else base
     before, after = (
-        intervals(whitened, fit, numerical, max(1.0, decision.left.dispersion), chosen.profile and claimed)
-        for fit in (base, best)
+        intervals(whitened, fit, max(1.0, decision.left.dispersion), chosen.profile and claimed) for fit in (base, best)
     )
     identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
     return NamingResult(whitened, base, before, after, identifiable, screened, scored, decision, tuple(not_tried))
+
+
+def _screened(
+    whitened: WhitenedTouches, base: JointFit, names: Sequence[str]
+) -> tuple[list[Signature], list[Screened]]:
+    """Signatures of effects about a plain fit, and their first-order scores."""
+    signatures = effect_signatures(whitened, base.model.material, names, offsets=base.model.offsets)
+    return signatures, screen(base.metric, base.residual_at_centre, signatures)
+
+
+def _evidence(base: JointFit, fit: JointFit) -> float:
+    """Logarithm of the Bayes factor of a refit against the plain fit (Laplace's approximation)."""
+    return 0.5 * (base.cost - fit.cost) - fit.occam
 
 
 def _huber(residual: Array, turn: float = 2.0) -> Array:

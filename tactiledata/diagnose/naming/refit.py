@@ -13,7 +13,7 @@ from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, 
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.naming.parameters import JointModel, joint_model
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
@@ -22,6 +22,8 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
+LAST_ROUNDS = 3
+"""Rounds of a refit after the errors of the simulation were taken anew with the fitted effects."""
 COMPARABLE = 0.8
 """Share of a named effect's score from which another effect is tried in its place."""
 
@@ -34,21 +36,26 @@ class Refits:
     ----------
     whitened : WhitenedTouches
         The trajectories.
-    simulation_error_fields : (N, 6, e)
-        Whitened change over one standard deviation of each error of the simulation; the same for all refits.
     base : JointFit
         The plain fit.
     options : NamingOptions
         Thresholds, and how many refits are made.
     progress : callable
         Called with a few words before each refit.
+    reference : GroupedCosts, optional
+        Held-out squares of the plain simulation with the sizes of errors that suit it best; those of ``base`` where
+        ``None``.
+    size_penalty : float
+        By how much the plain simulation is less likely with the sizes of errors of these refits than with those that
+        suit it best: no candidate gets evidence for that.
     """
 
     whitened: WhitenedTouches
-    simulation_error_fields: Array
     base: JointFit
     options: NamingOptions
     progress: Callable[[str], None]
+    reference: GroupedCosts | None = None
+    size_penalty: float = 0.0
 
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
         """Return a refit of each promising effect, the best of its starts; effects without any balance are left out."""
@@ -103,7 +110,7 @@ class Refits:
         seed, thresholds = self.options.seed, self.options.thresholds
         # held-out squares of every fit, and the dispersion that the best one leaves
         self.progress("held-out trajectories and indenters")
-        base_out = held_out(self.whitened, self.base, seed)
+        base_out = self.reference or held_out(self.whitened, self.base, seed)
         outs: list[GroupedCosts] = [held_out(self.whitened, fit, seed) for fit in (*singles, *pairs)]
         expected = self.whitened.expected
         least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
@@ -112,7 +119,8 @@ class Refits:
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
             counted = thresholds.counted(len(self.whitened.starts))
-            return score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
+            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
+            return replace(scored, evidence=scored.evidence - counted * self.size_penalty / dispersion)
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
@@ -173,11 +181,16 @@ class Refits:
             Cost of another explanation: the fit ends early where it stays far behind.
         """
         from_there = near.model
-        errors = self.simulation_error_fields.shape[2]
+        errors = len(from_there.errors)
         model = joint_model(from_there.material, start, len(self.whitened.starts), errors, kept, from_there.box)
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
-            return joint_fit(self.whitened, self.simulation_error_fields, model, to_beat=to_beat)
+            fit = joint_fit(self.whitened, self._error_fields(model), model, to_beat=to_beat)
+            return joint_fit(self.whitened, self._error_fields(fit.model), fit.model, rounds=LAST_ROUNDS)
         except UsageError:
             return None
+
+    def _error_fields(self, model: JointModel) -> Array:
+        """Whitened errors of the simulation (N, 6, e) at a model: they pass through its effects as forces do."""
+        return self.whitened.simulation_error_fields(model.material, model.offsets, model.settings)

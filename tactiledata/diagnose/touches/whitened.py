@@ -7,6 +7,7 @@ and frame.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -21,6 +22,7 @@ from tactiledata.diagnose.touches.simulation_errors import (
     error_wrenches,
 )
 from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.low_rank import low_rank_power
 from tactiledata.nuisance.numerical import scatter_covariance
@@ -170,23 +172,29 @@ class WhitenedTouches:
         """Return measured less predicted wrenches (N, 6), whitened; components not simulated count as fitted."""
         return self.whiten(self.measured - np.where(np.isfinite(predicted), predicted, self.measured))
 
-    def simulation_error_fields(self, material: GelMaterial, offsets: Array | None = None) -> Array:
+    def simulation_error_fields(
+        self, material: GelMaterial, offsets: Array | None = None, settings: Sequence[EffectSetting] = ()
+    ) -> Array:
         """Return the simulation's own errors as whitened wrenches (N, 6, e), one standard deviation each.
 
         Parameters
         ----------
         material : GelMaterial
-            Material of the plain simulation whose forces are off.
+            Material of the simulation whose forces are off.
         offsets : (t,) m, optional
             Contact offset of each trajectory, where it is known.
+        settings : sequence of EffectSetting
+            Effects of the simulation: what they make of a force, they make of its error.
         """
-        return self.whiten(self.simulation_error_wrenches(material, offsets))
+        return self.whiten(self.simulation_error_wrenches(material, offsets, settings))
 
-    def simulation_error_wrenches(self, material: GelMaterial, offsets: Array | None = None) -> Array:
+    def simulation_error_wrenches(
+        self, material: GelMaterial, offsets: Array | None = None, settings: Sequence[EffectSetting] = ()
+    ) -> Array:
         """Return the simulation's own errors as wrenches (N, 6, e) in N and N m; see `simulation_error_fields`."""
         return error_wrenches(
             self.errors,
-            np.nan_to_num(self.touch_set.play(material, [], offsets)),
+            np.nan_to_num(self.touch_set.play(material, settings, offsets)),
             np.concatenate([case.touch.poses for case in self.touch_set.touches]),
             material.friction,
             self.indenter_names,

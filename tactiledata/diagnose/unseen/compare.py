@@ -133,8 +133,7 @@ def show(
         located = locate_touches(white, base, seed)
     # errors on held-out data, without and with the best candidate, and of a black box
     progress("what is held out")
-    numerical = white.simulation_error_wrenches(base.model.material, base.model.offsets)
-    errors = held_out_errors(white, (base, after), numerical, seed)
+    errors = held_out_errors(white, (base, after), seed)
     progress("the ceiling")
     ceiling = black_box(located.projection, seed)
     # structure that the claimed effects leave

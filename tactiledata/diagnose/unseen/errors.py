@@ -24,7 +24,7 @@ ROUNDS = 2
 """Gauss-Newton steps of a trajectory's own contact offset."""
 
 
-def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.int64], numerical: Array) -> Array:
+def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.int64]) -> Array:
     """Return wrenches (N, 6), N and N m, of each group predicted by a fit to the others; NaN where not simulated.
 
     E, nu, mu, the effects' numbers and the errors of the simulation are refitted to the other groups by one step of
@@ -39,10 +39,9 @@ def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.
         The fit to all trajectories.
     groups : (t,)
         Number of each trajectory's group; at least two groups.
-    numerical : (N, 6, e) N, N m
-        Wrench of one standard deviation of each error of the simulation, as in the fit.
     """
-    refits = LinearRefits.of(white, fit)
+    refits, model = LinearRefits.of(white, fit), fit.model
+    numerical = white.simulation_error_wrenches(model.material, model.offsets, model.settings)
     predicted = np.full((len(white.trajectory), 6), np.nan)
     for group in np.unique(groups):
         out = groups == group
@@ -140,9 +139,7 @@ class HeldOutErrors:
         return self.force.after / self.force.before - 1.0
 
 
-def held_out_errors(
-    white: WhitenedTouches, fits: Sequence[JointFit], numerical: Array, seed: int
-) -> list[HeldOutErrors]:
+def held_out_errors(white: WhitenedTouches, fits: Sequence[JointFit], seed: int) -> list[HeldOutErrors]:
     """Return the errors on held-out trajectories, and on held-out indenters and sensors where there are several.
 
     Parameters
@@ -150,8 +147,6 @@ def held_out_errors(
     white : WhitenedTouches
     fits : sequence of two JointFit
         The plain fit, and the fit with effects.
-    numerical : (N, 6, e) N, N m
-        Wrench of one standard deviation of each error of the simulation.
     seed : int
         Draws the folds of trajectories, the bootstraps of intervals and the noise of the floor.
     """
@@ -165,7 +160,7 @@ def held_out_errors(
     for unseen, groups in schemes.items():
         if len(np.unique(groups)) < 2:
             continue
-        before, after = (held_out_wrenches(white, fit, groups, numerical) for fit in fits)
+        before, after = (held_out_wrenches(white, fit, groups) for fit in fits)
         count = len(groups) if unseen == "trajectories" else len(np.unique(groups))
         listed.append(_errors(white, unseen, count, before, after, seed))
     return listed
