@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.residuals.gap import Gap
+from tactiledata.diagnose.residuals.wording import percent
 from tactiledata.diagnose.table_input.residuals_of import Table
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.unseen.errors import HeldOutErrors
@@ -237,8 +239,16 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
     # trajectories and frames
     played = done.played
     notes = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
-    if played.frames_lost:
-        notes.append(f"{played.frames_lost} frames without pose or wrench, or too deep for the gel, take no part")
+    frames = played.frames
+    if frames.lost:
+        notes.append(
+            f"{frames.lost} frames, with {percent(frames.force_lost)} of the squared force, take no part: without pose"
+            " or wrench, or the gel could not be solved there"
+        )
+    if frames.estimated:
+        notes.append(
+            f"{frames.estimated} frames could not be solved at some parameters of the gel and are interpolated there"
+        )
     # effects that were not tried, by reason
     by_reason: dict[str, list[str]] = {}
     chosen = done.options.effects
@@ -286,6 +296,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "next_trials": next_trials_document(done.proposals, is_more_left=_is_more_left(done)),
         "zeros": [cause.document for cause in done.zeros],
         "simulated_recordings": done.simulated.document(),
+        "frames": asdict(done.played.frames),
         "notes": notes_of(done),
         "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),
         **naming_document(done.naming, done.shown.located, done.shown),

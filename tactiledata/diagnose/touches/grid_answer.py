@@ -47,6 +47,8 @@ class TouchPlays:
         Height of the tip at which the lowest point of the indenter meets the undeformed surface.
     variants : dict, GelVariant -> (n, 6)
         Change of the wrench over Young's modulus by each variant, at the middle pair.
+    estimated : (n,) bool, optional
+        Frames that some play has not solved, and that were interpolated there; none where ``None``.
     """
 
     plan: ResponsePlan
@@ -56,6 +58,7 @@ class TouchPlays:
     by_shift: Array
     height: Array
     variants: Mapping[GelVariant, Array] = field(default_factory=dict)
+    estimated: NDArray[np.bool_] | None = None
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -72,6 +75,7 @@ class TouchPlays:
             self.by_shift[:, rows],
             self.height[rows],
             {variant: difference[rows] for variant, difference in self.variants.items()},
+            None if self.estimated is None else self.estimated[rows],
         )
 
     def at(self, ratio: float, friction: float, offset: Array, shift: Array) -> Array:

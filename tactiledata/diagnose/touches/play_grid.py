@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.kept_plays import Play, play_path
 from tactiledata.calibrate.plan import Node, ResponsePlan
@@ -178,6 +178,10 @@ def play_touches(
     all_nodes = {node: complete(plays, middle, heights) for node, plays in nodes.items()}
     all_shifted = [complete(plays, middle, heights) for plays in shifted]
     all_kept = {variant: complete(plays, middle, heights) for variant, plays in kept.items()}
+    solved_by_all = [
+        np.all([solved(plays[k]) for plays in (*nodes.values(), *shifted, *kept.values())], axis=0)
+        for k in range(len(touches))
+    ]
     join = partial(_touch_plays, plan, mesh)
     return [
         join(
@@ -185,6 +189,7 @@ def play_touches(
             [plays[k] for plays in all_shifted],
             {variant: plays[k] for variant, plays in all_kept.items()},
             touch,
+            solved(middle[k]) & ~solved_by_all[k],
         )
         for k, touch in enumerate(touches)
     ]
@@ -234,6 +239,7 @@ def _touch_plays(
     shifted: Sequence[Play],
     varied: Mapping[GelVariant, Play],
     touch: MeasuredTouch,
+    estimated: Mask,
 ) -> TouchPlays:
     """Plays of one touch, as levels and finite differences.
 
@@ -251,6 +257,8 @@ def _touch_plays(
         Plays of the variants.
     touch : MeasuredTouch
         The trajectory, n frames.
+    estimated : (n,) bool
+        Frames that are interpolated in some play.
     """
     unknown = np.zeros(len(touch.seconds), dtype=bool)
     for play in (*plays.values(), *shifted, *varied.values()):
@@ -277,4 +285,5 @@ def _touch_plays(
         np.stack([right - left, up - down]) / (2 * SHIFT),
         np.where(unknown, np.nan, _height_of_contact(mesh, touch.touch)),
         {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
+        estimated,
     )

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.measured import Measured, kept_rows, read_measured
@@ -33,6 +35,38 @@ FREE_AIR = 1e-4
 
 
 @dataclass(frozen=True)
+class FrameUse:
+    """How many frames of the measured trajectories take part in a diagnosis, and how much of the force.
+
+    Parameters
+    ----------
+    lost : int
+        Frames that take no part: without pose or wrench, or not solved at the middle of the grid.
+    force_lost : float
+        Share of the squared measured force that is in these frames.
+    estimated : int
+        Frames that take part and were interpolated at some parameters of the gel, because it was not solved there.
+    """
+
+    lost: int
+    force_lost: float
+    estimated: int
+
+    @staticmethod
+    def of(measured: Sequence[MeasuredTouch], cases: Sequence[TouchCase], plays: Sequence[TouchPlays]) -> FrameUse:
+        """Return the use of the frames of measured trajectories by cases and their plays."""
+
+        def squares(wrenches: Sequence[Array]) -> float:
+            """Sum of the squared forces, N^2."""
+            return float(sum((np.nan_to_num(wrench[:, :3]) ** 2).sum() for wrench in wrenches))
+
+        lost = sum(len(touch.seconds) for touch in measured) - sum(len(case.touch) for case in cases)
+        whole, used = squares([touch.wrench for touch in measured]), squares([case.measured for case in cases])
+        estimated = sum(int(part.estimated.sum()) for part in plays if part.estimated is not None)
+        return FrameUse(lost, 1.0 - used / whole if whole > 0 else 0.0, estimated)
+
+
+@dataclass(frozen=True)
 class StoreTouches:
     """Everything that a diagnosis takes from a store.
 
@@ -48,8 +82,8 @@ class StoreTouches:
         Effects that it cannot simulate.
     left_out : dict, reason -> number of trajectories
         Trajectories that are not used.
-    frames_lost : int
-        Frames that drop out of the measured trajectories: without pose or wrench, or not solved.
+    frames : FrameUse
+        Which frames of the measured trajectories take part.
     geometry : GelGeometry
         Geometry of the gel.
     uids : tuple of str
@@ -61,7 +95,7 @@ class StoreTouches:
     effects: tuple[str, ...]
     not_played: dict[str, str]
     left_out: dict[str, int]
-    frames_lost: int
+    frames: FrameUse
     geometry: GelGeometry
     uids: tuple[str, ...]
 
@@ -114,11 +148,11 @@ def store_touches(opened: OpenedStore, options: CalibrationOptions, progress: Pr
     not_played = _not_played(kept[0], options)
     effects = tuple(name for name in EFFECTS if name not in not_played)
     family = PlayedFamily([case.touch for case in cases], kept)
-    lost = sum(len(touch.seconds) for touch in measured.touches) - sum(len(case.touch) for case in cases)
+    frames = FrameUse.of(measured.touches, cases, kept)
     # an effect may move E far: if E were held at a durometer's bound, errors of the simulation would absorb what is
     # missing
     touch_set = TouchSet(cases, family, box.with_free_modulus)
-    return StoreTouches(touch_set, start, effects, not_played, dict(left_out), lost, geometry, tuple(uids))
+    return StoreTouches(touch_set, start, effects, not_played, dict(left_out), frames, geometry, tuple(uids))
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
@@ -172,7 +206,7 @@ class _CaseMaker:
     geometry: GelGeometry
 
     def case(self, touch: MeasuredTouch, planned: PlannedTouch, plays: TouchPlays) -> tuple[TouchCase, TouchPlays]:
-        """Return a trajectory and its plays, both of the frames with pose and wrench that all plays have solved.
+        """Return a trajectory and its plays, both of the frames with pose and wrench that the gel could be pressed to.
 
         Parameters
         ----------
