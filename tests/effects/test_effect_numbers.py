@@ -72,3 +72,11 @@ def test_values_outside_the_bounds_are_refused(value):
 def test_what_can_be_believed_includes_the_ends():
     """-1 to 2."""
     assert [WEIGHT.is_plausible(value) for value in (-1.01, -1.0, 0.0, 2.0, 2.01)] == [False, True, True, True, False]
+
+
+def test_a_refusal_says_what_can_be_believed():
+    """Bounds, unit, meaning and the plausible range are told; the name and the value travel with the error."""
+    with pytest.raises(UsageError, match=r"weight of effect 'e' is 9\.0") as found:
+        WEIGHT.check(9.0, "e")
+    for part in ("a number from -4 to 8 [N]: a force", "between -1 and 2."):
+        assert part in str(found.value)

@@ -165,3 +165,16 @@ def test_what_comes_to_rest_after_a_slide_relaxes_from_there(told_by):
     rest = seconds > slide
     wanted = limit - share * left * -np.expm1(-(seconds[rest] - slide) / time)
     np.testing.assert_allclose((found @ [0.6, 0.8])[rest], wanted, rtol=1e-3)
+
+
+@pytest.mark.parametrize("lifted", [0.0, -1.0])
+def test_free_air_ends_a_shear_and_its_memory(lifted):
+    """Lifted for one frame, the contact starts anew: what follows is as if nothing had been before."""
+    seconds = np.arange(8.0)
+    elastic = np.outer([0.0, 1.0, 2.0, 0.0, 0.5, 1.0, 1.5, 1.5], [0.6, 0.8])
+    limit = np.array([9.0, 9.0, 9.0, lifted, 9.0, 9.0, 9.0, 9.0])
+    sticks = np.zeros(8, dtype=bool)
+    found = relaxing_shear(seconds, elastic, sticks, elastic, limit, 0.2, 3.0)
+    fresh = relaxing_shear(seconds[3:], elastic[3:], sticks[3:], elastic[3:], limit[3:], 0.2, 3.0)
+    np.testing.assert_allclose(found[3:], fresh, atol=1e-12)
+    np.testing.assert_allclose(found[3], 0.0, atol=1e-12)

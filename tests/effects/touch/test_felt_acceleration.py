@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tactiledata.effects.touch.felt_acceleration import DAMPING, FREQUENCIES, RATE, felt_accelerations, felt_at
+from tactiledata.effects.touch.felt_acceleration import DAMPING, FREQUENCIES, RATE, _mode, felt_accelerations, felt_at
 from tactiledata.errors import UsageError
 
 FRAMES = np.arange(1.02, 2.0, 0.013)
@@ -88,3 +88,8 @@ def test_inertia_is_what_is_felt_times_mass(touch, play):
     assert (change[:, 3:] == 0).all()
     with pytest.raises(UsageError, match="felt_accelerations"):
         dataclasses.replace(touch, felt_accelerations=felt[:, :3])
+
+
+def test_the_filter_of_a_mode_is_designed_once():
+    """Recordings have thousands of touches, each with all modes."""
+    assert _mode(7.5) is _mode(7.5)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.effects.touch.imprint import DEEPEST, SPREAD, ImprintTable, nearness
+from tactiledata.effects.touch.imprint import DEEPEST, SPREAD, ImprintTable, nearness, strongest_imprint
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere
@@ -39,3 +39,27 @@ def test_places_fade():
     assert nearness(np.array(0.0)) == 1.0
     assert nearness(np.array(SPREAD)) == pytest.approx(np.exp(-0.5))
     assert nearness(np.array(5 * SPREAD)) < 1e-5
+
+
+@pytest.mark.parametrize("depth", [2e-4, 1e-3, 2e-3])
+def test_the_grid_integrates_a_brick_to_rounding(depth):
+    """A body that is flat over 4 by 6 mm has an imprint of 24 mm^2 times the depth's square, to rounding."""
+
+    class Brick:
+        def height(self, x, y):
+            return np.where((np.abs(x) < 2e-3) & (np.abs(y) < 3e-3), 0.0, 1.0)
+
+    table = ImprintTable.of(Brick())
+    assert table.imprint(depth) == pytest.approx(24e-6 * depth**2, rel=1e-9)
+    assert table.depths[[0, -1]].tolist() == [0.0, DEEPEST]
+    assert table.depth(24e-6 * depth**2) == pytest.approx(depth, rel=1e-9)
+
+
+def test_the_strongest_of_earlier_presses_counts_by_its_distance():
+    """At one spread a press counts exp(-1/2); beside a weaker one at the place itself the stronger weight wins."""
+    places = np.array([[0.0, 0.0], [SPREAD, 0.0], [0.0, 2 * SPREAD]])
+    pressed, imprints = np.array([[0.0, 0.0], [SPREAD, 0.0]]), np.array([1.0, 0.8])
+    found = strongest_imprint(places, pressed, imprints)
+    np.testing.assert_allclose(found, [1.0, 0.8, np.exp(-2.0)])
+    assert strongest_imprint(places, np.zeros((0, 2)), np.zeros(0)).tolist() == [0.0, 0.0, 0.0]
+    assert SPREAD == 1.5e-3
