@@ -73,7 +73,7 @@ def pressed(touch, variant):
 
 
 def test_area_and_spring_are_those_of_the_whole_punch(still):
-    """pi a^2 and 8 G a / (2 - nu) once it touches, at its place; the surface itself is free air."""
+    """Pi a^2 and 8 G a / (2 - nu) once it touches, at its place; the surface itself is free air."""
     answer = played(still)
     assert answer.wrench[:, 2] == pytest.approx([0.0, 0.0, on_layer(5e-4, still.geometry.thickness)], rel=1e-12)
     assert answer.area == pytest.approx([0.0, 0.0, np.pi * 0.003**2])
