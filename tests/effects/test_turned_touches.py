@@ -27,7 +27,7 @@ def turned(touch, turn):
     """The touch on a square pad, with poses and gravity turned."""
     poses = touch.poses.copy()
     poses[:, :3] = turn @ touch.poses[:, :3]
-    gravity = (touch.gravity + [1.0, 2.0, 0.0]) @ turn.T
+    gravity = (touch.gravity + np.array([1.0, 2.0, 0.0])) @ turn.T
     return dataclasses.replace(touch, poses=poses, gravity=gravity, geometry=SQUARE)
 
 
