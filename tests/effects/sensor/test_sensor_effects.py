@@ -217,3 +217,16 @@ def test_a_knee_of_nothing_is_a_hard_limit():
     force = np.linspace(-9.0, 9.0, 181)
     np.testing.assert_array_equal(limited(force, 5.0, 0.0), np.clip(force, -5.0, 5.0))
     np.testing.assert_allclose(limited(force, 5.0, 1e-4), np.clip(force, -5.0, 5.0), atol=5.0 * 1e-4)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_without_a_dead_band_no_bit_of_a_reading_changes(noise):
+    """The sign of a zero stays, too."""
+    rows = np.array([[-0.0, 0.0, 1e-3, -0.25]])
+    assert mean_reading(rows, 0.0, noise).tobytes() == rows.tobytes()
+
+
+def test_the_ends_of_a_dead_band_are_read():
+    """Within the open band a single reading is 0; at its ends it is what it is."""
+    rows = np.array([[-0.25, -0.24, 0.24, 0.25]])
+    assert mean_reading(rows, 0.25, 0.0).tolist() == [[-0.25, 0.0, 0.0, 0.25]]

@@ -180,3 +180,48 @@ def test_slip_levels_are_equal_parts_of_mindlins_distribution():
     for stretch in (0.1, 0.5, 1.0, 1.4):
         wanted = 1 - (1 - 2 * stretch / 3) ** 1.5
         assert np.minimum(levels, stretch).mean() == pytest.approx(wanted, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("length", "took"),
+    [
+        (WAYS[0] / 2, 1.0),
+        (np.sqrt(WAYS[2] * WAYS[3]), 3.5),
+        (WAYS[2] ** 0.25 * WAYS[3] ** 0.75, 3.75),
+        (WAYS[5], 6.0),
+        (2 * WAYS[5], 6.0),
+    ],
+)
+def test_ages_lie_between_those_of_the_ways_next_to_the_length(touch, moved, play, length, took):
+    """In proportion to the logarithm; below the first way and beyond the last, of these; all less the rest."""
+    path = slide(touch, moved, np.linspace(0.0, 40e-3, 41), speed=1e-2)
+    ways = np.tile(np.arange(1.0, 7.0), (len(path), 1))
+    rest = np.full(len(path), 0.05)
+    path = dataclasses.replace(path, pace=np.full(len(path), 1e-2), rest=rest, last_ways=ways)
+    factor = play("static_friction", on=path, ageing=0.1, length=length, time=0.05).friction[-1]
+    assert factor == pytest.approx(1 + 0.1 * np.log10((0.05 + took - 0.05 + _kept(length)) / (0.05 + length / 1e-3)))
+
+
+def _kept(length):
+    """What is left of the rest after each of many moves of a millimetre, which adds to the age."""
+    return 0.05 / (np.exp(1e-3 / length) - 1.0)
+
+
+def test_below_a_thousandth_of_its_speed_friction_stays_as_it_is_there(touch, moved, play):
+    """Four decades below v0 it is 1 - 3 beta; a little above three decades, in frames alone, it is on the law."""
+    stated = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=1e-3)
+    stated = dataclasses.replace(stated, pace=np.full(len(stated), 1e-7), rest=np.zeros(len(stated)))
+    assert play("rate_friction", on=stated, beta=0.1, speed=1e-3).friction[-1] == pytest.approx(0.7)
+    near = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=2e-6)
+    wanted = 1 + 0.1 * np.log10(2e-3)
+    assert play("rate_friction", on=near, beta=0.1, speed=1e-3).friction[-1] == pytest.approx(wanted)
+
+
+def test_before_any_move_friction_is_as_simulated(touch, moved, play):
+    """A press that never slides, and a slide slower than a thousandth of v0, have no speed of their own."""
+    still = moved(touch, np.arange(4.0), np.full(4, DEPTH))
+    assert play("rate_friction", on=still, beta=0.1).friction.tolist() == [1.0] * 4
+    slow = slide(touch, moved, np.linspace(0.0, 4e-6, 41), speed=0.9e-6)
+    assert set(play("rate_friction", on=slow, beta=0.1).friction) == {1.0}
+    stands = dataclasses.replace(still, pace=np.zeros(4), rest=np.ones(4))
+    assert play("rate_friction", on=stands, beta=0.1).friction.tolist() == [1.0] * 4

@@ -1,5 +1,7 @@
 """Variants of the gel: where the surface stays and the base moves, and the other way round."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -103,3 +105,15 @@ def test_a_warped_pad_moves_all_its_nodes_in_proportion():
     np.testing.assert_allclose(PAD.vertices[:, 2] - both.vertices[:, 2], lowered, atol=1e-12)
     np.testing.assert_array_equal(both.vertices[:, :2], PAD.vertices[:, :2])
     assert both.name != PAD.name
+
+
+@pytest.mark.parametrize("is_reversed", [False, True])
+def test_of_nodes_above_one_another_the_uppermost_is_the_surface(is_reversed):
+    """A face that hangs below the surface, as on upright sides, hides nothing, in whatever order nodes are numbered."""
+    under = PAD.base[np.hypot(*PAD.vertices[PAD.base, :2].T) < 5e-3][:4]
+    walled = dataclasses.replace(PAD, faces=np.vstack([PAD.faces, under]))
+    if is_reversed:
+        last = len(PAD.vertices) - 1
+        walled = dataclasses.replace(walled, vertices=PAD.vertices[::-1], faces=last - walled.faces)
+    places = PAD.vertices[under, :2]
+    np.testing.assert_allclose(surface_height(walled, places), surface_height(PAD, places), atol=1e-12)

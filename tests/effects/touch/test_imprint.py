@@ -41,18 +41,22 @@ def test_places_fade():
     assert nearness(np.array(5 * SPREAD)) < 1e-5
 
 
+@pytest.mark.parametrize("half", [(2e-3, 3e-3), (6e-3, 6e-3)])
 @pytest.mark.parametrize("depth", [2e-4, 1e-3, 2e-3])
-def test_the_grid_integrates_a_brick_to_rounding(depth):
-    """A body that is flat over 4 by 6 mm has an imprint of 24 mm^2 times the depth's square, to rounding."""
+def test_the_grid_integrates_a_brick_to_rounding(depth, half):
+    """A flat body has its area times the depth's square, up to one that fills the whole grid of 12 by 12 mm."""
 
     class Brick:
         def height(self, x, y):
-            return np.where((np.abs(x) < 2e-3) & (np.abs(y) < 3e-3), 0.0, 1.0)
+            return np.where((np.abs(x) < half[0]) & (np.abs(y) < half[1]), 0.0, 1.0)
 
     table = ImprintTable.of(Brick())
-    assert table.imprint(depth) == pytest.approx(24e-6 * depth**2, rel=1e-9)
+    area = 4 * half[0] * half[1]
+    assert table.imprint(depth) == pytest.approx(area * depth**2, rel=1e-9)
     assert table.depths[[0, -1]].tolist() == [0.0, DEEPEST]
-    assert table.depth(24e-6 * depth**2) == pytest.approx(depth, rel=1e-9)
+    assert table.depth(area * depth**2) == pytest.approx(depth, rel=1e-9)
+    # straight between 81 depths: half-way between the first two, half of what is at the second
+    assert table.imprint(1.25e-5) == pytest.approx(area * 2.5e-5**2 / 2, rel=1e-9)
 
 
 def test_the_strongest_of_earlier_presses_counts_by_its_distance():

@@ -91,3 +91,22 @@ def test_frames_before_the_first_position_know_nothing():
     early = np.array([-1.0])
     assert last_ways(early, seconds, places).tolist() == [[0.0] * len(WAYS)]
     assert [found.tolist() for found in last_move(early, seconds, places)] == [[0.0], [0.0]]
+
+
+def test_a_frame_takes_the_speed_of_the_last_position_before_it():
+    """At 2 m/s^2 the speed over the last 0.04 s is that of 0.02 s ago; between two positions, of the earlier one."""
+    seconds = np.arange(300) / 100.0
+    places = np.outer(seconds**2, [1.0, 0.0])
+    pace, rest = last_move(np.array([0.5, 1.0, 1.004, 1.0099, 1.01, 9.0]), seconds, places)
+    np.testing.assert_allclose(pace, 2.0 * (np.array([0.5, 1.0, 1.0, 1.0, 1.01, 2.99]) - 0.02), rtol=1e-9)
+    assert (rest == 0).all()
+
+
+def test_rest_counts_from_the_last_position_of_a_move():
+    """A step between 1.00 and 1.01 s moves until 1.04 s, while it lies within the window; at 1.055 s it rests 15 ms."""
+    seconds = np.arange(300) / 100.0
+    places = np.column_stack([np.where(seconds > 1.005, 1e-3, 0.0), np.zeros(300)])
+    pace, rest = last_move(np.array([1.0, 1.01, 1.03, 1.055, 2.0]), seconds, places)
+    np.testing.assert_allclose(pace, [0.0, *[1e-3 / 0.04] * 4], rtol=1e-6)
+    np.testing.assert_allclose(rest[[0, 1, 2, 4]], [0.0, 0.0, 0.0, 0.96], atol=1e-9)
+    assert rest[3] == pytest.approx(0.015, abs=1e-9)
