@@ -5,9 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.geometry.pad_edge import PadEdge
 from tactiledata.effects.geometry.soft_region import SoftRegion
 from tactiledata.effects.touch.response import GelVariant, SoftSpot
+from tactiledata.effects.touch.state import TouchState
 from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.sensors.base import GelGeometry
 
@@ -96,3 +98,13 @@ def _lift(plain, kept):
     x, y = plain.contact.centre[2]
     fx, fy, fz = plain.wrench[2, :3]
     return [0.0, (1 - kept) * y * fz, -(1 - kept) * x * fz, (kept - 1) * (x * fy - y * fx)]
+
+
+def test_a_spot_takes_its_share_of_a_gel_that_is_stiffer_already(touch):
+    """On a gel of twice the stiffness the force is twice that on the simulated one, spot and shear included."""
+    values = {"normal_loss": 0.3, "shear_loss": 0.5, "x": 2e-3}
+    start = TouchState.start(touch, BallOnLayer(touch))
+    once = SoftRegion().apply(start, values).contact.wrench
+    twice = SoftRegion().apply(start.stiffened(np.full(len(touch), 2.0)), values).contact.wrench
+    free = ~start.contact.sliding
+    np.testing.assert_allclose(twice[free, 2], 2.0 * once[free, 2], rtol=1e-12)

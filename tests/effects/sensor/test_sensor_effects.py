@@ -230,3 +230,13 @@ def test_the_ends_of_a_dead_band_are_read():
     """Within the open band a single reading is 0; at its ends it is what it is."""
     rows = np.array([[-0.25, -0.24, 0.24, 0.25]])
     assert mean_reading(rows, 0.25, 0.0).tolist() == [[-0.25, 0.0, 0.0, 0.25]]
+
+
+@pytest.mark.parametrize(
+    ("away", "is_biased"), [(-2.01, False), (-1.99, True), (0.0, True), (1.99, True), (2.01, False)]
+)
+def test_noise_biases_up_to_two_deviations_from_an_end(away, is_biased):
+    """Inwards at both ends of the range; beyond, and in the middle, a frame was not chosen by noise."""
+    low, high = selection_bias(np.array([1.0 + 0.1 * away, 13.0 - 0.1 * away]), 0.1, 1.0, 13.0)
+    assert (low > 1e-4) == (is_biased or away == 2.01)
+    assert high == pytest.approx(-low, abs=1e-12)

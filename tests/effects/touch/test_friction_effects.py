@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.interface.partial_slip import slip_levels
 from tactiledata.effects.touch.last_move import SLOWEST as STANDING
 from tactiledata.effects.touch.last_move import WAYS
@@ -225,3 +226,27 @@ def test_before_any_move_friction_is_as_simulated(touch, moved, play):
     assert set(play("rate_friction", on=slow, beta=0.1).friction) == {1.0}
     stands = dataclasses.replace(still, pace=np.zeros(4), rest=np.ones(4))
     assert play("rate_friction", on=stands, beta=0.1).friction.tolist() == [1.0] * 4
+
+
+def test_partial_slip_asks_for_eight_parts(touch, play, moved):
+    """Beside the answer before it, so that a touch costs nine."""
+    asked = []
+
+    class Counted(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            asked.append(friction[0])
+            return super().respond(offset, shift, friction)
+
+    play("partial_slip", on=slide(touch, moved, np.linspace(0.0, 1e-3, 5)), base=Counted, share=0.5)
+    assert len(asked) == 9
+    np.testing.assert_allclose(sorted(asked), sorted([1.0, *slip_levels(8)]))
+
+
+def test_without_load_no_friction_is_changed_by_area(touch, moved, play):
+    """In free air, and at the surface, the factor is 1; without friction there is nothing to change."""
+    path = moved(touch, np.arange(3.0), np.array([-1e-3, 0.0, DEPTH]))
+    factor = play("area_friction", on=path, shear_strength=1e5).friction
+    assert factor[:2].tolist() == [1.0, 1.0]
+    assert factor[2] != 1.0
+    smooth = dataclasses.replace(path, material=dataclasses.replace(path.material, friction=0.0))
+    assert play("area_friction", on=smooth, shear_strength=1e5).friction.tolist() == [1.0, 1.0, 1.0]

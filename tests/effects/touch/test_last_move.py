@@ -110,3 +110,9 @@ def test_rest_counts_from_the_last_position_of_a_move():
     np.testing.assert_allclose(pace, [0.0, *[1e-3 / 0.04] * 4], rtol=1e-6)
     np.testing.assert_allclose(rest[[0, 1, 2, 4]], [0.0, 0.0, 0.0, 0.96], atol=1e-9)
     assert rest[3] == pytest.approx(0.015, abs=1e-9)
+
+
+def test_ways_are_three_and_ten_in_every_decade():
+    """From 3 um to 1 mm."""
+    assert (WAYS[0], WAYS[1], WAYS[-1]) == (3e-6, 1e-5, 1e-3)
+    np.testing.assert_allclose(WAYS[2:], 10.0 * np.array(WAYS[:-2]))
