@@ -233,3 +233,4 @@ def test_a_variant_is_that_of_its_own_parameters(name):
         alone = alone.together_with(effect.variant({parameter: places[0]}))
     if effect.designs:
         assert both == alone
+        assert effect.variant({}) == GelVariant()

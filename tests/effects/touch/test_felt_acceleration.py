@@ -11,6 +11,12 @@ from tactiledata.errors import UsageError
 FRAMES = np.arange(1.02, 2.0, 0.013)
 
 
+@pytest.fixture(autouse=True)
+def _fresh_filters():
+    """Each test designs the filters that it uses."""
+    _mode.cache_clear()
+
+
 def stream(seconds, way):
     return seconds, np.outer(way, [0.6, 0.0, -0.8])
 

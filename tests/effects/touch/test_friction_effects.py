@@ -250,3 +250,19 @@ def test_without_load_no_friction_is_changed_by_area(touch, moved, play):
     assert factor[2] != 1.0
     smooth = dataclasses.replace(path, material=dataclasses.replace(path.material, friction=0.0))
     assert play("area_friction", on=smooth, shear_strength=1e5).friction.tolist() == [1.0, 1.0, 1.0]
+
+
+def test_a_contact_that_pulls_has_no_pressure_to_judge_by(touch, moved, play):
+    """Touching under a pull, or under nothing, friction is as simulated."""
+    path = moved(touch, np.arange(3.0), np.full(3, DEPTH))
+
+    class Pulling(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            answer = super().respond(offset, shift, friction)
+            wrench = answer.wrench.copy()
+            wrench[1:, 2] = [-1.0, 0.0]
+            return dataclasses.replace(answer, wrench=wrench)
+
+    factor = play("area_friction", on=path, base=Pulling, shear_strength=1e5).friction
+    assert factor[0] != 1.0
+    assert factor[1:].tolist() == [1.0, 1.0]
