@@ -9,6 +9,7 @@ import pytest
 
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.touch.response import ContactResponse
 from tactiledata.effects.touch.state import TouchState
 
 
@@ -87,3 +88,35 @@ def test_friction_is_never_negative(touch):
     """A factor below 0 counts as 0."""
     state = TouchState.start(touch, BallOnLayer(touch)).rubbed(np.full(len(touch), -0.5))
     assert not state.friction.any()
+
+
+def test_a_frame_that_could_not_be_solved_does_not_touch():
+    """An area that is unknown is no contact; its radius is unknown, too."""
+    area = np.array([0.0, np.pi, np.nan])
+    nothing = np.zeros(3)
+    answer = ContactResponse(np.zeros((3, 6)), area, np.zeros((3, 2)), nothing, nothing > 0, nothing)
+    assert answer.touching.tolist() == [False, True, False]
+    np.testing.assert_array_equal(answer.radius, [0.0, 1.0, np.nan])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "played"),
+    [
+        ("strain_stiffening", {"c20": 0.1}, 2),
+        ("strain_stiffening", {"c30": 0.02}, 1),
+        ("strain_stiffening", {"c20": 0.1, "c30": 0.02}, 3),
+        ("mount_offset", {"deeper": 1e-4}, 0),
+        ("mount_offset", {"radius_error": 0.01}, 2),
+    ],
+)
+def test_only_what_is_not_null_is_played_at_its_design_points(touch, name, values, played):
+    """The gel engine's answers are fetched for those parameters alone."""
+    asked = []
+
+    class Told(BallOnLayer):
+        def difference(self, variant):
+            asked.append(variant)
+            return super().difference(variant)
+
+    EFFECTS[name]().apply(TouchState.start(touch, Told(touch)), values)
+    assert len(asked) == played

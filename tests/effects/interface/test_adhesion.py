@@ -185,3 +185,11 @@ def test_a_contact_that_has_parted_pulls_again_only_in_the_next_touch(touch, pla
     assert (pull[3:] == 0).all()
     again = moved(touch, np.arange(3.0), depth[4:])
     assert (play("adhesion", on=again, work=WORK).wrench - play(on=again).wrench)[2, 2] < -1e-4
+
+
+def test_a_flat_punch_pulls_in_proportion_to_its_height():
+    """2 E* a d above the surface, as far as Kendall's force; a smaller work holds less far."""
+    depth = np.array([1e-4, 0.0, -1e-6, -1e-5, -1e-3])
+    force = punch_force(depth, 0.003, MODULUS, np.full(5, WORK))
+    np.testing.assert_allclose(force, [0.0, 0.0, -2e-6 * MODULUS * 0.003, -2e-5 * MODULUS * 0.003, 0.0])
+    assert punch_force(depth, 0.003, MODULUS, np.full(5, 1e-9))[3] == 0.0

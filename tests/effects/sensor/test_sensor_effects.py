@@ -240,3 +240,14 @@ def test_noise_biases_up_to_two_deviations_from_an_end(away, is_biased):
     low, high = selection_bias(np.array([1.0 + 0.1 * away, 13.0 - 0.1 * away]), 0.1, 1.0, 13.0)
     assert (low > 1e-4) == (is_biased or away == 2.01)
     assert high == pytest.approx(-low, abs=1e-12)
+
+
+@pytest.mark.parametrize(("frames", "force"), [(1, 0.0), (2, 0.0), (3, -0.125)])
+def test_of_less_than_three_frames_no_acceleration_is_known(touch, play, moved, frames, force):
+    """Three frames, 0.25 and 0.75 m apart, have speeds of 0.25, 0.5 and 0.75 m/s: a quarter of a m/s^2."""
+    seconds = np.arange(float(frames))
+    path = moved(touch, seconds, np.full(frames, -1.0), x=0.25 * seconds**2)
+    wrench = play("inertia", on=path, mass=0.5).wrench
+    assert wrench.shape == (frames, 6)
+    assert wrench[frames // 2, 0] == pytest.approx(force)
+    assert bool(wrench.any()) == (frames == 3)

@@ -266,3 +266,12 @@ def test_a_contact_that_pulls_has_no_pressure_to_judge_by(touch, moved, play):
     factor = play("area_friction", on=path, base=Pulling, shear_strength=1e5).friction
     assert factor[0] != 1.0
     assert factor[1:].tolist() == [1.0, 1.0]
+
+
+def test_an_age_of_nothing_is_that_of_the_pace(touch, moved, play):
+    """Where the last way took no time that is known, a slide at v0 is as old as length / v0, and rubs as simulated."""
+    path = slide(touch, moved, np.linspace(0.0, 40e-3, 41))
+    still = np.zeros(len(path))
+    path = dataclasses.replace(path, pace=still + 1e-3, rest=still, last_ways=np.zeros((len(path), len(WAYS))))
+    factor = play("static_friction", on=path, ageing=0.1, length=1e-4, time=0.05).friction
+    assert factor[-1] == pytest.approx(1.0, abs=1e-9)

@@ -67,3 +67,22 @@ def test_the_strongest_of_earlier_presses_counts_by_its_distance():
     np.testing.assert_allclose(found, [1.0, 0.8, np.exp(-2.0)])
     assert strongest_imprint(places, np.zeros((0, 2)), np.zeros(0)).tolist() == [0.0, 0.0, 0.0]
     assert SPREAD == 1.5e-3
+
+
+def test_a_body_and_its_mirror_image_have_one_imprint():
+    """The grid has as many middles on either side of the tip: an edge just beside it counts alike, in x and in y."""
+
+    class Half:
+        def __init__(self, low, high, is_along_x):
+            self.low, self.high, self.is_along_x = low, high, is_along_x
+
+        def height(self, x, y):
+            along = x if self.is_along_x else y
+            return np.where((along > self.low) & (along < self.high), 0.0, 1.0)
+
+    for is_along_x in (True, False):
+        for edge in (1e-5, 4e-5):
+            one, other = Half(-edge, 3e-3, is_along_x), Half(-3e-3, edge, is_along_x)
+            found = [ImprintTable.of(body).imprint(1e-3) for body in (one, other)]
+            assert found[0] == pytest.approx(found[1], rel=1e-12)
+            assert found[0] == pytest.approx(3e-3 * 12e-3 * 1e-6, rel=1e-9)

@@ -116,3 +116,13 @@ def test_ways_are_three_and_ten_in_every_decade():
     """From 3 um to 1 mm."""
     assert (WAYS[0], WAYS[1], WAYS[-1]) == (3e-6, 1e-5, 1e-3)
     np.testing.assert_allclose(WAYS[2:], 10.0 * np.array(WAYS[:-2]))
+
+
+def test_a_move_may_begin_with_the_first_positions():
+    """A step of 1 mm between the first two of many positions is the last move of all that stands after it."""
+    seconds = np.arange(20) / 10.0
+    places = np.column_stack([np.where(seconds > 0.05, 1e-3, 0.0), np.zeros(20)])
+    pace, rest = last_move(np.array([0.1, 0.25, 1.5]), seconds, places)
+    # of a tenth of a second the last 0.04 s count
+    np.testing.assert_allclose(pace, 0.4e-3 / 0.04, rtol=1e-9)
+    np.testing.assert_allclose(rest, [0.0, 0.15, 1.4], atol=1e-9)
