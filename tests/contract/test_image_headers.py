@@ -61,9 +61,10 @@ def test_a_list_of_transparent_colours_is_alpha(colour):
 
 def test_a_png_begins_with_its_header():
     """Another chunk in its place is refused, however long the file is; the message says how long."""
-    payload = png().replace(b"IHDR", b"iHDR")
-    with pytest.raises(BrokenLog, match=f"a PNG of {len(payload)} bytes that ends before"):
-        read_header(payload)
+    for other in (b"iHDR", b"CgBI", b"IHDQ"):
+        payload = png().replace(b"IHDR", other)
+        with pytest.raises(BrokenLog, match=f"a PNG of {len(payload)} bytes that ends before"):
+            read_header(payload)
 
 
 @pytest.mark.parametrize("encode", [png, lambda height, width: START + frame(0xC0, height, width) + END])
@@ -121,6 +122,12 @@ def test_bytes_between_segments_end_the_reading():
     with pytest.raises(BrokenLog, match="before its size is stated"):
         read_header(START + b"\0" + frame() + END)
     assert facts(START + frame() + b"\0\0" + frame(0xC0, 99, 99) + END)[:2] == (3, 5)
+
+
+def test_the_end_mark_counts_outside_of_segments_alone():
+    """The last four bytes are a segment that says it is 65,497 bytes long, not an end mark."""
+    assert not read_header(START + frame() + b"\xff\xe1\xff\xd9").is_complete
+    assert read_header(START + frame() + b"\xff\xe1\0\x02" + END).is_complete
 
 
 def test_a_frame_header_needs_its_ten_bytes():

@@ -20,7 +20,14 @@ POINTER = START + b"\noid sha256:4d7a\nsize 12345\n"
 
 @pytest.mark.parametrize(
     ("content", "is_pointer"),
-    [(POINTER, True), (START, True), (START[:-1], False), (b"", False), (b" " + POINTER, False), (POINTER[::-1], False)],
+    [
+        (POINTER, True),
+        (START, True),
+        (START[:-1], False),
+        (b"", False),
+        (b" " + POINTER, False),
+        (POINTER[::-1], False),
+    ],
 )
 def test_a_pointer_is_told_by_how_it_begins(tmp_path, content, is_pointer):
     """The whole first line, at the very start: a byte less, or one before it, is another file."""

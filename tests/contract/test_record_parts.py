@@ -65,6 +65,8 @@ def test_the_usual_size_may_be_the_smaller_or_the_larger():
     assert usual_size({small: 2, large: 3}) == large
     assert stray_sizes({small: 1}) == set()
     assert stray_sizes({small: 0}) == set()
+    # the usual size has 10 of 21 images: less than half
+    assert stray_sizes({large: 10, small: 2, (7, 7): 9}) == set()
 
 
 @pytest.mark.parametrize(
@@ -83,7 +85,9 @@ def test_a_run_has_at_most_33_million_pixels_unless_told_otherwise(pixels, runs)
 
 def test_json_for_people_byte_by_byte():
     """Keys in order, two spaces a level, characters as they are, one line break at the end."""
-    assert readable_json({"b": {"ä": 1}, "a": [1]}) == '{\n  "a": [\n    1\n  ],\n  "b": {\n    "ä": 1\n  }\n}\n'.encode()
+    assert (
+        readable_json({"b": {"ä": 1}, "a": [1]}) == '{\n  "a": [\n    1\n  ],\n  "b": {\n    "ä": 1\n  }\n}\n'.encode()
+    )
 
 
 def test_canonical_json_byte_by_byte():

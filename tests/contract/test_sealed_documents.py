@@ -29,7 +29,9 @@ def test_every_changed_byte_shows():
     assert not fits_seal(content + b" ")
 
 
-@pytest.mark.parametrize("content", [b"", b"{}", b'{\n  "file_sha256": "0"\n}\n', json.dumps({SEAL: "0" * 64}).encode()])
+@pytest.mark.parametrize(
+    "content", [b"", b"{}", b'{\n  "file_sha256": "0"\n}\n', json.dumps({SEAL: "0" * 64}).encode()]
+)
 def test_a_file_without_a_seal_in_its_place_does_not_fit(content):
     """No seal, a short one, or one on the first line is none."""
     assert not fits_seal(content)
