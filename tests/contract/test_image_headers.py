@@ -148,7 +148,7 @@ def test_millions_are_rounded_to_a_tenth(pixels, millions):
 @pytest.mark.parametrize("payload", [png(4097, 4096), START + frame(0xC0, 4097, 4096) + END])
 def test_a_picture_beyond_the_limit_is_not_decoded(payload):
     """By its header alone, with what to do; one of the largest size that does not decode is another fault."""
-    with pytest.raises(BrokenLog, match="at most 16777216 pixels.*Crop it to the gel"):
+    with pytest.raises(BrokenLog, match=r"at most 16777216 pixels.*Crop it to the gel"):
         decode_rgb(payload)
     with pytest.raises(BrokenLog, match="image of 3 x 5 that does not decode"):
         decode_rgb(png())

@@ -37,10 +37,13 @@ def pool(monkeypatch):
 
 def test_an_error_ends_workers_at_once(pool):
     """The pipe is closed, tasks that wait are dropped, nobody is waited for, and the error goes on."""
-    with pytest.raises(KeyboardInterrupt), module.worker_pool(3) as made:
-        assert made.workers == 3
-        assert not made.watched.poll(0)
-        raise KeyboardInterrupt
+    block = module.worker_pool(3)
+    made = block.__enter__()
+    assert made.workers == 3
+    assert not made.watched.poll(0)
+    stopped = KeyboardInterrupt()
+    # it does not swallow the error
+    assert not block.__exit__(KeyboardInterrupt, stopped, None)
     assert Pool.made.shut[0] == (False, True, True)
 
 
@@ -52,7 +55,7 @@ def test_a_block_that_ends_well_waits(pool):
 
 
 def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
-    """It waits as long as the other end is held, ignores interrupts of the terminal, and never keeps a process alive."""
+    """It waits while the other end is held, ignores interrupts of the terminal, and never keeps a process alive."""
     ended, handled = [], []
     monkeypatch.setattr(module.os, "_exit", ended.append)
     monkeypatch.setattr(module.signal, "signal", lambda *given: handled.append(given))

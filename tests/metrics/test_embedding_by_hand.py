@@ -114,7 +114,7 @@ def test_without_scikit_learn_it_is_named(monkeypatch):
     """The error says what is missing and how it is installed."""
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     for ask in (lambda: tsne(np.zeros((9, 2))), lambda: silhouettes(line(0, 1, 2), [0, 0, 1])):
-        with pytest.raises(UsageError, match="need scikit-learn.*pip install"):
+        with pytest.raises(UsageError, match=r"need scikit-learn.*pip install"):
             ask()
 
 

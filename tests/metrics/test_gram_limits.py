@@ -102,7 +102,7 @@ def test_eight_pictures_or_four_million_pixels_at_once(count, height, width, sha
 def test_a_picture_of_more_than_four_million_pixels_is_refused(runs):
     """2^22 pixels go through alone; with one row more the size, the limit and the memory are said."""
     _mean_grams(None, np.broadcast_to(flat(WHITE, 2048, 2048), (1, 2048, 2048, 3)), [None])
-    with pytest.raises(UsageError, match="others of 2049 x 2048; expected at most 4194304 pixels.*the network 3 GB"):
+    with pytest.raises(UsageError, match=r"others of 2049 x 2048; expected at most 4194304 pixels.*the network 3 GB"):
         _mean_grams(None, np.broadcast_to(flat(WHITE, 1, 1), (1, 2049, 2048, 3)), [None])
 
 
@@ -153,7 +153,7 @@ def test_each_score_has_its_network_and_its_masks(monkeypatch, tmp_path, one_by_
 
 
 def test_a_file_of_the_official_name_must_have_its_digest(monkeypatch, tmp_path):
-    """The digits of the name begin the SHA-256: where they do, the content is read; where they do not, it is refused."""
+    """The digits of the name begin the SHA-256: where they do the content is read, where they do not it is refused."""
     content = b"no weights"
     digest = hashlib.sha256(content).hexdigest()
     for begin, words in ((digest[:8], "holds no weights of VGG-19"), ("00000000", f"has SHA-256 {digest[:8]}…")):

@@ -65,7 +65,7 @@ def test_only_the_loss_has_a_gradient():
 
 
 def test_pictures_are_augmented_and_the_weight_annealed_in_training_alone():
-    """After half of the annealing: of changed pictures in training, of the pictures themselves with the whole weight."""
+    """After half of the annealing: changed pictures in training, else the pictures as they are and the whole weight."""
     vae = Constant()
     objective = ImageVaeObjective(vae, 0.3, 4, Darker())
     # 0 / 2 against -1 is an error of 1; the divergence is 2 nat, half of 0.3 its weight
