@@ -206,6 +206,9 @@ def _check_shape(text: str, where: str) -> None:
             if anchor is not None:
                 sizes[anchor] = size
         elif isinstance(event, yaml.AliasEvent):
+            if event.anchor in anchors:
+                found = f"{where} holds a value that contains itself: *{event.anchor} inside &{event.anchor}"
+                raise SchemaError(found, "a plain document", path="$", file=where)
             counts[-1] += sizes.get(event.anchor, 1)
         elif isinstance(event, yaml.ScalarEvent):
             counts[-1] += 1

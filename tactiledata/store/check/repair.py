@@ -91,7 +91,9 @@ def _splits_listed(folder: Path) -> list[Finding]:
     if not gone:
         return []
     write_names(folder, sorted({*listed} - {*gone}))
-    return [_mended(f"{counted(len(gone), 'split')} that are gone left the list of splits: {', '.join(gone)}", len(gone))]
+    return [
+        _mended(f"{counted(len(gone), 'split')} that are gone left the list of splits: {', '.join(gone)}", len(gone))
+    ]
 
 
 def _recorded(folder: Path) -> Finding:
