@@ -199,7 +199,7 @@ def free(*levels, tares=(), begin_pressed="", **options):
 
 
 def test_two_that_return_to_one_level_were_in_free_air():
-    """Two neighbours that begin and end at one level, and one after them that begins there; one alone proves nothing."""
+    """Two neighbours that begin and end at one level, and one after them that begins there; one alone does not."""
     assert free((9, 9), (9, 9)) == "ab"
     assert free((9, 9), (9, 9), (9, 0), (0, 0)) == "abc"
     assert free((9, 9), (0, 0)) == ""

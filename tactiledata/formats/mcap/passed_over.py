@@ -35,10 +35,10 @@ def passed_over(topics: Iterable[Topic], roles: Roles, n_messages: dict[str, int
         if stream in read or not names:
             continue
         listed = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
+        why = "its name says" if len(names) == 1 else "their names say"
         text = (
-            f"nothing is read as {stream}, and {listed} could be it: {'its name says' if len(names) == 1 else 'names say'}"
-            " too little. Name the topic in a mapping: `tactiledata inspect PATH --suggest-mapping` writes one to start "
-            "from"
+            f"nothing is read as {stream}, and {listed} could be it: {why} too little. Name the topic in a mapping: "
+            "`tactiledata inspect PATH --suggest-mapping` writes one to start from"
         )
         found.append(Finding("topic-left", "warning", text, count=len(names)))
     return found

@@ -263,7 +263,7 @@ def _mapped_signal(
         wanted_units = tuple(FIELDS[column].unit for column in columns)
         if not fields and units != wanted_units:
             raise SchemaError(
-                f"the mapping's {place} states units for {topic.name} of type {topic.kind}, which are not applied to it",
+                f"the mapping's {place} states units for {topic.name} ({topic.kind}), which are not applied to it",
                 f"none, or {', '.join(wanted_units)}",
                 "'fields' beside 'units' say which numbers they are of.",
                 path=f"$.{place}.units",

@@ -69,8 +69,8 @@ def _gone(store: Store, files: list[str]) -> Iterator[Finding]:
         message = (
             f"{counted(len(gone), 'split')} that {'was' if len(gone) == 1 else 'were'} made of the store "
             f"{'is' if len(gone) == 1 else 'are'} gone, table and document: {', '.join(gone)}; take the files from a "
-            "copy, or draw the split anew with the same options. If it was taken out on purpose, `check --repair` takes "
-            "it off the list"
+            "copy, or draw the split anew with the same options. If it was taken out on purpose, `check --repair` "
+            "takes it off the list"
         )
         yield Finding("store-split-gone", "warning", message, stream=MADE_SPLITS, count=len(gone))
 

@@ -1,8 +1,9 @@
 """Names of the splits that were made of a store, so that one that is gone with all its files is noticed.
 
-The names stand beside the folder ``splits/``, not in the manifest: a split needs no writing lock, and the manifest holds
-facts of recordings only. A name is added after the files of its split are written, so that a kill at any moment leaves
-no name without a split. Each writing adds the splits that are there, so that two processes at once forget none for long.
+The names stand beside the folder ``splits/``, not in the manifest: a split needs no writing lock, and the manifest
+holds facts of recordings only. A name is added after the files of its split are written, so that a kill at any moment
+leaves no name without a split. Each writing adds the splits that are there, so that two processes at once forget none
+for long.
 """
 
 from __future__ import annotations
