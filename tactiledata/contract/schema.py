@@ -208,9 +208,8 @@ def _check_shape(text: str, where: str) -> None:
                 sizes[anchor] = size
         elif isinstance(event, yaml.AliasEvent):
             if event.anchor in anchors:
-                raise SchemaError(
-                    f"{where}: {event.anchor!r} lies inside itself", "a plain document", path="$", file=where
-                )
+                found = f"{where} holds a value that contains itself: *{event.anchor} inside &{event.anchor}"
+                raise SchemaError(found, "a plain document", path="$", file=where)
             counts[-1] += sizes.get(event.anchor, 1)
         elif isinstance(event, yaml.ScalarEvent):
             counts[-1] += 1

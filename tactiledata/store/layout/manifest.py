@@ -72,7 +72,7 @@ def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bo
     refuse_pointer_bytes(content, where)
     try:
         manifest = json.loads(content)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise StoreError(
             f"{where} is not JSON: {error}",
             "the manifest of a store",
