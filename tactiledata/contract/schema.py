@@ -187,7 +187,7 @@ def _too_deep(where: str) -> SchemaError:
 
 
 def _check_shape(text: str, where: str) -> None:
-    """Refuse text whose collections lie too deep or inside themselves, or that stands for more than `MAX_VALUES` values.
+    """Refuse text whose collections lie too deep or inside themselves, or that stands for more than `MAX_VALUES`.
 
     Events are met one by one, without recursion; aliases are counted as if they were written out, as whoever writes the
     document as JSON would do.
