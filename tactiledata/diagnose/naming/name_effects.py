@@ -151,7 +151,7 @@ def _tried(refits: Refits, names: Sequence[str]) -> _Tried:
 
 
 def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
-    """The same with the sizes of the simulation's errors beside the best effect, where that makes it more likely.
+    """Return the refits with the sizes of errors that suit the best effect, where these make it more likely.
 
     What is missing from a plain fit makes these errors look larger than they are, and larger ones hide what is missing.
     """
