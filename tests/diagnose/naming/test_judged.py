@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from candidates import (
     EASY,
-    EVERYTHING,
     HARD,
     IN_FEW,
     MORE_THAN_NOISE,

@@ -16,8 +16,8 @@ from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.signatures import effect_signatures, nuisance
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
-from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
+from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import TactileDataError, UsageError

@@ -166,7 +166,7 @@ def fitted(cost, by_trajectory, occam, change):
 
 @pytest.mark.parametrize(("dispersion", "counted"), [(1.0, 1.0), (2.0, 1.0), (1.0, 0.25)])
 def test_a_score_is_what_the_formulas_say(dispersion, counted):
-    """Half the fall of the cost, over the dispersion, by the saturation; the price of the numbers is taken off whole."""
+    """Half the fall of the cost, over the dispersion, by the saturation; the price of the numbers is taken whole."""
     change = np.ones((4, 6))
     base, fit = fitted(100.0, np.array([60.0, 40.0]), 0.0, change), fitted(40.0, np.array([30.0, 8.0]), 3.0, change)
     base_out = GroupedCosts(np.array([66.0, 50.0]), np.zeros(0))
