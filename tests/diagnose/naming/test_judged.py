@@ -1,155 +1,98 @@
-"""What a refit's gains by trajectory allow to be said."""
+"""What scored candidates allow to be said: a claim, its ties, a trace, structure, or nothing."""
 
-import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from candidates import (
+    EASY,
+    HARD,
+    IN_FEW,
+    MORE_THAN_NOISE,
+    NOTHING_LEFT,
+    OTHER_EASY,
+    STRUCTURE,
+    along,
+    candidate,
+    plain_metric,
+    scattered,
+    with_evidence,
+)
 
-from tactiledata.diagnose.naming.decide import decide, ties_of_two
-from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.decide import NONE, OTHER, decide, needed_of, ties_of_two
 from tactiledata.diagnose.naming.identifiability import Identifiability
-from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.refit import Refits
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened
 from tactiledata.diagnose.naming.strength import Strength
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, TYPICAL_OCCAM
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 
-UNIT = DEFAULT_THRESHOLDS.claim_gain / 26.0
+T = DEFAULT_THRESHOLDS
+MUCH = 10.0 * (T.needed((EASY, HARD)) + T.tie_evidence / T.tie_share)
+"""Evidence far beyond what two effects need, so that the margin of a tie is a share of it."""
 
 
-def judged(gains, signature=1.0, share=0.9, name="lag"):
-    """A refit that gained so much in each trajectory."""
-    fit = SimpleNamespace(names=(name,))
-    return ScoredCandidate(
-        fit,
-        np.asarray(gains, dtype=float),
-        10.0,
-        1.0,
-        share,
-        signature,
-        0.0,
-        (),
-        (),
-        evidence=float(np.sum(gains)),
-        evidence_per_trajectory=np.asarray(gains, dtype=float),
-    )
-
-
-def spread(*gains, count=25):
-    return [*gains, *[0.0] * (count - len(gains))]
-
-
-def test_an_effect_of_one_place_is_agreed_on_by_a_few_touches():
-    """Three touches of 25 that gain much each are enough; two that gain as much are not."""
-    few, two = judged(spread(40.0, 30.0, 30.0)), judged(spread(60.0, 40.0))
-    assert few.gain == two.gain == 100.0
-    assert few.gain < DEFAULT_THRESHOLDS.gain_sigmas * few.gain_error
-    assert few.gain_without_best_two == 30.0
-    assert few.objections(DEFAULT_THRESHOLDS) == ()
-    assert len(two.objections(DEFAULT_THRESHOLDS)) == 2
-
-
-def test_a_name_that_explains_the_smaller_part_is_not_given():
-    """With structure left, what takes off a third of the excess is not what is there; without, it is named."""
-    third = judged([20.0] * 25, signature=9.0, share=0.33)
-    much, none = (
-        RemainingStructure(
-            DEFAULT_THRESHOLDS.structure_dispersion + 0.2, DEFAULT_THRESHOLDS.structure_dispersion + 0.1
-        ),
-        RemainingStructure(1.0, 0.9),
-    )
-    asked = [third], [], {"lag": third.gains}, None
-    assert decide(*asked, much, DEFAULT_THRESHOLDS).verdict is Verdict.NOT_EXPLAINED
-    assert decide(*asked, none, DEFAULT_THRESHOLDS).verdict is Verdict.EXPLAINED
-    most = dataclasses.replace(third, excess_share=0.8)
-    assert decide([most], [], {"lag": most.gains}, None, much, DEFAULT_THRESHOLDS).claimed == ("lag",)
-    few = RemainingStructure(DEFAULT_THRESHOLDS.structure_dispersion + 0.1, DEFAULT_THRESHOLDS.noise_dispersion + 0.01)
-    # two touches that hang on a scrap are no reason to keep what the others agree on
-    assert decide(*asked, few, DEFAULT_THRESHOLDS).verdict is Verdict.PARTLY_EXPLAINED
-
-
-def believed(name, gains, falls, occam=0.0, numbers=1, change=None):
-    """A refit with gains held out and falls of the cost where all was fitted; less what its numbers cost.
-
-    All three are in units of which a claim needs 26.
-    """
-    change = np.ones((2, 6)) if change is None else change
-    model = SimpleNamespace(coordinates=(None,) * numbers)
-    names = name if isinstance(name, tuple) else (name,)
-    fit = SimpleNamespace(names=names, effect_change=change, effect_fields=change[:, :, None], model=model)
-    gains, falls, occam = UNIT * np.asarray(gains, dtype=float), UNIT * np.asarray(falls, dtype=float), UNIT * occam
-    return ScoredCandidate(fit, gains, 10.0, 1.0, 0.9, 1.0, 0.0, (), (), float(falls.sum()) - occam, falls)
-
-
-def decided(singles, pairs=()):
-    """The answer where nothing is left."""
-    metric = RandomEffects(np.zeros((2, 6)), np.zeros((2, 6, 0)), np.zeros(0), np.zeros(1, int))
+def decided(singles, pairs=(), left=NOTHING_LEFT):
+    """The answer to scored candidates."""
     gains = {one.label: one.gains for one in (*singles, *pairs)}
-    return decide(singles, list(pairs), gains, metric, RemainingStructure(0.7, 0.6), DEFAULT_THRESHOLDS)
+    return decide(singles, list(pairs), gains, plain_metric(), left, T)
 
 
-def test_what_all_touches_bring_is_claimed_though_gains_scatter():
-    """Evidence of 30 from all of 60 touches is enough beside half the gain of a claim; from two of them it is not."""
-    scattered = np.tile([4.0, -3.5], 30)
-    borne, hung = (believed("lag", scattered, falls) for falls in (np.full(60, 0.6), spread(15.0, 15.0, count=60)))
-    assert 0.5 * DEFAULT_THRESHOLDS.claim_gain <= borne.gain < DEFAULT_THRESHOLDS.claim_gain
-    assert borne.gain < DEFAULT_THRESHOLDS.gain_sigmas * borne.gain_error
-    assert borne.objections(DEFAULT_THRESHOLDS) == ()
-    assert len(hung.objections(DEFAULT_THRESHOLDS)) == 3
-    against = believed("lag", scattered - 1.0, np.full(60, 0.6))
-    assert against.objections(DEFAULT_THRESHOLDS) != ()
+def tie_names(decision):
+    """Names of the ties, in their order."""
+    return [tie.name for tie in decision.ties]
 
 
-def test_half_of_what_a_claim_needs_is_a_trace():
-    """From all touches, half the evidence is a trace, a third is nothing; from two touches any is nothing."""
-    scattered = np.tile([4.0, -3.5], 30)
-    for fall, verdict in ((0.6, "explained"), (0.3, "below detection"), (0.15, "nothing found")):
-        assert decided([believed("lag", scattered, np.full(60, fall))]).verdict == verdict
-    assert decided([believed("lag", scattered, spread(9.0, 9.0, count=60))]).verdict is Verdict.NOTHING_FOUND
-
-
-def test_of_two_only_what_adds_its_own_is_named():
-    """Beside a strong effect, what adds a claim's worth is named; what errors bring, or is its remainder, is not."""
-    all_alike = np.full(60, 1.0)
-    lag = believed("lag", 5.0 * all_alike, 5.0 * all_alike)
-    for name, alone, added, names in (
-        ("wear", 0.8, 0.8, {"lag", "wear"}),  # brings beside the lag what it brings alone: 48
-        ("dome", 0.4, 0.3, {"lag"}),  # 18: simulators that differ bring as much
-        ("relaxation", 3.0, 1.2, {"lag"}),  # 72, but 180 alone: it is the lag, told a little otherwise
+@pytest.mark.parametrize("name", [EASY, HARD])
+def test_more_than_enough_evidence_is_a_claim_half_of_it_a_trace_and_less_nothing(name):
+    """Each effect by its own needs."""
+    for times, verdict in (
+        (1.5, Verdict.EXPLAINED),
+        (1.2 * T.trace_share, Verdict.BELOW_DETECTION),
+        (0.8 * T.trace_share, Verdict.NOTHING_FOUND),
     ):
-        other = believed(name, alone * all_alike, alone * all_alike)
-        pair = believed(("lag", name), (5.0 + added) * all_alike, (5.0 + added) * all_alike)
-        assert set(decided([lag, other], [pair]).best.names) == names
+        found = decided([candidate(name, times)])
+        assert found.verdict is verdict
+        assert found.claimed == ((name,) if verdict is Verdict.EXPLAINED else ())
+        assert (found.objections == ()) == (verdict is Verdict.EXPLAINED)
 
 
-def test_a_special_case_is_said_in_place_of_the_wider_one():
-    """A turned frame explains as much as all gains together, with three numbers for ten: one name, no tie."""
-    each = np.full(60, 2.0)
-    turned = believed("frame_rotation", each, each, occam=8.0, numbers=3)
-    wider = believed("gain_crosstalk", each, each, occam=15.0, numbers=10)
-    assert (decided([turned, wider]).claimed, decided([turned, wider]).ties) == (("frame_rotation",), ())
-    as_wide = believed("gain_crosstalk", each, each, occam=15.0, numbers=3)
-    assert [tie.name for tie in decided([turned, as_wide]).ties] == ["gain_crosstalk"]
+def test_far_more_of_what_cannot_be_claimed_takes_a_claim_away():
+    """Another, objected to, that leads by more than a tie speaks for something else; within a tie it does not."""
+    best = with_evidence(EASY, MUCH)
+    for lead, verdict in ((0.9, Verdict.EXPLAINED), (1.3, Verdict.NOT_EXPLAINED)):
+        evidence = MUCH + lead * T.tie_margin(MUCH)
+        other = with_evidence(OTHER_EASY, evidence, change=along(0), implausible=("x = 3 s",))
+        assert decided([best, other]).verdict is verdict
 
 
-def test_evidence_tells_apart_what_gains_cannot():
-    """Gains that differ by less than their errors leave a tie, unless all frames together say which."""
-    scattered = 2.0 + np.tile([6.0, -6.0], 30)
-    best = believed("lag", np.full(60, 2.0), np.full(60, 2.0))
-    for falls, tied in ((1.7, ["wear"]), (1.4, [])):
-        other = believed("wear", scattered - 0.3, np.full(60, falls))
-        assert [tie.name for tie in decided([best, other]).ties] == tied
-    likelier = decided([best, believed("wear", scattered - 1.0, np.full(60, 2.3))])
-    assert (likelier.best.label, [tie.name for tie in likelier.ties]) == ("wear", ["lag"])
+@pytest.mark.parametrize(("name", "least"), [(HARD, T.main_cause_share), (EASY, T.part_share)])
+def test_a_name_that_explains_too_small_a_part_is_not_given(name, least):
+    """Where more than noise is left, an effect must be the main cause, or a part; where nothing is left it need not."""
+    less, more = (candidate(name, 5.0, excess_share=share * least) for share in (0.9, 1.1))
+    assert less.objections(T) == ()
+    doubted = decided([less], left=MORE_THAN_NOISE)
+    assert (doubted.verdict, doubted.is_more_left, len(doubted.objections)) == (Verdict.NOT_EXPLAINED, True, 1)
+    assert decided([more], left=MORE_THAN_NOISE).verdict is Verdict.EXPLAINED
+    assert decided([less]).verdict is Verdict.EXPLAINED
+    assert decided([less], left=STRUCTURE).verdict is Verdict.NOT_EXPLAINED
+    assert decided([more], left=STRUCTURE).verdict is Verdict.PARTLY_EXPLAINED
+    # two touches that hang on a scrap are no reason to doubt what the others agree on
+    assert decided([less], left=IN_FEW).verdict is Verdict.PARTLY_EXPLAINED
+
+
+def test_an_effect_that_errors_resemble_must_be_more_of_the_cause():
+    """Between the two shares, the one is named beside what is left and the other is not."""
+    share = 0.5 * (T.part_share + T.main_cause_share)
+    assert decided([candidate(EASY, excess_share=share)], left=MORE_THAN_NOISE).claimed == (EASY,)
+    assert decided([candidate(HARD, excess_share=share)], left=MORE_THAN_NOISE).claimed == ()
 
 
 def test_structure_that_two_touches_bring_takes_no_name_away():
@@ -157,57 +100,187 @@ def test_structure_that_two_touches_bring_takes_no_name_away():
     noise, names = np.full(25, 60.0), [f"t{number}" for number in range(25)]
     odd = RemainingStructure.of(np.where(np.arange(25) == 7, 10.0, 1.0) * noise, noise, names)
     wide = RemainingStructure.of(2.0 * noise, noise, names)
-    assert odd.dispersion > DEFAULT_THRESHOLDS.structure_dispersion
+    assert odd.dispersion > T.structure_dispersion
     assert odd.worst_two[0] == "t7"
     assert (odd.without_worst_two, wide.without_worst_two) == (1.0, 2.0)
-    third = judged([20.0] * 25, signature=9.0, share=0.33)
-    asked = [third], [], {"lag": third.gains}, None
-    found = decide(*asked, odd, DEFAULT_THRESHOLDS)
+    part = candidate(HARD, 5.0, excess_share=0.9 * T.main_cause_share)
+    found = decided([part], left=odd)
     assert found.verdict is Verdict.PARTLY_EXPLAINED
-    assert found.left.is_in_few(DEFAULT_THRESHOLDS)
-    assert decide(*asked, wide, DEFAULT_THRESHOLDS).verdict is Verdict.NOT_EXPLAINED
+    assert found.left.is_in_few(T)
+    assert decided([part], left=wide).verdict is Verdict.NOT_EXPLAINED
+
+
+def test_evidence_that_no_name_fits_is_structure():
+    """Far more than a claim needs, with an objection, leaves the world unexplained even where nothing else is left."""
+    times = 1.2 * T.structure_evidence
+    strange = candidate(EASY, times, implausible=("lag delay = 3 s",))
+    assert decided([strange]).verdict is Verdict.NOT_EXPLAINED
+    # without a certain gain there is no structure either
+    unsure = candidate(EASY, times, implausible=("lag delay = 3 s",), gains=scattered(times * T.needed((EASY,))))
+    assert decided([unsure]).verdict is Verdict.NOTHING_FOUND
+    assert decided([unsure], left=STRUCTURE).verdict is Verdict.NOT_EXPLAINED
+    assert decided([]).verdict is Verdict.NOTHING_FOUND
+
+
+def test_another_that_can_be_claimed_is_a_tie_within_the_margin():
+    """Whatever it changes; beyond the margin it is none, and an implausible one never is."""
+    best, margin = with_evidence(EASY, MUCH, change=along(0)), T.tie_margin(MUCH)
+    for behind, ties in ((0.9, [OTHER_EASY]), (1.1, [])):
+        other = with_evidence(OTHER_EASY, MUCH - behind * margin, change=along(1))
+        found = decided([other, best])
+        assert (found.claimed, tie_names(found)) == ((EASY,), ties)
+    odd = with_evidence(OTHER_EASY, MUCH, change=along(0), implausible=("x = 3 s",))
+    assert tie_names(decided([best, odd])) == []
+    # the margin of little evidence is a number, of much a share
+    assert T.tie_margin(0.0) == T.tie_evidence
+    assert T.tie_margin(MUCH) == pytest.approx(T.tie_share * MUCH)
+
+
+def test_another_that_cannot_be_claimed_is_a_tie_where_it_changes_the_same():
+    """Then these data cannot tell it from what is named; where it changes something else, its objection counts."""
+    best = with_evidence(EASY, MUCH, change=along(0))
+    for change, ties in ((along(0), [OTHER_EASY]), (along(1), [])):
+        other = with_evidence(OTHER_EASY, MUCH, change=change, excess_share=0.0)
+        assert other.objections(T) != ()
+        assert tie_names(decided([best, other])) == ties
+
+
+def test_a_tie_says_how_far_apart_the_two_are():
+    """Their cosine, the difference of their gains, and its error over trajectories."""
+    best = with_evidence(EASY, MUCH)
+    more = np.tile([0.4, -0.2], 13)[:25]
+    other = with_evidence(OTHER_EASY, MUCH - 1.0, gains=best.gains - more)
+    (tie,) = decided([best, other]).ties
+    assert (tie.name, tie.instead_of, tie.label) == (OTHER_EASY, EASY, OTHER_EASY)
+    assert tie.cosine == pytest.approx(1.0)
+    assert tie.gain_apart == pytest.approx(more.sum())
+    assert tie.error == pytest.approx(5.0 * more.std(ddof=1))
+
+
+def test_a_special_case_is_said_in_place_of_the_wider_one():
+    """What contains it, with more numbers and clearly less evidence, is no tie; with as many numbers it is one."""
+    clearly = 1.1 * T.special_case_evidence
+    assert clearly < T.tie_margin(MUCH)
+    special = with_evidence("frame_rotation", MUCH, numbers=3)
+    for numbers, behind, ties in ((10, clearly, 0), (3, clearly, 1), (10, 0.9 * T.special_case_evidence, 1)):
+        wider = with_evidence("gain_crosstalk", MUCH - behind, numbers=numbers)
+        assert len(decided([special, wider]).ties) == ties
+
+
+def pair_beside(first, second, adds):
+    """A pair whose evidence is that of the first effect and what the second one adds."""
+    return with_evidence((first.label, second.label), first.evidence + adds)
+
+
+@pytest.mark.parametrize("second", [OTHER_EASY, HARD])
+def test_of_two_only_what_adds_its_own_is_named(second):
+    """The second of two must add what a claim of it needs by itself."""
+    first = with_evidence(EASY, MUCH)
+    needed = T.claim(second)
+    alone = with_evidence(second, 1.2 * needed)
+    for adds, named in ((1.1, {EASY, second}), (0.9, {EASY})):
+        pair = pair_beside(first, alone, adds * needed)
+        assert set(needed_of(pair, [first, alone], T).names) == named
+        assert set(decided([first, alone], [pair]).best.names) == named
+
+
+def test_a_look_alike_that_repairs_the_first_is_not_named():
+    """It adds a smaller part of what it brings alone; as large a part is its own, and so is that of a weak first."""
+    first, second = with_evidence(EASY, MUCH), with_evidence(OTHER_EASY, 0.8 * MUCH)
+    for share, both in ((0.9, False), (1.1, True)):
+        pair = pair_beside(first, second, share * T.remainder_share * second.evidence)
+        assert (needed_of(pair, [first, second], T) is pair) is both
+    # what is added is much beside the first effect
+    weak = with_evidence(EASY, T.remainder_share * second.evidence)
+    pair = with_evidence((EASY, OTHER_EASY), second.evidence + weak.evidence)
+    assert needed_of(pair, [weak, second], T) is pair
+
+
+def test_an_effect_with_an_implausible_strength_does_not_suffice():
+    """It needs the other one of the pair beside it, however little that adds."""
+    odd = with_evidence(EASY, MUCH, implausible=("lag delay = 3 s",))
+    alone = candidate(OTHER_EASY, 0.1)
+    pair = pair_beside(odd, alone, 0.1)
+    assert needed_of(pair, [odd, alone], T) is pair
+    sound = with_evidence(EASY, MUCH)
+    assert needed_of(pair, [sound, alone], T) is sound
+
+
+def substitute(kept, name, evidence, **changed):
+    """The pair of a kept effect and another one; the kept one's refit and the pair's."""
+    return kept, with_evidence((*kept.names, name), evidence, **changed)
 
 
 def test_another_may_stand_for_one_of_two_that_are_named():
-    """Beside a lag, what adds as much as wear does is tied with it; what adds half of it, or nothing, is not."""
-    alone, metric = (
-        judged([20.0] * 25),
-        RandomEffects(np.zeros((1, 6)), np.zeros((1, 6, 0)), np.zeros(0), np.zeros(1, int)),
+    """What adds nearly as much is a tie; the margin is that of what the replaced effect adds."""
+    kept = with_evidence(EASY, MUCH)
+    best = with_evidence((EASY, "wear"), MUCH + 0.5 * MUCH)
+    margin = T.tie_margin(0.5 * MUCH)
+    near, far = (
+        substitute(kept, name, best.evidence - behind * margin) for name, behind in (("heating", 0.9), ("dome", 1.1))
     )
-
-    def beside(name, each, numbers=1):
-        pair = judged([20.0 + each] * 25)
-        change, model = np.ones((1, 6)), SimpleNamespace(coordinates=range(1 + numbers))
-        fit = SimpleNamespace(
-            names=("lag", name), effect_change=change, metric=metric, effect_fields=change[:, :, None], model=model
-        )
-        return dataclasses.replace(pair, fit=fit)
-
-    stays = dataclasses.replace(alone, fit=SimpleNamespace(names=("lag",), metric=metric))
-    twins = [(stays, beside("heating", 3.8)), (stays, beside("inertia", 2.0)), (stays, beside("dome", -1.0))]
-    (tie,) = ties_of_two(beside("wear", 4.0), twins, DEFAULT_THRESHOLDS)
-    assert (tie.name, tie.instead_of, tie.label) == ("heating", "wear", "lag + heating")
+    (tie,) = ties_of_two(best, [near, far], T)
+    assert (tie.name, tie.instead_of, tie.label) == ("heating", "wear", f"{EASY} + heating")
     assert tie.cosine == pytest.approx(1.0)
-    assert tie.gain_apart == pytest.approx(5.0)
-    # what holds wear as a special case, and explains less with numbers more, is not
-    assert ties_of_two(beside("wear", 4.0), [(stays, beside("soft_region", 3.6, numbers=4))], DEFAULT_THRESHOLDS) == ()
+    assert tie.gain_apart == pytest.approx(best.gain - near[1].gain)
+    odd = substitute(kept, "heating", best.evidence, implausible=("rise = 90 K",))
+    wide = substitute(kept, "soft_region", best.evidence - 1.1 * T.special_case_evidence, numbers=4)
+    assert ties_of_two(best, [odd, wide], T) == ()
+
+
+def test_probabilities_sum_to_one_and_grow_with_evidence():
+    """That of nothing falls as that of the effect rises; an objection lowers it at once."""
+    chances = [decided([candidate(EASY, times)]).probabilities for times in (0.5, 1.1, 1.5, 3.0)]
+    assert [sum(chance.values()) for chance in chances] == pytest.approx(np.ones(4))
+    assert (np.diff([chance[EASY] for chance in chances]) > 0).all()
+    assert (np.diff([chance[NONE] for chance in chances]) < 0).all()
+    odd = decided([candidate(EASY, 3.0, implausible=("lag delay = 3 s",))]).probabilities
+    assert odd[EASY] < chances[-1][EASY]
+    # of much evidence nothing overflows
+    assert decided([candidate(EASY, 1e6)]).probabilities[EASY] == pytest.approx(1.0)
+
+
+def test_structure_speaks_for_what_is_not_listed():
+    """Without structure, nothing is likelier than an effect outside the catalogue; with it, less likely."""
+    faint = [candidate(EASY, 0.1)]
+    calm, left = (decided(faint, left=left).probabilities for left in (NOTHING_LEFT, STRUCTURE))
+    assert calm[NONE] > calm[OTHER]
+    assert left[NONE] < left[OTHER]
+
+
+def test_a_pair_of_which_one_suffices_is_as_if_objected_to():
+    """Its probability is less than that of the same evidence where both are needed."""
+    first, alone = with_evidence(EASY, MUCH), candidate(OTHER_EASY, 1.2)
+    little, enough = (pair_beside(first, alone, adds * T.claim(OTHER_EASY)) for adds in (0.99, 1.01))
+    chances = [decided([first, alone], [pair]).probabilities[pair.label] for pair in (little, enough)]
+    assert chances[1] > 0.5 > chances[0]
 
 
 def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
     """A reach of twice the claim's signal shows from half its range; half of it at no plausible strength."""
-    reach = DEFAULT_THRESHOLDS.visible * np.array([2.0, 0.5])
     numbers = Strength("lag", "delay"), Strength("wear", "stiffness_change")
-    known = Identifiability(numbers, np.zeros(2), np.eye(2), reach, ())
+    visible = np.array([T.visible(number.effect, 25) for number in numbers])
+    known = Identifiability(numbers, np.zeros(2), np.eye(2), visible * [2.0, 0.5], visible, ())
     assert known.undetectable == ("wear",)
     assert known.shows_from == pytest.approx(known.ends / [2.0, 0.5])
-    assert DEFAULT_THRESHOLDS.visible**2 / 2 == pytest.approx(DEFAULT_THRESHOLDS.claim_gain)
+
+
+@pytest.mark.parametrize("name", [EASY, HARD])
+def test_what_can_be_seen_brings_the_evidence_of_a_claim(name):
+    """Half the square of the signal, saturated, less a typical price; more trajectories bring less each."""
+    for count in (10, 1000):
+        expected = T.counted(count) * T.visible(name, count) ** 2 / 2 - TYPICAL_OCCAM
+        assert expected == pytest.approx(T.claim(name))
+    assert T.visible(name, 1000) > T.visible(name, 10)
+    assert T.visible(HARD, 10) > T.visible(EASY, 10)
 
 
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():
     """An indenter's place shows, its radius does not; of one effect that shows nowhere, the effect is said."""
     mount = [Strength("mount_offset", name, place) for name in ("x", "radius_error") for place in ("ball3", "bar")]
-    reach = DEFAULT_THRESHOLDS.visible * np.array([0.5, 2.0, 0.2, 0.4, 0.5])
-    known = Identifiability((*mount, Strength("wear", "stiffness_change")), np.zeros(5), np.eye(5), reach, ())
+    numbers = (*mount, Strength("wear", "stiffness_change"))
+    visible = np.array([T.visible(number.effect, 25) for number in numbers])
+    known = Identifiability(numbers, np.zeros(5), np.eye(5), visible * [0.5, 2.0, 0.2, 0.4, 0.5], visible, ())
     assert known.undetectable_numbers == (Strength("mount_offset", "radius_error", "ball3"),)
     assert known.undetectable == ("wear",)
 
@@ -220,38 +293,11 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
 
     monkeypatch.setattr("tactiledata.diagnose.naming.refit.joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
-    fits = Refits(SimpleNamespace(starts=[0]), np.zeros((1, 6, 0)), plain, NamingOptions(), lambda text: None)
+    white = SimpleNamespace(starts=[0], simulation_error_fields=lambda *of: np.zeros((1, 6, 0)))
+    fits = Refits(white, plain, NamingOptions(), lambda text: None)
     start = EffectSetting("arm_compliance", {"translation": 1e-4})
     asked = Screened("arm_compliance", 9.0, 5.0, [(start,)], frozenset({Strength("arm_compliance", "translation")}))
     assert fits.singles([asked]) == []
-
-
-def test_what_is_not_beaten_is_listed_beside_the_best():
-    """Another that reaches the claim is listed until the best gains more by 1.3 standard errors of the difference."""
-    rng = np.random.default_rng(0)
-    metric = RandomEffects(np.zeros((2, 6)), np.zeros((2, 6, 0)), np.zeros(0), np.zeros(1, int))
-
-    def one(name, gains, column):
-        change = np.zeros((2, 6))
-        change[:, column] = 1.0
-        fit = SimpleNamespace(names=(name,), effect_change=change, effect_fields=change[:, :, None], model=model)
-        return ScoredCandidate(
-            fit, gains, 10.0, 1.0, 0.9, 4.3, 0.0, (), (), evidence=float(gains.sum()), evidence_per_trajectory=gains
-        )
-
-    model = SimpleNamespace(coordinates=(None,))
-    best = one("lag", UNIT * rng.normal(2.4, 0.2, 25), 0)
-    scattered = rng.normal(0.0, 1.0, 25)
-    scattered = 3.0 * UNIT * (scattered - scattered.mean()) / scattered.std(ddof=1)
-    error = float(np.sqrt(25) * scattered.std(ddof=1))
-    for name, behind in (("wear", 1.0), ("dome", 1.8)):
-        other = one(name, best.gains - scattered - behind * error / 25, 1)
-        assert other.gain >= DEFAULT_THRESHOLDS.claim_gain
-        gains = {"lag": best.gains, name: other.gains}
-        left = RemainingStructure.of(np.full(25, 10.0), np.full(25, 10.0), [f"t{k}" for k in range(25)])
-        found = decide([best, other], [], gains, metric, left, DEFAULT_THRESHOLDS)
-        assert found.best is best
-        assert [tie.name for tie in found.ties] == (["wear"] if name == "wear" else [])
 
 
 def test_a_number_is_held_against_an_effect_from_twice_its_range_on():

@@ -1,0 +1,180 @@
+"""Why a candidate cannot be claimed: each objection is raised by a candidate that differs in that respect alone."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from candidates import EASY, HARD, TRAJECTORIES, candidate, plain_metric, scattered, with_evidence
+
+from tactiledata.diagnose.naming.evidence import score_candidate
+from tactiledata.diagnose.naming.held_out import GroupedCosts
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.gel.elasticity.material import GelMaterial
+
+T = DEFAULT_THRESHOLDS
+NEEDED = T.needed((EASY,))
+
+
+def spread(*large, rest=0.0):
+    """Numbers (25,) of which the first ones are given and all others alike."""
+    return np.array([*large, *[rest] * (TRAJECTORIES - len(large))])
+
+
+def borne_by_two(evidence, others):
+    """Contributions (25,) that sum to some evidence; so much of it is not from the first two trajectories."""
+    two = (evidence - others) / 2
+    return spread(two, two, rest=others / (TRAJECTORIES - 2))
+
+
+def test_a_sound_candidate_has_no_objection():
+    """The candidate from which the others differ can be claimed."""
+    assert candidate(EASY).objections(T) == ()
+    assert candidate(HARD).objections(T) == ()
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"evidence": 0.99 * NEEDED}, "errors of the simulation alone can bring"),
+        (
+            {"evidence_per_trajectory": borne_by_two(2.0 * NEEDED, 0.9 * T.broad_share * NEEDED)},
+            "without the two trajectories that contribute most",
+        ),
+        ({"gains": scattered(2.0 * NEEDED)}, "the gain on held-out trajectories"),
+        ({"gains": np.full(TRAJECTORIES, -1.0), "signature_before": 2.0 * T.certain_signature}, "the gain on held-out"),
+        ({"indenter_gain": -2.0, "indenter_error": 1.0}, "held-out indenters are predicted worse"),
+        ({"excess_share": 0.9 * T.least_excess_share}, "of the excess over the noise is gone"),
+        ({"signature_after": 1.1 * T.signature_threshold}, "the residual still holds the change"),
+        ({"signature_after": -1.1 * T.signature_threshold}, "the residual still holds the change"),
+        ({"implausible": ("lag delay = 3 s",)}, "lag delay = 3 s is not plausible"),
+    ],
+)
+def test_one_respect_is_enough_for_an_objection(changed, words):
+    """Each is raised alone, and says what it is about."""
+    (said,) = candidate(EASY, **changed).objections(T)
+    assert words in said
+
+
+def test_trajectories_that_do_not_agree_are_an_objection():
+    """Without a signature, the whole evidence must be there without the two trajectories that contribute most."""
+    faint = 0.9 * T.signature_threshold
+    barely, plenty = (candidate(EASY, times, signature_before=faint) for times in (1.05, 1.2))
+    (said,) = barely.objections(T)
+    assert "do not agree" in said
+    assert plenty.objections(T) == ()
+    assert candidate(EASY, 1.05).objections(T) == ()
+
+
+def test_what_is_left_of_a_large_signature_may_be_large():
+    """A refit that took off more than half of the signature removed what it should, whatever the rest."""
+    left = 2.0 * T.signature_threshold
+    assert candidate(EASY, signature_before=2.1 * left, signature_after=left).objections(T) == ()
+    assert len(candidate(EASY, signature_before=1.9 * left, signature_after=left).objections(T)) == 1
+
+
+@pytest.mark.parametrize(
+    "clear",
+    [
+        {"signature_before": T.certain_signature},
+        {"indenter_gain": 1.01 * T.gain_sigmas, "indenter_error": 1.0},
+    ],
+)
+def test_a_gain_that_scatters_is_certain_by_its_signature_or_by_held_out_indenters(clear):
+    """Either makes a positive gain certain; neither makes a loss one."""
+    gains = scattered(2.0 * NEEDED)
+    assert len(candidate(EASY, gains=gains).objections(T)) == 1
+    assert candidate(EASY, gains=gains, **clear).objections(T) == ()
+    assert candidate(EASY, gains=-gains, **clear).objections(T) != ()
+
+
+def test_indenters_within_their_error_are_no_objection():
+    """A loss on held-out indenters counts beyond one standard error."""
+    assert candidate(EASY, indenter_gain=-0.9, indenter_error=1.0).objections(T) == ()
+    assert len(candidate(EASY, indenter_gain=-1.1, indenter_error=1.0).objections(T)) == 1
+
+
+def test_an_effect_of_one_place_is_agreed_on_by_three_touches():
+    """Three touches of 25 that carry a clear signature are enough; two that gain as much are not."""
+    three, two = (
+        candidate(
+            EASY, 6.0, gains=shares * 6.0 * NEEDED, evidence_per_trajectory=shares * 6.0 * NEEDED,
+            signature_before=T.certain_signature,
+        )
+        for shares in (spread(0.4, 0.3, 0.3), spread(0.6, 0.4))
+    )  # fmt: skip
+    assert three.gain == pytest.approx(two.gain)
+    assert three.gain < T.gain_sigmas * three.gain_error
+    assert three.objections(T) == ()
+    (said,) = two.objections(T)
+    assert "without the two trajectories" in said
+
+
+def test_what_errors_of_a_simulation_do_not_resemble_needs_less_evidence():
+    """Between what the two need, one is claimed and the other is not; two effects need the sum."""
+    between = 0.5 * (T.needed((EASY,)) + T.needed((HARD,)))
+    assert with_evidence(EASY, between).objections(T) == ()
+    assert len(with_evidence(HARD, between).objections(T)) == 1
+    assert T.needed((EASY, HARD)) == T.needed((EASY,)) + T.needed((HARD,))
+    assert T.is_resembled((EASY, HARD))
+    assert not T.is_resembled((EASY,))
+
+
+@pytest.mark.parametrize("name", [EASY, HARD])
+def test_a_share_of_what_a_claim_needs_is_a_trace(name):
+    """Above that share it is, below it is not; what hangs on two trajectories is none with any evidence."""
+    above, below = (candidate(name, times * T.trace_share) for times in (1.1, 0.9))
+    assert above.is_trace(T)
+    assert not below.is_trace(T)
+    evidence = 3.0 * T.needed((name,))
+    two = candidate(name, 3.0, evidence_per_trajectory=borne_by_two(evidence, 0.0))
+    assert not two.is_trace(T)
+
+
+def test_far_more_evidence_than_a_claim_needs_shows_structure():
+    """With a certain gain, and without the two trajectories that contribute most, even beside an objection."""
+    times = 1.2 * T.structure_evidence * TRAJECTORIES / (TRAJECTORIES - 2)
+    evidence = times * NEEDED
+    wide = candidate(EASY, times, implausible=("lag delay = 3 s",))
+    assert wide.is_structure(T)
+    assert not candidate(EASY, 0.9 * T.structure_evidence, implausible=("lag delay = 3 s",)).is_structure(T)
+    assert not candidate(EASY, times, evidence_per_trajectory=borne_by_two(evidence, 0.0)).is_structure(T)
+    assert not candidate(EASY, times, gains=scattered(evidence)).is_structure(T)
+
+
+def test_evidence_saturates_with_the_number_of_trajectories():
+    """What each brings alike counts half at the stated number, and never for more than that number of trajectories."""
+    counts = np.array([1, 10, 100, 1000, 100_000])
+    total = np.array([count * T.counted(int(count)) for count in counts])
+    assert (np.diff(total) > 0).all()
+    assert total[-1] < T.saturation < 1.01 * total[-1]
+    assert T.counted(round(T.saturation)) == pytest.approx(0.5, rel=0.01)
+    assert T.counted(0) == 1.0
+
+
+def fitted(cost, by_trajectory, occam, change):
+    """A fit of which a score needs the costs, the price of its numbers, and what its effect changes."""
+    material = GelMaterial(9e5, 0.47, 0.7)
+    model = SimpleNamespace(
+        settings=(), coordinates=(), material=material,
+        box=SimpleNamespace(low=(1e5, 0.4, 0.1), high=(1e7, 0.5, 2.0)),
+    )  # fmt: skip
+    return SimpleNamespace(
+        names=(EASY,), cost=cost, cost_by_trajectory=by_trajectory, occam=occam, effect_change=change,
+        residual_at_centre=change, metric=plain_metric(len(change)), model=model, covariance=np.eye(3),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("dispersion", "counted"), [(1.0, 1.0), (2.0, 1.0), (1.0, 0.25)])
+def test_a_score_is_what_the_formulas_say(dispersion, counted):
+    """Half the fall of the cost, over the dispersion, by the saturation; the price of the numbers is taken whole."""
+    change = np.ones((4, 6))
+    base, fit = fitted(100.0, np.array([60.0, 40.0]), 0.0, change), fitted(40.0, np.array([30.0, 8.0]), 3.0, change)
+    base_out = GroupedCosts(np.array([66.0, 50.0]), np.zeros(0))
+    out = GroupedCosts(np.array([36.0, 30.0]), np.zeros(0))
+    scored = score_candidate(base, fit, base_out, out, 16.0, dispersion, counted)
+    assert scored.evidence == pytest.approx(counted * 30.0 / dispersion - 3.0)
+    assert scored.evidence_per_trajectory == pytest.approx(counted * np.array([15.0, 16.0]) / dispersion)
+    assert scored.gains == pytest.approx(np.array([15.0, 10.0]) / dispersion)
+    # 116 are left by the plain fit, of which noise is 16; 50 of the other 100 are gone
+    assert scored.excess_share == pytest.approx(0.5)
+    assert np.isnan(scored.indenter_gain)
