@@ -101,6 +101,9 @@ def _without_zeros(path: Path) -> None:
     """Refuse a text with zero bytes, as a crash leaves them: cells around them would be read as other values."""
     place = 0
     with path.open("rb") as file:
+        if file.read(len(GZIP)) == GZIP:
+            return  # no text at all: decoding it says what it is
+        file.seek(0)
         while block := file.read(BLOCK):
             if b"\0" in block:
                 raise TactileDataError(
