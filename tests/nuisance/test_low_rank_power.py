@@ -43,7 +43,9 @@ def test_it_is_the_power_of_the_whole_matrix(seed, unknowns, size, power):
     """Also where unknowns outnumber the rows of a trajectory, and where they are far larger than the noise."""
     rows, fields = drawn(seed, unknowns, size)
     expected = dense_power(rows, fields, power)
-    np.testing.assert_allclose(low_rank_power(rows, fields, STARTS, power), expected, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        low_rank_power(rows, fields, STARTS, power), expected, atol=1e-9 * np.abs(expected).max()
+    )
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.sampled_from([1e-3, 0.3, 10.0]))
@@ -71,9 +73,7 @@ def test_trajectories_do_not_mix(power):
     rows, fields = drawn(1)
     other_rows, other_fields = rows.copy(), fields.copy()
     other_rows[:5], other_fields[:5] = 7.0, 3.0
-    before, after = (
-        low_rank_power(*one, STARTS, power) for one in ((rows, fields), (other_rows, other_fields))
-    )
+    before, after = (low_rank_power(*one, STARTS, power) for one in ((rows, fields), (other_rows, other_fields)))
     assert np.array_equal(before[5:], after[5:])
     assert not np.allclose(before[:5], after[:5])
 
