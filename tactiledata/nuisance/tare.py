@@ -46,34 +46,3 @@ def without_tare(whitened: Array, starts: Indices, variance: Array, weights: Arr
     share = 1.0 - 1.0 / np.sqrt(1.0 + square * variance)
     means = np.add.reduceat(whitened * weights[:, None], starts, axis=0) / square[:, None]
     return whitened - weights[:, None] * np.repeat(means * share[:, None], counts, axis=0)
-
-
-def zero_power(rows: Array, gains: Array, starts: Indices, variance: Array, power: float) -> Array:
-    """Multiply rows (n, k, c) by a power of the covariance that an unknown zero gives them, where rows differ in noise.
-
-    A zero b ~ N(0, v I), in units of the noise, is G b in the rows of a trajectory: their covariance is I + v G Gᵀ.
-    Power -1/2 marginalises the zero, as `without_tare` does; power 1/2 undoes that.
-
-    Parameters
-    ----------
-    rows : (n, k, c)
-        Whitened wrenches of k components, c columns side by side.
-    gains : (n, k, k)
-        G of each row, symmetric; the identity where the noise of the zero is that of the row.
-    starts : (t,)
-        First row of each trajectory, ascending.
-    variance : (t,)
-        Variance of the zero, over that of a wrench at a frame.
-    power : float
-        Exponent of the covariance.
-    """
-    counts = np.diff(starts, append=len(rows))
-    values, axes = np.linalg.eigh(np.add.reduceat(gains @ gains, starts))
-    floor = 1e-12 * np.maximum(values.max(axis=1, keepdims=True), 1e-300)
-    eigenvalues = np.maximum(values, floor)
-    # (I + v G Gᵀ)^p = I + G core Gᵀ, with the eigenvectors of Gᵀ G
-    scale = ((1.0 + variance[:, None] * eigenvalues) ** power - 1.0) / eigenvalues
-    core = (axes * scale[:, None, :]) @ axes.transpose(0, 2, 1)
-    sums = np.add.reduceat(gains @ rows, starts)
-    changed: Array = rows + gains @ np.repeat(core @ sums, counts, axis=0)
-    return changed
