@@ -26,7 +26,8 @@ from split_models.learning.train_options import TrainOptions
 from split_models.networks.latent import LatentMeshToImage, decode_pictures, encode_pictures
 from split_models.tables.recorded_title import recorded_title
 from split_models.transfer.fine_tune import fine_tune
-from split_models.transfer.latent_transfer import load_image_vae, scaled
+from split_models.transfer.latent_transfer import load_image_vae
+from split_models.transfer.picture_size import scaled
 from split_models.transfer.transfer_picture import sheet
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.splits.make import make_split

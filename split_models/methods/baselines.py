@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from split_models.methods import fots
 from split_models.methods import taxim as taxim_method
 from split_models.methods.across import AcrossMethod
-from split_models.methods.optical_method import OpticalMethod
+from split_models.methods.optical_method import OpticalMethod, surface_of
 from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.errors import UsageError
 from tactiledata.optics.registration import Touch, register
@@ -69,12 +69,6 @@ class PerUnit:
     def predict(self, displacements: Any, background: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Refuse to predict for an unknown unit: the method must first be chosen by `for_sensor`."""
         raise UsageError(f"{self.name} without a unit", "`for_sensor(sensor).predict(…)`", "Calibration is by unit.")
-
-
-def surface_of(recipe_run: RecipeRun) -> GelSurface:
-    """The undeformed gel surface of the mesh of a recipe's store."""
-    frames = recipe_run.frames("train")
-    return GelSurface.of_pad(frames.arrays.store.mesh(frames.mesh_name).pad())
 
 
 def unit_touches(recipe_run: RecipeRun, sensor: str) -> list[Touch]:

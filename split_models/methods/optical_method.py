@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.errors import UsageError
 from tactiledata.optics.height_map import Indentation, slopes
 from tactiledata.optics.registration import Touch
@@ -72,6 +73,12 @@ class OpticalMethod:
             return np.clip(np.rint(shown), 0, 255).astype(np.uint8)[None]
 
         return [("height map", lambda moved: smooth_indentation(drawn, moved[0])), ("optics", picture)]
+
+
+def surface_of(recipe_run: RecipeRun) -> GelSurface:
+    """The undeformed gel surface of the mesh of a recipe's store."""
+    frames = recipe_run.frames("train")
+    return GelSurface.of_pad(frames.arrays.store.mesh(frames.mesh_name).pad())
 
 
 def calibrated(

@@ -6,8 +6,8 @@ from typing import cast
 
 from split_models.learning.items import Items
 from split_models.learning.objectives import Objective
-from split_models.methods.baselines import surface_of
 from split_models.methods.depth_rendering import DepthRenderer
+from split_models.methods.optical_method import surface_of
 from split_models.methods.zhu import ImprintItems, ZhuMethod, ZhuNetwork, ZhuObjective
 from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.optics.view import View

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from split_models.learning.contact_region import contact_region
 from split_models.learning.data import TouchFrames
-from split_models.methods.baselines import surface_of
 from split_models.methods.cycle import cycle_pair
 from split_models.methods.methods import title_of
+from split_models.methods.optical_method import surface_of
 from split_models.networks.latent import LatentImageToMesh, LatentMeshToImage, Latents
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.cyclic_plot import write_cycle_plot

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from split_models.learning.data import TouchFrames
-from split_models.methods.baselines import surface_of
 from split_models.methods.methods import for_sensor, image_to_mesh, mesh_to_image, title_of
+from split_models.methods.optical_method import surface_of
 from split_models.networks.force_head import predicted_forces
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.cyclic import cyclic_rows, prepare_cyclic

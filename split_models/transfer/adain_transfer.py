@@ -17,7 +17,7 @@ from split_models.networks.image_vae import ImageVae, as_input
 from split_models.networks.latent import CHUNK, decode_pictures
 from split_models.networks.learned_backgrounds import Learned
 from split_models.transfer.adaptive_instance_norm import adaptive_instance_norm
-from split_models.transfer.latent_transfer import scaled
+from split_models.transfer.picture_size import scaled
 from tactiledata.arrays import PictureArray
 
 

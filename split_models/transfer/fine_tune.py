@@ -19,7 +19,7 @@ from split_models.learning.train_options import TrainOptions
 from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent import decode_pictures, encode_pictures
 from split_models.networks.learned_backgrounds import kept_small
-from split_models.transfer.latent_transfer import scaled
+from split_models.transfer.picture_size import scaled
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY

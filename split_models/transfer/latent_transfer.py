@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import numpy as np
 
 from split_models.learning.checkpoint import load_checkpoint
 from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent import add, decode_pictures, encode_pictures, subtract
 from split_models.networks.learned_backgrounds import Learned
+from split_models.transfer.picture_size import scaled
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import CheckpointError
@@ -101,23 +101,6 @@ def laid_on(background: PictureArray, drawn: PictureArray, untouched: PictureArr
     else:
         combined = background * (np.maximum(drawn, DARKEST) / np.maximum(untouched, DARKEST).astype(np.float32))
     return np.clip(np.rint(combined), 0, 255).astype(np.uint8)
-
-
-def scaled(pictures: PictureArray, size: tuple[int, int]) -> PictureArray:
-    """Pictures scaled to (n, *size, 3), averaged where they shrink and interpolated where they grow.
-
-    Pictures that already have the size are returned as they are. Landscape pictures are rotated by a quarter turn for
-    an upright size, and upright ones the other way for a landscape size.
-    """
-    if pictures.shape[1:3] == tuple(size):
-        return pictures
-    rows, columns = pictures.shape[1:3]
-    if (rows - columns) * (size[0] - size[1]) < 0:
-        pictures = np.ascontiguousarray(np.rot90(pictures, 1 if rows < columns else -1, axes=(1, 2)))
-    if pictures.shape[1:3] == tuple(size):
-        return pictures
-    way = cv2.INTER_AREA if size[0] < pictures.shape[1] else cv2.INTER_LINEAR
-    return np.stack([np.asarray(cv2.resize(picture, size[::-1], interpolation=way), np.uint8) for picture in pictures])
 
 
 def load_image_vae(path: Path) -> tuple[ImageVae, str, str]:

@@ -45,7 +45,8 @@ def vectors_by_model(path: Path) -> Callable[[PictureArray, PictureArray | None]
         The file holds no image VAE.
     """
     from split_models.networks.latent import encode_pictures, subtract
-    from split_models.transfer.latent_transfer import load_image_vae, scaled
+    from split_models.transfer.latent_transfer import load_image_vae
+    from split_models.transfer.picture_size import scaled
 
     vae, _, _ = load_image_vae(path)
 

@@ -19,10 +19,10 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.average_background import refuse_swapped_channels
+from tactiledata.store.change.pieces import Origin, Piece, pieces_of
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import settings_of
 from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST
-from tactiledata.store.read.pieces import Origin, Piece, pieces_of
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.seen_target import target_findings
 from tactiledata.store.read.targets import Target

@@ -22,7 +22,7 @@ from tactiledata.contract.records import FrameValues, Image, Source
 from tactiledata.contract.take import FRAME_SCHEMA, UNUSABLE, Reference, Take, findings_table
 from tactiledata.errors import UsageError
 from tactiledata.ingest.trajectories.cut import trajectory_uid
-from tactiledata.store.read.pieces import Piece, take_of
+from tactiledata.store.change.pieces import Piece, take_of
 from tactiledata.store.read.targets import Target
 from tactiledata.store.write.spool import Spool
 from tactiledata.store.write.writer import StagedTake, stage, staging_folder

@@ -16,10 +16,10 @@ from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.replay.attach import replay
 from tactiledata.replay.options import ReplayOptions
 from tactiledata.store.change.merge import merge
+from tactiledata.store.change.pieces import Origin, pieces_of
 from tactiledata.store.change.replace import replace_takes
 from tactiledata.store.check.check import check
 from tactiledata.store.layout.sensors_table import image_crc
-from tactiledata.store.read.pieces import Origin, pieces_of
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import commit, create
 

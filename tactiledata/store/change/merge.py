@@ -16,10 +16,10 @@ from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
 from tactiledata.contract.wording import counted
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.change.keep_sensors import keep_sensors
+from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import settings_of
 from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST, staging_folder
-from tactiledata.store.read.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import commit_groups, create, recover
 from tactiledata.store.write.spool import Spool

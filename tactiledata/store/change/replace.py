@@ -16,11 +16,11 @@ import pyarrow.compute as pc
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
 from tactiledata.store.change.keep_sensors import BY_HAND
+from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.manifest import Manifest, empty_manifest, extended_digest, settings_of
 from tactiledata.store.layout.places import TABLES
 from tactiledata.store.layout.sensors_table import Facts
-from tactiledata.store.read.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.appender import Appender, last_part
 from tactiledata.store.write.commit import changing

@@ -18,8 +18,8 @@ from tactiledata.store.layout.arrays import open_root
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.manifest import Manifest, extended_digest
 from tactiledata.store.layout.places import TABLE_SCHEMAS, TABLES, table_folder
-from tactiledata.store.layout.sensors_table import SensorAppender
 from tactiledata.store.write.image_appender import ImageAppender
+from tactiledata.store.write.sensor_appender import SensorAppender
 from tactiledata.store.write.value_appender import ValueAppender
 from tactiledata.store.write.writer import StagedTake
 

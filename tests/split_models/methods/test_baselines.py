@@ -6,8 +6,9 @@ import torch
 import yaml
 from touch_world import UNSEEN, tiny_recipe
 
-from split_models.methods.baselines import PerUnit, surface_of, unit_touches
+from split_models.methods.baselines import PerUnit, unit_touches
 from split_models.methods.methods import IMAGE_TO_MESH, MESH_TO_IMAGE, TITLES
+from split_models.methods.optical_method import surface_of
 from split_models.recipe.recipe import load_recipe
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.evaluate import image_values

@@ -7,8 +7,9 @@ from small_models import image_vae, mesh_vae, pictures
 
 from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
 from split_models.networks.latent import decode_pictures, encode_pictures
-from split_models.transfer.latent_transfer import LatentTransfer, laid_on, load_image_vae, scaled
+from split_models.transfer.latent_transfer import LatentTransfer, laid_on, load_image_vae
 from split_models.transfer.methods import LATENT, vae_transfer
+from split_models.transfer.picture_size import scaled
 from tactiledata.errors import CheckpointError
 
 
