@@ -7,7 +7,7 @@ Read in this order:
 - ``methods``: finds any method by name, and lists those that need an image VAE; ``pixels`` lists the others;
 - ``transfer_store``, ``transfer_take`` and ``transfer_picture``: a store whose trajectories name their parents;
 - ``fine_tune``: an image VAE that learns another sensor; ``style_augmentation``: transfer inside a training batch;
-- ``latent_vectors``: vectors by which the pictures of sensors are compared.
+- ``latent_vectors``: vectors by which the pictures of sensors are compared. ``picture_size``: pictures of another size.
 
 The room imports ``networks`` and ``learning``. It takes weights from a file and knows no recipe.
 """

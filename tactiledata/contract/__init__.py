@@ -9,5 +9,5 @@
   everywhere.
 - ``progress``, ``worker_pool``: long work: who watches, and processes that end with their parent.
 
-It imports nothing of the project but errors and tables of units: every other package may import it.
+Of the project it imports ``arrays``, ``errors``, ``transforms`` and ``units`` only; every package above may import it.
 """

@@ -10,6 +10,7 @@ or tested here. Read the modules in this order:
 - `unseen_page`: how much better is the simulation on held-out data, in sentences and pictures?
 - `next_trial_words`: what should be recorded next?
 - `naming_page`, `formula_page`: the pages of a store and of a table.
+- `notes`: which trajectories, frames and effects took no part, and why?
 - `documents`: the documents of both, and the files that are written.
 
 This room may import every other room of the diagnosis; no other room may import it. `store.py` and `table.py` do.

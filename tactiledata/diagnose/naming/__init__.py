@@ -6,6 +6,7 @@ Read in this order:
 2. `metric`: in which sense two changes of the data are alike, beyond what a refit imitates.
 3. `signatures`: what each effect would change. `screen`: how much of the residual it would explain, without a refit.
 4. `linearise`, `joint_fit`: the fit of material, effects and all nuisance parameters together. `refit`: which are made.
+   `error_sizes`: how large the errors of the simulation are, from the data at hand.
 5. `held_out`: what fits predict of data they have not seen. `remaining_structure`: whether the best leaves more than
    noise.
 6. `evidence`: gain, evidence and signature of a candidate, and the objections to it. `thresholds`: the numbers that a
@@ -14,6 +15,6 @@ Read in this order:
    what the fit attributes to errors of the simulation.
 8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: what the answer leaves open.
 
-The room imports `tactiledata.diagnose.touches`, the effects, and names and words of `tactiledata.diagnose.residuals`.
-It reads no store, draws no page, and knows nothing of locators or formulas.
+Of the diagnosis, the room imports `touches`, `verdict` and, from `residuals`, names and words. It reads no store, draws
+no page, and knows nothing of locators or formulas.
 """

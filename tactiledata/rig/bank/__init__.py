@@ -4,5 +4,6 @@
 `solution` is one solution: its key and its file.
 `own_springs` fits springs and sliders to the pull of a solution along the gel.
 
-The room imports the rig's contact, layer and motion. It draws no pictures: a banked contact has forces only.
+Of the rig, the room imports `contact`, `hidden` (sliders and the limit of friction), `layer`, `motion` and `scenario`.
+It draws no pictures: a banked contact has forces only.
 """

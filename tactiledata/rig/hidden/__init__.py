@@ -5,5 +5,6 @@ lie by subject: `pose`, `geometry`, `material`, `history`, `time`, `adhesion`, `
 `contact` plays a touch with effects, by the sliders of `slider` and the limit of `coulomb_limit`; `sensing` applies
 effects to force readings and stamps.
 
-Of the toolkit, only the rig imports this room. It shares no code with `tactiledata.effects`.
+Beside the rig, only the command `demo` imports this room. It shares no code with `tactiledata.effects`. Its members may
+import one another: `sensor` takes a resonance from `load`, and `time` the warming from `history`.
 """

@@ -4,5 +4,5 @@ Read `grid` (where displacements are known), `strain` (internal forces at finite
 inverted exactly), then contact: `gap` (distances), `friction` (tractions), `touch` (contact of a surface that yields
 linearly). `solver` joins them in a fixed point per step, which `mixing` accelerates; `press` runs it along a path.
 
-The room imports indenters and the material of a scenario, and no other room of the rig: arrays in, arrays out.
+Of the rig, the room imports `scenario` only, for the material; beside it the indenters. Arrays in, arrays out.
 """

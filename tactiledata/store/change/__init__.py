@@ -1,5 +1,6 @@
 """A store that is merged, corrected, or given a sensor.
 
+- ``pieces``: one source of a store as what it was when it came; ``merge`` and ``replace`` start from these.
 - ``merge``: several stores into one; each source is committed as if it had been ingested there.
 - ``replace``: recordings replaced by corrected ones in one commit; pictures that stay are not moved.
 - ``add_sensor``: a sensor added by hand, with its picture without contact.

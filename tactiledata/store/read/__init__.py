@@ -3,7 +3,6 @@
 - ``reader``: `Store`, the one entry: tables, signals, aligned values, pictures, meshes, sensors, splits.
 - ``files``: the files of a store wherever they lie, local or at a URL. ``rows``: rows of arrays, read at random.
 - ``index_tables``, ``signal_rows``, ``meshes``, ``pictures``: what `Store` hands to them, one kind of data each.
-- ``pieces``: one source of a store as what it was when it came, for ``change``.
 - ``overview``, ``simulated``, ``free_air``, ``targets``, ``seen_target``: questions that commands ask of a store.
 
 Nothing here writes.
