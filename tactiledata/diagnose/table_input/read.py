@@ -73,9 +73,9 @@ def read_table(path: Path) -> pd.DataFrame:
 
 def _text(path: Path, separator: str) -> pd.DataFrame:
     """The rows of a text file; refuse another separator than its name implies, and rows longer than the header."""
-    _without_zeros(path)
     with path.open(encoding="utf-8-sig", newline="") as file:
         names = next(csv.reader(file, delimiter=separator), [])
+    _without_zeros(path)
     _once(names, path)
     if blank := [place for place, name in enumerate(names, start=1) if not name.strip()]:
         raise TactileDataError(f"column {blank[0]} of {path} has no name", "a name for every column",

@@ -70,7 +70,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
         decoders = Decoders()
         topics = _topics(inventories, decoders)
         roles = roles_of(topics, mapping)
-        findings += [*said, *roles.findings, *passed_over(topics, roles, _counts(inventories))]
+        findings += [*said, *roles.findings, *passed_over(topics, roles, _counts(inventories), _stated(mapping))]
         reading = Reading(roles, decoders, sink, description)
         if reading.is_idle:
             raise _nothing_to_read(source, inventories, decoders, roles)
@@ -111,7 +111,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
                 *findings,
                 *said,
                 *roles.findings,
-                *passed_over(topics, roles, _counts(inventories)),
+                *passed_over(topics, roles, _counts(inventories), _stated(mapping)),
                 *reading.findings(),
                 *_mixed_frames(reading),
                 *backgrounds_of(path, inventories, description).findings,
@@ -176,6 +176,12 @@ def _topics(inventories: Sequence[Survey], decoders: Decoders) -> list[Topic]:
             if channel.topic not in found or (is_readable and not found[channel.topic].is_readable):
                 found[channel.topic] = Topic(channel.topic, kind_of(schema), is_readable)
     return list(found.values())
+
+
+def _stated(mapping: Mapping[str, Any] | None) -> set[str]:
+    """Streams that a mapping names; one that names images names all of them."""
+    document = mapping or {}
+    return {*document.get("signals", {}), *(["images"] if "images" in document else [])}
 
 
 def _counts(inventories: Sequence[Survey]) -> dict[str, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from tactiledata.contract.records import Finding
 from tactiledata.formats.mcap.roles import IMAGE_KINDS, KINDS_OF_SIGNAL, TF_KIND, Roles, Topic
@@ -16,7 +16,9 @@ STREAMS = {
 MOST_NAMES = 4
 
 
-def passed_over(topics: Iterable[Topic], roles: Roles, n_messages: dict[str, int]) -> list[Finding]:
+def passed_over(
+    topics: Iterable[Topic], roles: Roles, n_messages: dict[str, int], stated: Container[str]
+) -> list[Finding]:
     """A finding for each stream that no topic is read as, although topics of its type hold messages.
 
     Parameters
@@ -26,13 +28,15 @@ def passed_over(topics: Iterable[Topic], roles: Roles, n_messages: dict[str, int
         What is read.
     n_messages : dict of topic to int
         Messages of each topic as the file counts them; a topic that is not in it may hold some.
+    stated : container of str
+        Streams that a mapping names: what of them is not there is said already.
     """
     read = {role.name for role in roles.signals} | ({"images"} if roles.images else set())
     left = [topic for topic in topics if topic.name not in roles.topics and n_messages.get(topic.name, 1)]
     found = []
     for stream, kinds in STREAMS.items():
         names = sorted(topic.name for topic in left if topic.kind in kinds)
-        if stream in read or not names:
+        if stream in read or stream in stated or not names:
             continue
         listed = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
         why = "its name says" if len(names) == 1 else "their names say"

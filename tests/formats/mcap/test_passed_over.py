@@ -60,6 +60,10 @@ def test_what_is_read_or_not_there_is_not_said(tmp_path):
     own = recorded(tmp_path / "own.mcap", [("image", "/digit/a"), ("wrench", "/ati/raw")])
     mapping = {"format": "tactiledata-mapping/1", "signals": {"wrench": {"topic": "/ati/raw"}}}
     assert left(own, mapping) == []
+    mapping["signals"]["wrench"]["topic"] = "/ati/rew"
+    [(recording, _)] = read(FORMAT, own, mapping)
+    assert codes(recording) >= {"missing-topic"}
+    assert left(own, mapping) == []
 
 
 def test_stated_units_of_a_known_type_are_applied(tmp_path):
