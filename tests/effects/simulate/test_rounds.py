@@ -59,6 +59,9 @@ def test_the_smallest_residual_is_taken(press, residuals, rounds, best):
     state = with_effects(base, [ARM]).contact(press)
     assert len(told) == 1 + rounds
     np.testing.assert_array_equal(state.contact.wrench, told[1 + best])
+    # every round tries another estimate, the last one too
+    tried = [wrench[0, 2] - LOAD * share for wrench, share in zip(told[1:], residuals, strict=False)]
+    assert (np.diff(tried) != 0).all()
 
 
 @pytest.mark.parametrize("share", [5.1e-3, 0.5])
