@@ -1,11 +1,13 @@
 """A joint fit whose contact offsets decide whether a touch touches at all."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tied_worlds import START, recorded
 
+from tactiledata.diagnose.naming import joint_fit as module
 from tactiledata.diagnose.naming.joint_fit import STILL, joint_fit
 from tactiledata.diagnose.naming.linearise import Linearised
 from tactiledata.diagnose.naming.parameters import joint_model
@@ -85,3 +87,50 @@ def test_the_costs_of_trajectories_are_their_part_of_the_whole(shifted):
     shared = work.precision(found.model) @ (found.model.vector - work.centre(found.model)) ** 2
     assert work.costs(found.model, state.residual).sum() + shared == pytest.approx(state.cost)
     np.testing.assert_allclose(work.costs(found.model, state.residual), found.cost_by_trajectory)
+
+
+@dataclasses.dataclass(frozen=True)
+class Offsets:
+    """A model of nothing but offsets."""
+
+    offsets: np.ndarray
+
+
+class Parabolas:
+    """Trajectories whose costs are squares of the distance to 1, and steps that do not see how steep they are."""
+
+    def __init__(self, ahead):
+        self.ahead, self.dampings = np.asarray(ahead, dtype=float), []
+
+    def costs(self, model, residual):
+        return (model.offsets - 1.0) ** 2
+
+    def evaluate_or_none(self, model):
+        costs = self.costs(model, None)
+        return SimpleNamespace(cost=float(costs.sum()), residual=model.offsets)
+
+    def step(self, model, state, slopes, damping):
+        self.dampings.append(damping)
+        return Offsets(self.ahead / (1.0 + damping)), 1.0
+
+
+def test_an_offset_that_made_its_trajectory_worse_is_halved_and_the_others_keep_their_step():
+    """It goes back halfway until the cost has fallen; the damping of the whole step does not rise."""
+    work, start = Parabolas([10.0, 1.0, 0.5]), Offsets(np.zeros(3))
+    state = work.evaluate_or_none(start)
+    model, after, damping = module._better(work, start, state, None, 1e-9)
+    assert model.offsets == pytest.approx([2.5, 1.0, 0.5])
+    assert after.cost < state.cost
+    assert work.dampings == [1e-9]
+    assert damping <= 1e-6
+
+
+def test_a_step_that_halving_does_not_save_is_damped():
+    """Offsets that go far too far come back by damping; where no step helps, the fit ends."""
+    far, start = Parabolas([100.0, 1.0, 0.5]), Offsets(np.zeros(3))
+    state = far.evaluate_or_none(start)
+    model, after, _ = module._better(far, start, state, None, 1e-3)
+    assert len(far.dampings) > 1
+    assert after.cost <= state.cost
+    assert model.offsets[0] < 3.0
+    assert module._better(Parabolas([-3.0, -3.0, -3.0]), start, state, None, 1e-3) is None
