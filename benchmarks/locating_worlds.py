@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from naming_asked import Asked, asked_cases
 from naming_plan import Plan
+from naming_summary import VISIBLE
 from naming_worlds import START, Bench
 from numpy.typing import NDArray
 
@@ -34,7 +35,6 @@ from tactiledata.diagnose.locate.contrasts import Sizes, instruments_of, sizes_o
 from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.joint_fit import plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.touch_residuals import (
@@ -223,10 +223,10 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
     lines = [line(one) for one in sorted(hidden, key=lambda each: -each["signal"])]
     for what, part in (
         (
-            f"whose signal is {DEFAULT_THRESHOLDS.visible:.1f} and more",
-            [o for o in hidden if o["signal"] >= DEFAULT_THRESHOLDS.visible],
+            f"whose signal is {VISIBLE:.1f} and more",
+            [o for o in hidden if o["signal"] >= VISIBLE],
         ),
-        ("whose signal is less", [o for o in hidden if o["signal"] < DEFAULT_THRESHOLDS.visible]),
+        ("whose signal is less", [o for o in hidden if o["signal"] < VISIBLE]),
     ):
         counts = [sum(one[key] for one in part) for key in ("is_structured", "is_axis", "is_where")]
         both = sum(one["is_axis"] and one["is_where"] for one in part)
@@ -236,7 +236,7 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
         )
     by_world: dict[str, list[bool]] = {}
     for one in hidden:
-        if one["signal"] >= DEFAULT_THRESHOLDS.visible:
+        if one["signal"] >= VISIBLE:
             by_world.setdefault(one["case"].split()[-1], []).append(one["is_axis"] and one["is_where"])
     lines += [f"both in {sum(right)} of {len(right)} of them in worlds {seed}" for seed, right in by_world.items()]
     told_names = [len([name for name in one["found"] if not name.startswith("zeros: ")]) for one in hidden]

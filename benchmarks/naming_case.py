@@ -172,12 +172,18 @@ class Maker:
         As told, of all logs.
     rows : list of (n,) bool
         Frames of each that are used.
+    solve : callable, optional
+        The contact of a touch; the bank's where ``None``.
+    noise : float
+        Factor on noise and quanta of the force sensor.
     """
 
     plan: Plan
     bank: ContactBank
     touches: list[Touch]
     rows: list[NDArray[np.bool_]]
+    solve: SolveContact | None = None
+    noise: float = 1.0
 
     @staticmethod
     def of(plan: Plan, folder: Path) -> Maker:
@@ -203,10 +209,10 @@ class Maker:
         """What is recorded of the touches; ``is_exact``: by a force sensor without noise and quanta."""
         scenario = load_scenario(self.plan.scenario(seed, material, hidden))
         scenario = replace(scenario, hidden=(*scenario.hidden, *more))
-        if is_exact:
-            exact = dict.fromkeys(("force_noise", "torque_noise", "force_quantum", "torque_quantum"), 0.0)
-            scenario = replace(scenario, imperfections=replace(scenario.imperfections, **exact))
-        logs = [(log, readings_of(log)) for log in play_logs(scenario, self.bank.contact)]
+        kinds, factor = ("force_noise", "torque_noise", "force_quantum", "torque_quantum"), self.noise * (not is_exact)
+        noise = {kind: factor * getattr(scenario.imperfections, kind) for kind in kinds}
+        scenario = replace(scenario, imperfections=replace(scenario.imperfections, **noise))
+        logs = [(log, readings_of(log)) for log in play_logs(scenario, self.solve or self.bank.contact)]
         stored = [touch for log, readings in logs for touch in _as_stored(log, *readings)]
         wrenches = [touch.wrench[rows] for touch, rows in zip(stored, self.rows, strict=True)]
         fractions = np.concatenate([touch.fractions for touch in stored])

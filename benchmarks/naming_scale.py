@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from naming_summary import VISIBLE, of_nulls
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
@@ -29,15 +30,11 @@ from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionT
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
-SAID = 0.03
-"""Share of nulls that may be answered: as a twentieth at most is to be, and other nulls differ."""
 FITTED = ("evidence_slope", "objection_cost", "log_odds_nothing", "log_odds_unlisted")
 EVERYWHERE = frozenset({"sensor_drift"})
 """What every world of the rig has a little of."""
 EDGES = (0.0, 0.5, 0.8, 0.95, 1.01)
 """Of probabilities, between which answers are counted."""
-LEAST = 5.0
-"""Gain that a claim needs whatever the nulls say: a factor of 150 in likelihood."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +43,15 @@ class Considered:
 
     Parameters
     ----------
-    evidence : (c,)
+    beyond : (c,)
+        Evidence beyond what a claim needs.
     is_objected : (c,) bool
     right : places of what should be said
     at_large : float
         Mean square of what is left.
     """
 
-    evidence: Array
+    beyond: Array
     is_objected: NDArray[np.bool_]
     right: tuple[int, ...]
     at_large: float
@@ -70,21 +68,22 @@ class Considered:
             or (len(one.names) == 2 and needed_of(one, singles, DEFAULT_THRESHOLDS) is not one)
             for one in judged
         ]
+        needed = [DEFAULT_THRESHOLDS.needed(one["effects"]) for one in told]
         return Considered(
-            np.array([one["evidence"] for one in told]), np.array(objected, dtype=bool), _right(case, names),
+            np.array([one["evidence"] for one in told]) - needed, np.array(objected, dtype=bool), _right(case, names),
             case["at_large"],
         )  # fmt: skip
 
     def shares(self, scale: DecisionThresholds) -> Array:
         """Probabilities (c + 2,)."""
-        return scale.shares(self.evidence, self.is_objected, self.at_large > scale.structure_dispersion)
+        return scale.shares(self.beyond, self.is_objected, self.at_large > scale.structure_dispersion)
 
 
 def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
     """Places of what should be said."""
     hidden = frozenset(case["truth"]) - (frozenset(case["zeros"]) if len(case["truth"]) > 1 else frozenset())
     nothing, other = len(names), len(names) + 1
-    is_shown = case["signal"] >= DEFAULT_THRESHOLDS.visible and bool(case["truth"])
+    is_shown = case["signal"] >= VISIBLE and bool(case["truth"])
     if not is_shown or hidden <= frozenset(case["zeros"]):
         return (nothing,)
     found = tuple(place for place, one in enumerate(names) if hidden <= one and one - hidden <= EVERYWHERE)
@@ -96,20 +95,6 @@ def cost(cases: Sequence[Considered], scale: DecisionThresholds) -> float:
     told = [one.shares(scale) for one in cases]
     right = np.array([shares[list(one.right)].sum() for shares, one in zip(told, cases, strict=True)])
     return float(-np.mean(np.log(0.99 * right + 0.01 / np.array([len(shares) for shares in told]))))
-
-
-def claim_of(nulls: Sequence[Case]) -> float:
-    """The least gain that lets so few nulls be answered."""
-    refits = [[judged_of(one) for one in case["candidates"]] for case in nulls]
-    for claim in np.arange(LEAST, 100.0, 0.5):
-        scale = replace(DEFAULT_THRESHOLDS, claim_gain=float(claim))
-        said = sum(
-            any(not one.objections(scale) or one.is_structure(scale) or one.is_trace(scale) for one in judged)
-            for judged in refits
-        )
-        if said <= SAID * len(nulls):
-            return float(claim)
-    return 100.0
 
 
 @dataclass(frozen=True)
@@ -183,7 +168,9 @@ def main() -> None:
     scale = fitted(cases)
     print(f"{len(cases)} cases, {sum(case['kind'] == 'nulls' for case in cases)} of them nulls")
     nulls = [case for case in cases if case["kind"] == "nulls"]
-    print(f"claim that nulls allow: {claim_of(nulls):.3g} (in use {DEFAULT_THRESHOLDS.claim_gain:g})")
+    print("largest evidence of an effect in a null, without its two best trajectories, and needed:")
+    for name, evidence, of_others, needed in of_nulls(nulls):
+        print(f"    {name}: {evidence:.1f}, {of_others:.1f}, {needed:.0f}")
     most = float(np.quantile([case["at_large"] for case in nulls], 0.99))
     in_use = DEFAULT_THRESHOLDS.structure_dispersion
     print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {in_use:g})")

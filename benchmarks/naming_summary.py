@@ -12,7 +12,8 @@ Array = NDArray[np.float64]
 Case = dict[str, Any]
 CLAIMS = ("explained", "partly explained")
 QUIET = ("nothing found", "below detection")
-VISIBLE = 3.0
+VISIBLE = 8.0
+"""Signal from which a hidden effect is called visible."""
 DRIFT = "sensor_drift"
 """A cause of zeros that every world has: 0.02 N a minute."""
 
@@ -34,9 +35,29 @@ def outcome(case: Case) -> str:
         return "wrong"
     if case["verdict"] not in QUIET:
         return "unnamed"
-    if case["signal"] >= case["visible"]:
+    if case["signal"] >= VISIBLE:
         return "missed"
     return "undetectable" if truth <= set(case["undetectable"]) else "too weak"
+
+
+def interval(count: int, total: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a share."""
+    z = 1.959964
+    share, square = count / total, z**2 / total
+    middle, half = share + square / 2, z * np.sqrt(share * (1 - share) / total + square / (4 * total))
+    return float((middle - half) / (1 + square)), float((middle + half) / (1 + square))
+
+
+def of_nulls(nulls: Sequence[Case]) -> list[tuple[str, float, float, float]]:
+    """Of each effect that was refitted alone: the most evidence, the most without two trajectories, what it needs."""
+    most: dict[str, list[float]] = {}
+    for case in nulls:
+        for one in case["candidates"]:
+            if len(one["effects"]) == 1:
+                here = most.setdefault(one["effects"][0], [-np.inf, -np.inf, one["needed"]])
+                here[0], here[1] = max(here[0], one["evidence"]), max(here[1], one["evidence_of_others"])
+    rows = [(name, *values) for name, values in most.items()]
+    return sorted(rows, key=lambda row: -row[1])
 
 
 def summary(cases: Sequence[Case]) -> str:
@@ -50,11 +71,12 @@ def summary(cases: Sequence[Case]) -> str:
         gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]
         ends = np.quantile(gains, [0.5, 0.95, 1.0]).round(1)
         lines.append(f"    largest held-out gain of a null: median {ends[0]}, 95 % {ends[1]}, most {ends[2]}")
-        most = [
-            max((one[which] for case in nulls for one in case["candidates"]), default=0.0)
-            for which in ("evidence", "evidence_of_others")
-        ]
-        lines.append(f"    largest evidence of a null: {most[0]:.1f}, without its two best trajectories {most[1]:.1f}")
+        named = sum(case["verdict"] in CLAIMS for case in nulls)
+        low, high = interval(named, len(nulls))
+        lines.append(f"    named: {named} of {len(nulls)} (95 % interval {100 * low:.0f} to {100 * high:.0f} %)")
+        lines.append("    largest evidence of an effect in a null, without its two best trajectories, and needed:")
+        for name, evidence, of_others, needed in of_nulls(nulls):
+            lines.append(f"        {name}: {evidence:.1f}, {of_others:.1f}, {needed:.0f}")
         left = np.quantile([case["dispersion"] for case in nulls], [0.5, 0.95]).round(2)
         lines.append(f"    mean square left of held-out trajectories: median {left[0]}, 95 % {left[1]}")
     for kind in ("effects", "pairs", "outside", "metadata"):

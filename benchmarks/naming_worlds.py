@@ -36,7 +36,6 @@ from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.naming.metric import cosines
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import TouchSet
@@ -59,6 +58,7 @@ class Bench:
     maker: Maker
     family: PlayedFamily
     effects: tuple[str, ...]
+    pairs: bool = True
     _kept: tuple[tuple[int, GelMaterial], np.ndarray] | None = None
 
     @staticmethod
@@ -102,7 +102,7 @@ class Bench:
         recorded = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more)
         cases = self.maker.cases(recorded, self.family)
         began = time.perf_counter()
-        naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False))
+        naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False, pairs=self.pairs))
         seconds = time.perf_counter() - began
         scenario = load_scenario(self.maker.plan.scenario(asked.seed, truth, asked.hidden))
         change, left, unhidden = np.zeros((int(cases.counts.sum()), 6)), 0.0, truth
@@ -164,7 +164,6 @@ def _found(naming: NamingResult, asked: Asked, change: np.ndarray) -> dict[str, 
         "to_first_order": round(signal, 2),
         "cosine": float(cosines(metric, [field_, best.fit.effect_change])[0, 1]) if best and signal > 0 else None,
         "reach": reach,
-        "visible": DEFAULT_THRESHOLDS.visible,
     }
 
 

@@ -1,13 +1,24 @@
 """Settings and worlds for every test."""
 
+import gc
 import os
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+# Collection makes a million objects that stay: searching them for garbage took a third of its time.
+gc.disable()
+
 # shared machines stall: a slow example is no failure
 settings.register_profile("house", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("house")
+
+
+def pytest_collection_finish():
+    """What imports and collection made stays to the end, so the collector need not look at it during the tests."""
+    gc.collect()
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(hookwrapper=True)

@@ -5,6 +5,7 @@ import doctest
 import importlib
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,9 +34,14 @@ FRAGMENT = re.compile(
 SOURCES = {
     path.relative_to(ROOT).as_posix(): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))
 }
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in SOURCES.items()}
 FOLDERS = sorted({path.parent for path in SOURCES.values()})
 Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+
+
+@cache
+def trees():
+    """The parsed source of every module, by its path; half a second and a million objects, so not at collection."""
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in SOURCES.items()}
 
 
 def definitions(tree, prefix=""):
@@ -81,7 +87,7 @@ def test_a_folder_is_small_and_has_a_tour(folder):
     """A folder has at most 25 modules, and its docstring leads through them in at least five lines."""
     modules = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
     assert len(modules) <= MOST_MODULES
-    tour = ast.get_docstring(TREES[(folder / "__init__.py").relative_to(ROOT).as_posix()]) or ""
+    tour = ast.get_docstring(trees()[(folder / "__init__.py").relative_to(ROOT).as_posix()]) or ""
     lines = [line for line in tour.splitlines() if line.strip()]
     assert len(lines) >= TOUR_LINES, f"{folder.name}: {len(lines)} lines"
 
@@ -94,7 +100,7 @@ def test_modules_are_short():
 def test_first_lines_are_no_fragments():
     """The first line of a docstring says what a thing is or does, for a reader who has not seen its caller."""
     found = []
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for dotted, node in definitions(tree):
             said = sentence(node)
             if said and (FRAGMENT.match(said) or len(said.split()) < 3):
@@ -105,7 +111,7 @@ def test_first_lines_are_no_fragments():
 def test_parameters_are_described():
     """A public function with three or more parameters describes all of them."""
     found = []
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for dotted, node in definitions(tree):
             # what a command's options mean is said by their help
             if isinstance(node, ast.ClassDef) or not is_public(dotted) or "typer." in ast.unparse(node.args):
@@ -121,7 +127,7 @@ def test_parameters_are_described():
 def test_calls_name_their_arguments():
     """No call gives nine or more arguments by position."""
     found = []
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and len(node.args) > MOST_POSITIONAL:
                 called = ast.unparse(node.func)
@@ -133,7 +139,7 @@ def test_calls_name_their_arguments():
 def test_a_class_name_means_one_thing():
     """No two public classes share a name."""
     places = defaultdict(list)
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for node in tree.body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places[node.name].append(name)
@@ -143,7 +149,7 @@ def test_a_class_name_means_one_thing():
 def test_records_are_frozen():
     """A dataclass cannot be changed after it was made, unless it is a listed buffer that fills."""
     found = []
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for dotted, node in definitions(tree):
             for mark in getattr(node, "decorator_list", []):
                 if "dataclass" in ast.unparse(mark) and "frozen=True" not in ast.unparse(mark):
@@ -162,7 +168,7 @@ def test_no_ghost_layers():
 
 def rooms_of(package):
     """For each room directly in a package the rooms that its modules import when they are loaded."""
-    inside = {name: TREES[name] for name in TREES if name.startswith(f"{package.replace('.', '/')}/")}
+    inside = {name: tree for name, tree in trees().items() if name.startswith(f"{package.replace('.', '/')}/")}
     arrows = defaultdict(set)
     for name, tree in inside.items():
         room = name.removeprefix(f"{package.replace('.', '/')}/").split("/")[0].removesuffix(".py")

@@ -1,6 +1,7 @@
 """Imports go down the list of layers only, never sideways inside a row, and every module has a place in it."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -57,12 +58,16 @@ def place(module):
     return None
 
 
+@cache
 def imported(path):
+    """Dotted names that a module imports; parsed once for all tests."""
+    names = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    return names
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))

@@ -61,6 +61,11 @@ def fault_words(error: TactileDataError) -> str:
     return f"{error.found}; run `git lfs pull`" if isinstance(error, NotFetched) else error.found
 
 
+def without_remedy(error: Exception) -> str:
+    """An error as text; of a pointer only what was found, where another finding says once what fetches the files."""
+    return error.found if isinstance(error, NotFetched) else str(error)
+
+
 def pointer_words(name: str, others: int = 0) -> str:
     """What `not_fetched` says as one clause, for findings and lists."""
     return fault_words(not_fetched(name, others))

@@ -135,7 +135,8 @@ def parse_document(text: str, where: str) -> Any:
     Raises
     ------
     SchemaError
-        Neither JSON nor YAML, a key given twice, or nesting beyond `MAX_DEPTH`; with the line where there is one.
+        Neither JSON nor YAML, a key given twice, a value inside itself, or nesting beyond `MAX_DEPTH`; with the line
+        where there is one.
     """
     try:
         if text.lstrip().startswith(("{", "[")):
@@ -186,7 +187,7 @@ def _too_deep(where: str) -> SchemaError:
 
 
 def _check_shape(text: str, where: str) -> None:
-    """Refuse text whose collections lie too deep, or whose aliases stand for more than `MAX_VALUES` values.
+    """Refuse text whose collections lie too deep or inside themselves, or that stands for more than `MAX_VALUES`.
 
     Events are met one by one, without recursion; aliases are counted as if they were written out, as whoever writes the
     document as JSON would do.
@@ -206,6 +207,9 @@ def _check_shape(text: str, where: str) -> None:
             if anchor is not None:
                 sizes[anchor] = size
         elif isinstance(event, yaml.AliasEvent):
+            if event.anchor in anchors:
+                found = f"{where} holds a value that contains itself: *{event.anchor} inside &{event.anchor}"
+                raise SchemaError(found, "a plain document", path="$", file=where)
             counts[-1] += sizes.get(event.anchor, 1)
         elif isinstance(event, yaml.ScalarEvent):
             counts[-1] += 1

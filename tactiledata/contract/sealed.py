@@ -20,7 +20,7 @@ _PLACE = re.compile(rb'(\n  "' + SEAL.encode() + rb'": ")([0-9a-f]{64})"')
 def sealed_json(document: Mapping[str, Any]) -> bytes:
     """The bytes of a JSON file with all fields of a document and the seal; a seal that it has already is replaced."""
     content = readable_json({**document, SEAL: _ZEROS.decode()})
-    return _PLACE.sub(lambda place: place[1] + hashlib.sha256(content).hexdigest().encode() + b'"', content, count=1)
+    return _PLACE.sub(lambda place: place[1] + hashlib.sha256(content).hexdigest().encode() + b'"', content)
 
 
 def fits_seal(content: bytes) -> bool:

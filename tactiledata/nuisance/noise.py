@@ -31,12 +31,15 @@ class WrenchNoise:
         Where the figures come from, in words.
     reading_variance : float
         Variance of a single reading of the sensor over that of a wrench at a frame, mean of six components.
+    memory : float
+        Variance of the mean of many consecutive readings over that of as many independent ones; at least 1.
     """
 
     covariance: Array
     inflation: float
     source: str
     reading_variance: float = 1.0
+    memory: float = 1.0
 
     @property
     def deviations(self) -> Array:
@@ -90,7 +93,8 @@ def noise_at_rest(
     variances = reading_covariance.diagonal()
     is_noisy = variances > 0
     ratio = float((variances[is_noisy] / covariance.diagonal()[is_noisy]).mean())
-    return WrenchNoise(covariance, _inflation(parts, lag, own_share), f"{rows} samples at rest", ratio)
+    inflation, memory = _inflation(parts, lag, own_share), _memory(parts)
+    return WrenchNoise(covariance, inflation, f"{rows} samples at rest", ratio, memory)
 
 
 def specified_noise(force: ForceSpecification) -> WrenchNoise:
@@ -116,6 +120,23 @@ def _lagged(parts: Sequence[Array], lag: int) -> Array:
     corrected = rows / max(rows - 2 * len(parts), 1)
     summed = sum((part[lag:].T @ part[: len(part) - lag] for part in long), np.zeros((6, 6)))
     return np.asarray(corrected * (summed + summed.T) / (2.0 * max(pairs, 1)))
+
+
+def _memory(parts: Sequence[Array]) -> float:
+    """Return 1 + 2 (r1 + r2 + ...) with the mean correlation r of the components at each lag, at least 1.
+
+    The sum ends before the first lag whose correlation may be chance, and at a quarter of a stretch.
+    """
+    variances = _lagged(parts, 0).diagonal()
+    is_noisy = variances > 0
+    total = 1.0
+    for lag in range(1, max((len(part) for part in parts), default=0) // 4 + 1):
+        chance_correlation = 2.0 / np.sqrt(max(sum(max(len(part) - lag, 0) for part in parts), 1))
+        correlation = float((_lagged(parts, lag).diagonal()[is_noisy] / variances[is_noisy]).mean())
+        if not correlation > chance_correlation:
+            break
+        total += 2.0 * correlation
+    return total
 
 
 def _inflation(parts: Sequence[Array], lag: int, own: float) -> float:

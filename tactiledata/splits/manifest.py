@@ -36,6 +36,7 @@ from tactiledata.splits.assign import SPLIT_SCHEMA
 from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
 from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
+from tactiledata.store.layout.made_splits import remember_split
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
@@ -105,7 +106,10 @@ def split_document(report: SplitReport, table: pa.Table, sha256: str, store: Map
 
 
 def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping[str, Any]) -> None:
-    """A split on disk: the table at ``path``, then the document beside it; killed in between, it reads as torn."""
+    """A split on disk: the table at ``path``, the document beside it, then its name in the store's list of splits.
+
+    Killed after the table, it reads as torn; killed after the document, it is whole and not in the list.
+    """
     buffer = pa.BufferOutputStream()
     pq.write_table(table, buffer, compression="zstd")
     content = buffer.getvalue().to_pybytes()
@@ -115,6 +119,7 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
     try:
         write_atomic(path, content)
         write_atomic(path.with_suffix(".json"), sealed_json(document))
+        remember_split(path.parent.parent, report.name)
     except OSError as error:
         raise _not_written(path, error) from error
 

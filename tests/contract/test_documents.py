@@ -235,3 +235,11 @@ def test_a_long_message_is_cut_to_300_characters(length, shown):
     short = schemas._short("x" * length)
     assert len(short) == shown
     assert short.strip("x") == ("" if length <= 300 else "…")
+
+
+@pytest.mark.parametrize("text", ["a: &x {b: *x}", "&x [1, *x]", "a: &x\n  - {c: [*x]}"])
+def test_a_value_that_contains_itself_is_refused(text):
+    """An alias inside its own anchor stands for a document without end; beside it, it is a copy."""
+    with pytest.raises(SchemaError, match="contains itself"):
+        parse_document(text, "log.yaml")
+    assert parse_document("a: &x {b: 1}\nc: *x", "log.yaml") == {"a": {"b": 1}, "c": {"b": 1}}

@@ -265,6 +265,8 @@ ODD = {
     "a column twice": (lambda text: text.replace("depth_mm", "fz_observed_N", 1), "twice"),
     "a time in words": (lambda text: text.replace(",0.1,", ",12:30,", 1), "12:30"),
     "semicolons": (lambda text: text.replace(",", ";"), "semicolons"),
+    "a column without a name": (lambda text: text.replace("depth_mm", " ", 1), "has no name"),
+    "zero bytes": (lambda text: text.replace("\n", "\n\0", 3), "zero bytes"),
     "an escape in a name": (lambda text: text.replace("depth_mm", "dep\x1b[31mth_mm", 1), "cannot be printed"),
 }
 

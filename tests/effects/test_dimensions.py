@@ -70,3 +70,25 @@ def test_units_do_not_matter(name, touch, play, medium):
     there[:, :3] /= FORCE
     there[:, 3:] /= FORCE * LENGTH
     np.testing.assert_allclose(there, here, rtol=1e-6, atol=1e-8)
+
+
+BASE = {"1": (0, 0, 0), "rad": (0, 0, 0), "m": (1, 0, 0), "N": (0, 1, 0), "s": (0, 0, 1)}
+DERIVED = {"Hz": "1/s", "Pa": "N/m^2", "J": "N m", "kg": "N s^2/m"}  # N = kg m / s^2
+
+
+def exponents(unit):
+    """Exponents of length, force and time of a unit, read as it is written."""
+    top, _, bottom = unit.partition("/")
+    total = np.zeros(3, dtype=int)
+    for part, sign in ((top, 1), (bottom, -1)):
+        for factor in part.strip("()").split():
+            name, _, power = factor.partition("^")
+            one = exponents(DERIVED[name]) if name in DERIVED else np.array(BASE[name])
+            total += sign * int(power or 1) * one
+    return total
+
+
+@pytest.mark.parametrize("unit", DIMENSIONS)
+def test_dimensions_are_those_of_the_unit(unit):
+    """A newton is a kg m / s^2, a joule a N m, a pascal a N / m^2."""
+    assert DIMENSIONS[unit] == tuple(exponents(unit))

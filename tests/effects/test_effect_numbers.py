@@ -72,3 +72,33 @@ def test_values_outside_the_bounds_are_refused(value):
 def test_what_can_be_believed_includes_the_ends():
     """-1 to 2."""
     assert [WEIGHT.is_plausible(value) for value in (-1.01, -1.0, 0.0, 2.0, 2.01)] == [False, True, True, True, False]
+
+
+def test_a_refusal_says_what_can_be_believed():
+    """Bounds, unit, meaning and the plausible range are told; the name and the value travel with the error."""
+    with pytest.raises(UsageError, match=r"weight of effect 'e' is 9\.0") as found:
+        WEIGHT.check(9.0, "e")
+    for part in ("a number from -4 to 8 [N]: a force", "between -1 and 2."):
+        assert part in str(found.value)
+
+
+AXES = {
+    **{("cable_drag", f"f{axis}"): f"force along {axis} of" for axis in "xyz"},
+    **{("sensor_drift", f"f{axis}"): f"force along {axis}" for axis in "xyz"},
+    **{("sensor_drift", f"t{axis}"): f"torque about {axis}" for axis in "xyz"},
+    **{("tool_weight", f"moment_{axis}"): f"along {axis} of" for axis in "xyz"},
+    **{("frame_rotation", f"tilt_{axis}"): f"about {axis} of" for axis in "xy"},
+    **{("gain_crosstalk", axis + axis): f"error of the gain of {axis}" for axis in "xyz"},
+    **{
+        ("gain_crosstalk", row + column): f"share of {column} that shows in {row}"
+        for row, column in ("xy", "xz", "yx", "yz", "zx", "zy")
+    },
+}
+"""What the meaning of a component says."""
+
+
+def test_components_are_told_by_their_axis():
+    """A component named after an axis says that axis, and cross-talk which of the two shows in the other."""
+    meanings = {(name, parameter.name): parameter.meaning for name, parameter in PARAMETERS}
+    assert [key for key, words in AXES.items() if words not in meanings[key]] == []
+    assert [name for name, parameter in PARAMETERS if name == "gain_crosstalk"] == ["gain_crosstalk"] * 10

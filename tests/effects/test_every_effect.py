@@ -1,15 +1,19 @@
 """What every effect of the table keeps."""
 
 import dataclasses
+import importlib
 import math
+import pkgutil
 
 import numpy as np
 import pytest
 from example_effect import EVERY_EFFECT
 
+from tactiledata import effects
 from tactiledata.effects import EFFECTS
-from tactiledata.effects.base import SLOTS
+from tactiledata.effects.base import CONTACT_SLOTS, SLOTS
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
+from tactiledata.effects.closed_form.on_layer import OnLayer
 from tactiledata.effects.parameter import DIMENSIONS
 from tactiledata.effects.simulate.reference_touch import largest_changes
 from tactiledata.effects.simulate.setting import EffectSetting, in_order
@@ -181,3 +185,52 @@ def test_slots_decide_the_order():
     names = [setting.effect for setting in in_order(EffectSetting(name) for name in reversed(list(EFFECTS)))]
     assert names == list(EFFECTS)
     assert [EFFECTS[name].slot for name in names] == sorted((EFFECTS[name].slot for name in names), key=SLOTS.index)
+
+
+def test_springs_alone_are_searched_for_their_balance():
+    """Only arm and stem depend on the wrench that they change."""
+    assert [name for name in EFFECTS if EFFECTS[name].feeds_back] == ["arm_compliance", "stem_bending"]
+
+
+def test_what_effects_hand_on_cannot_be_changed():
+    """Every dataclass of the package is frozen: a state, a touch or a setting may be shared."""
+    for module in pkgutil.walk_packages(effects.__path__, "tactiledata.effects."):
+        for name, member in vars(importlib.import_module(module.name)).items():
+            if dataclasses.is_dataclass(member) and member.__module__ == module.name:
+                assert member.__dataclass_params__.frozen, name
+
+
+def test_a_closed_form_without_an_answer_is_none(touch):
+    """A class that does not say how it responds cannot be made."""
+    with pytest.raises(TypeError, match="abstract"):
+        OnLayer(touch)
+
+
+def test_the_first_four_slots_are_in_contact():
+    """Effects of time and sensor work on the answer of the gel, all others change what it is asked."""
+    assert CONTACT_SLOTS == ("pose", "geometry", "material", "interface")
+    assert (*CONTACT_SLOTS, "time", "sensor") == SLOTS
+
+
+def test_where_the_gel_engine_plays_beforehand():
+    """The design points that the descriptions of the effects tell; answers that are kept belong to these."""
+    assert {name: dict(EFFECTS[name].designs) for name in EFFECTS if EFFECTS[name].designs} == {
+        "mount_offset": {"radius_error": (-0.03, 0.03)},
+        "thickness": {"error": (-0.15, 0.15)},
+        "dome": {"curvature": (-2000.0, 2000.0)},
+        "strain_stiffening": {"c20": (-0.05, 0.2), "c30": (0.05,)},
+        "skin": {"excess": (2e-4, 6e-4)},
+    }
+
+
+@every_effect
+def test_a_variant_is_that_of_its_own_parameters(name):
+    """Parameters that are not given are null: a gel that is told one of them is nominal but for it."""
+    effect = EFFECTS[name]()
+    both = effect.variant({parameter: places[0] for parameter, places in effect.designs.items()})
+    alone = GelVariant()
+    for parameter, places in effect.designs.items():
+        alone = alone.together_with(effect.variant({parameter: places[0]}))
+    if effect.designs:
+        assert both == alone
+        assert effect.variant({}) == GelVariant()

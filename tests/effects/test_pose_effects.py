@@ -55,6 +55,8 @@ def test_stems_bend_as_beams():
     """3 E I / L^3: 4 mm and 10 mm of printed plastic, 30 mm long."""
     assert stem_stiffness(0.004, 0.03) == pytest.approx(3 * 2.5e9 * math.pi * 0.002**4 / 4 / 0.03**3)
     assert stem_stiffness(0.010, 0.03) == pytest.approx(1.4e5, rel=0.05)
+    assert stem_stiffness(0.004, 0.03) == stem_stiffness(0.004, 0.03, 2.5e9)
+    assert stem_stiffness(0.004, 0.03, 5e9) == pytest.approx(2 * stem_stiffness(0.004, 0.03))
 
 
 def test_an_offset_is_another_path(touch, play):

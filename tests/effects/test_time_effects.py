@@ -165,3 +165,39 @@ def test_what_comes_to_rest_after_a_slide_relaxes_from_there(told_by):
     rest = seconds > slide
     wanted = limit - share * left * -np.expm1(-(seconds[rest] - slide) / time)
     np.testing.assert_allclose((found @ [0.6, 0.8])[rest], wanted, rtol=1e-3)
+
+
+@pytest.mark.parametrize("lifted", [0.0, -1.0])
+def test_free_air_ends_a_shear_and_its_memory(lifted):
+    """Lifted for one frame, the contact starts anew: what follows is as if nothing had been before."""
+    seconds = np.arange(8.0)
+    elastic = np.outer([0.0, 1.0, 2.0, 0.0, 0.5, 1.0, 1.5, 1.5], [0.6, 0.8])
+    limit = np.array([9.0, 9.0, 9.0, lifted, 9.0, 9.0, 9.0, 9.0])
+    sticks = np.zeros(8, dtype=bool)
+    found = relaxing_shear(seconds, elastic, sticks, elastic, limit, 0.2, 3.0)
+    fresh = relaxing_shear(seconds[3:], elastic[3:], sticks[3:], elastic[3:], limit[3:], 0.2, 3.0)
+    np.testing.assert_allclose(found[3:], fresh, atol=1e-12)
+    np.testing.assert_allclose(found[3], 0.0, atol=1e-12)
+
+
+def test_a_slide_that_takes_long_leaves_the_strain_that_has_its_shear():
+    """Three time constants to the limit C: S = C / (1 + g k), k = (1 - e^-3) / 3; at rest then S (1 + g k e^(-t))."""
+    share, time, limit = 0.5, 2.0, 3.0
+    seconds = np.array([0.0, 6.0, 7.0, 9.0])
+    elastic = np.outer([0.0, 4.0, 4.0, 4.0], [0.6, 0.8])
+    slides = np.array([False, True, False, False])
+    sliding = np.outer([0.0, limit, 0.0, 0.0], [0.6, 0.8])
+    found = relaxing_shear(seconds, elastic, slides, sliding, np.full(4, limit), share, time)
+    mean = (1 - np.exp(-3.0)) / 3.0
+    strain = limit / (1 + share * mean)
+    wanted = [0.0, limit, *(strain * (1 + share * mean * np.exp(-np.array([0.5, 1.5]))))]
+    np.testing.assert_allclose(found @ [0.6, 0.8], wanted, rtol=1e-12)
+
+
+def test_a_shear_that_begins_loaded_remembers_nothing_of_before():
+    """The first frame is as the relaxed gel has it, and so is all that does not move from there; none is none."""
+    held = np.tile([[0.6, 0.8]], (4, 1))
+    sticks = np.zeros(4, dtype=bool)
+    np.testing.assert_allclose(relaxing_shear(np.arange(4.0), held, sticks, held, np.full(4, 9.0), 0.4, 2.0), held)
+    none = np.zeros((0, 2))
+    assert relaxing_shear(np.zeros(0), none, sticks[:0], none, np.zeros(0), 0.4, 2.0).shape == (0, 2)

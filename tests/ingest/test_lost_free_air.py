@@ -114,6 +114,40 @@ def test_an_unstated_tare_between_touches_is_no_matter():
     assert not {"no-free-air", "zero-moved"} & set(said)
 
 
+@pytest.mark.parametrize("first", [2, 3, 4])
+@pytest.mark.parametrize("step", [8.0, -8.0])
+def test_an_unstated_tare_of_many_newtons_between_touches(first, step):
+    """However far the zero jumps: two touches on either side that come back to where they began were in free air."""
+    world = Touches(3, 6, 5.0)
+    world.load[world.touch >= first, 2] += step
+    worst, said = world.answer()
+    assert worst < WITHIN
+    assert "no-free-air" not in said
+    assert said["zero-drift"].count == 6
+
+
+def test_an_unstated_tare_under_load_leaves_the_touches_before_it():
+    """Set to zero while the third of six touches presses: those before it keep the zero that they were read with."""
+    world = Touches(2, 6, 8.0)
+    jump = (world.touch == 2) & (world.into >= 2.5)
+    world.load[world.t_ns >= int(world.t_ns[jump][0]), 2] += 8.0
+    zero = find_zero(world.t_ns, world.load, world.spans, [])
+    off = (world.load - zero.bias)[:, 2] - world.truth
+    for number in (0, 1, 3, 4, 5):
+        assert abs(np.mean(off[(world.touch == number) & (world.into < 7)])) < WITHIN, number
+    said = {finding.code: finding for finding in zero.findings}
+    assert "t2" in said["zero-moved"].message
+    assert "no-free-air" not in said
+
+
+def test_one_touch_far_off_is_not_believed():
+    """Alone at another level it may be one long press: it takes the zero of its neighbours, and is named."""
+    world = Touches(3, 6, 5.0)
+    world.load[world.touch == 5, 2] += 8.0
+    _, said = world.answer()
+    assert said["no-free-air"].count == 1
+
+
 @pytest.mark.parametrize("touch", [0, 1])
 def test_a_log_that_lost_the_air_before_a_touch_names_it(touch, tiny_folders, tmp_path):
     """Rows of wrench.csv are missing until the touch presses: the trajectory is named, and no other."""

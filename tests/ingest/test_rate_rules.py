@@ -119,3 +119,15 @@ def test_a_gap_counts_by_its_part_in_a_trajectory():
     assert gap.count == 2
     assert (gap.start_ns - START, gap.end_ns - START) == (500 * MS, 400_000_500 * MS)
     assert gap.message == "wrench: 2 gaps inside trajectories, the largest 400000000 ms"
+
+
+def test_a_force_sensor_that_never_changes_was_not_read():
+    """All samples equal: a warning of its own; one that differs leaves the sentence about repeated samples."""
+    t_ns = START + np.arange(50) * MS
+    values = np.zeros((50, 2))
+    (finding,) = rate_findings("wrench", FORCE, measure_rate(t_ns, values))
+    assert (finding.code, finding.severity, finding.count) == ("force-stuck", "warning", 50)
+    values[-1] = 1
+    (finding,) = rate_findings("wrench", FORCE, measure_rate(t_ns, values))
+    assert finding.code == "repeated-samples"
+    assert rate_findings("tcp", ("x", "y"), measure_rate(t_ns, np.zeros((50, 2)))) == []

@@ -217,6 +217,19 @@ def test_what_was_replaced_is_committed_and_reported(monkeypatch, tmp_path):
     assert done == [[]]
 
 
+def test_copies_of_what_is_held_share_a_folder_that_is_swept_away_once(monkeypatch, tmp_path):
+    """The same bytes under two names are staged in one folder; that it is gone by then is no error."""
+    monkeypatch.setattr(replacing, "Store", type("Store", (), {"open": staticmethod(lambda folder: None)}))
+    monkeypatch.setattr(replacing, "StoredRecordings", lambda store: Known({"h": ["h"]}, ["h"]))
+    monkeypatch.setattr(replacing, "commit_groups", lambda folder, takes: None)
+    one, copy = Staged("h"), Staged("h")
+    one.folder = copy.folder = tmp_path / "held"
+    one.folder.mkdir()
+    reports, _ = replace_recordings(tmp_path, [("h", one, ""), ("copy", copy, "")])
+    assert [report.state for report in reports] == ["present", "present"]
+    assert not one.folder.exists()
+
+
 def test_a_plan_knows_takes_by_themselves():
     """Another take of the same digest is present."""
     one, other = Staged("a"), Staged("a")

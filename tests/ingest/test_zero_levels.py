@@ -10,6 +10,7 @@ from tactiledata.ingest.forces.zero_levels import (
     LOST,
     Ends,
     ends_of,
+    free_beginnings,
     moved_findings,
     moved_zeros,
     pressed_beginnings,
@@ -190,3 +191,30 @@ def test_moved_zeros_are_named():
     assert (finding.code, finding.severity, finding.stream, finding.count) == ("zero-moved", "warning", "wrench", 5)
     assert "by up to 7.25 N inside 5 trajectories (a, b, c, d, e):" in finding.message
     assert "inside 6 trajectories (a, b, c, d, e …):" in moved_findings(found)[0].message
+
+
+def free(*levels, tares=(), begin_pressed="", **options):
+    found = free_beginnings(ends(*levels, **options), [tare(row) for row in tares], set(begin_pressed))
+    return "".join(sorted(found))
+
+
+def test_two_that_return_to_one_level_were_in_free_air():
+    """Two neighbours that begin and end at one level, and one after them that begins there; one alone does not."""
+    assert free((9, 9), (9, 9)) == "ab"
+    assert free((9, 9), (9, 9), (9, 0), (0, 0)) == "abc"
+    assert free((9, 9), (0, 0)) == ""
+    assert free((0, 9), (9, 9), (9, 9.1)) == "bc"
+    assert free((0, 9), (9, 9.3), (9.3, 9.3)) == ""
+    assert free((9, 9), (9.2, 9.2)) == "ab"
+    assert free((9, 9), (9.21, 9.21)) == ""
+
+
+def test_what_is_not_known_proves_no_free_air():
+    """A lost beginning or end, a beginning that is known to be pressed, and a stated tare between the two."""
+    assert free((9, 9), (9, 9), lost="a") == ""
+    assert free((9, 9), (9, 9), lost_ends="b") == ""
+    assert free((9, 9), (9, 9), begin_pressed="b") == ""
+    assert free((9, 9), (9, 9), (9, 0), lost="c") == "ab"
+    assert free((9, 9), (9, 9), (9, 0), begin_pressed="c") == "ab"
+    for row, found in ((0, "ab"), (1, ""), (100, ""), (200, ""), (201, "ab")):
+        assert free((9, 9), (9, 9), tares=[row]) == found, row

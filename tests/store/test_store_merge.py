@@ -155,3 +155,28 @@ def test_merge_carries_sensors_added_by_hand(tmp_path: Path) -> None:
     assert (store.reference("D9").image == picture).all()
     assert store.reference("D9").licence == "CC0"
     assert check(tmp_path / "ab") == []
+
+
+def taken_by(folder: Path, settings: str) -> Path:
+    """A store with one recording that was ingested with these options."""
+    from dataclasses import replace
+
+    from random_takes import Spool, random_take, stage, staging_folder
+
+    create(folder, SMALL)
+    spool = Spool(staging_folder(folder, random_take_digest(1)))
+    take = replace(random_take(1, spool), provenance={"settings_sha256": settings})
+    commit(folder, [stage(folder, spool, take)])
+    return folder
+
+
+def test_merge_says_what_was_ingested_otherwise(tmp_path: Path) -> None:
+    """One recording taken with two mappings: the first stays, and a warning names the other; equal ones give none."""
+    first, other, same = (
+        taken_by(tmp_path / name, settings) for name, settings in (("a", "1"), ("b", "2"), ("c", "1"))
+    )
+    assert "merge-otherwise" not in {found.code for found in merge([first, same], tmp_path / "ac")}
+    (finding,) = (found for found in merge([first, other], tmp_path / "ab") if found.code == "merge-otherwise")
+    assert finding.severity == "warning"
+    assert str(other) in finding.message
+    assert "merge-otherwise" in {found.code for found in merge([other], tmp_path / "ac")}

@@ -76,3 +76,20 @@ def test_a_merge_takes_no_pointer_for_content(store, tmp_path):
     (store / "sensors.json").write_bytes(POINTER)
     with pytest.raises(ValueError, match="Git LFS pointer"):
         merge([store], tmp_path / "new.zarr")
+
+
+@pytest.mark.parametrize("file", [file for file in READS if file != "manifest.json"])
+def test_the_remedy_is_said_once(store, file):
+    """Whatever else follows from a pointer, one finding alone says what fetches it, and none says to restore a copy."""
+    (store / file).write_bytes(POINTER)
+    messages = [one.message for one in check(store)]
+    assert sum("git lfs pull" in message for message in messages) == 1
+    assert not [message for message in messages if "from a copy" in message and "Git LFS pointer" in message]
+
+
+def test_a_writer_says_what_fetches_a_document(store, tmp_path):
+    """What refuses a store whose document is a pointer says what fetches it, and not to restore it."""
+    (store / "sensors.json").write_bytes(POINTER)
+    with pytest.raises(NotFetched) as caught:
+        merge([store], tmp_path / "new.zarr")
+    assert "git lfs pull" in caught.value.remedy

@@ -17,6 +17,7 @@ from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.answer.locator_rows import change_document, located_document
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
+from tactiledata.diagnose.answer.notes import notes_of
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.answer.unseen_page import shown_sentences
 from tactiledata.diagnose.formula.explain import Explanation
@@ -24,12 +25,10 @@ from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.residuals.gap import Gap
-from tactiledata.diagnose.residuals.wording import percent
 from tactiledata.diagnose.table_input.residuals_of import Table
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.unseen.errors import HeldOutErrors
 from tactiledata.diagnose.unseen.touch_residuals import COMPONENTS, TO_UNIT, UNITS
-from tactiledata.effects import EFFECTS
 
 FORMAT = "tactiledata-diagnosis/1"
 
@@ -232,45 +231,6 @@ def _is_more_left(done: StoreDiagnosis) -> bool:
     """Whether the best explanation leaves structure, by the decision or by the locators."""
     left_over = done.shown.left_over
     return done.naming.decision.is_more_left or (left_over is not None and left_over.is_structured)
-
-
-def notes_of(done: StoreDiagnosis) -> list[str]:
-    """Return notes on trajectories, frames and effects that took no part, and why."""
-    # trajectories and frames
-    played = done.played
-    notes = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
-    frames = played.frames
-    if frames.lost:
-        notes.append(
-            f"{frames.lost} frames, with {percent(frames.force_lost)} of the squared force, take no part: without pose"
-            " or wrench, or the gel could not be solved there"
-        )
-    if frames.estimated:
-        notes.append(
-            f"{frames.estimated} frames could not be solved at some parameters of the gel and are interpolated there"
-        )
-    # effects that were not tried, by reason
-    by_reason: dict[str, list[str]] = {}
-    chosen = done.options.effects
-    for name, reason in played.not_played.items():
-        if chosen and name not in chosen:
-            continue
-        by_reason.setdefault(reason, []).append(EFFECTS[name]().title)
-    for name in done.naming.not_tried:
-        needed = " and ".join(_NEEDS.get(need, need) for need in EFFECTS[name].needs)
-        by_reason.setdefault(f"the recordings do not state {needed}", []).append(EFFECTS[name]().title)
-    return notes + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
-
-
-# what recordings must state for an effect to be tried, in words
-_NEEDS = {
-    "joints": "the joints' angles",
-    "gravity": "how the sensor is turned",
-    "powered": "when the sensor was switched on (power_on_ns in log.yaml)",
-    "selection": "a range of forces to which they were cut",
-    "earlier_depth": "what was done to the gel before",
-    "earlier_contacts": "what was done to the gel before",
-}
 
 
 def store_document(done: StoreDiagnosis) -> dict[str, Any]:

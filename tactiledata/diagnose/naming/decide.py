@@ -155,6 +155,11 @@ def decide(
             ),
             left, True,
         )  # fmt: skip
+    # one of many that explain about as much, and that errors of the simulation resemble
+    crowd = [] if best is None or len(best.names) > 1 else _crowd(best, ranked, thresholds)
+    if best is not None and crowd:
+        reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
+        return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
     # a claim; ties of a pair need further refits and follow in `ties_of_two`
     if best is not None:
         ties = _ties(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
@@ -207,6 +212,16 @@ def needed_of(
 
 def _evidence(candidate: ScoredCandidate) -> float:
     return candidate.evidence
+
+
+def _crowd(
+    best: ScoredCandidate, ranked: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+) -> list[ScoredCandidate]:
+    """Return the other single effects with nearly the evidence of the best, where they are too many for a name."""
+    if not thresholds.is_resembled(best.names):
+        return []
+    near = [one for one in ranked if one is not best and one.evidence >= thresholds.crowd_share * best.evidence]
+    return near if len(near) >= thresholds.crowd else []
 
 
 def _ties(

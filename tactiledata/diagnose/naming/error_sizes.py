@@ -17,6 +17,8 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 DOUBT = 0.7
 """Standard deviation of the logarithm of a size about 0: two solvers differ by 1 to 10 %, about 3 %."""
+INFLUENCE = 1e-14
+"""Share of the largest information on a number below which a number has no influence on the wrenches."""
 SMALLEST, LARGEST = 0.6, 4.0
 """Bounds of a size: errors below two per cent are not believed, and more than a tenth is no solver of the same gel."""
 
@@ -91,9 +93,13 @@ def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], fl
     about = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
     gram = about.products(fit.shared, fit.shared)
     toward = about.products(fit.shared, fit.residual_at_centre[:, :, None])[:, 0]
+    # a number without influence and prior, as the time of an effect that is absent, says nothing of the sizes
+    is_known = (np.diag(gram) > INFLUENCE * np.diag(gram).max()) | (fit.precision > 0)
+    gram, toward, known_precision = gram[np.ix_(is_known, is_known)], toward[is_known], fit.precision[is_known]
+    first -= int((~is_known[:first]).sum())
 
     def cost(logarithms: Array) -> float:
-        precision = fit.precision.copy()
+        precision = known_precision.copy()
         precision[first:] = np.exp(-2.0 * (logarithms - now))[family]
         posterior = gram + np.diag(precision)
         scale = np.sqrt(np.maximum(np.diag(posterior), 1e-300))

@@ -128,7 +128,7 @@ class ScoredCandidate:
         Share of the excess that is gone with the effects, on held-out indenters; on held-out trajectories where
         ``indenter_gain`` is not a number.
     signature_before, signature_after : float
-        Signature statistic of what the effects change, in the plain fit's residual and with that change taken off.
+        Signature statistic of what the effects change, in the residual of the plain fit and in that of the refit.
     implausible : tuple of str
         Strengths beyond what is plausible, as "name = value".
     at_bounds : tuple of str
@@ -291,10 +291,8 @@ def score_candidate(
     groups = base_out.by_indenter if has_indenter_gain else base_out.by_trajectory
     fitted = out.by_indenter if has_indenter_gain else out.by_trajectory
     excess = float(groups.sum()) - expected
-    before, after = (
-        agreement(base.metric, fit.effect_change, residual).standard_errors
-        for residual in (base.residual_at_centre, _without_effects(base, fit))
-    )
+    before = agreement(base.metric, fit.effect_change, base.residual_at_centre).standard_errors
+    after = agreement(fit.beside, fit.effect_change, fit.residual_beside).standard_errors
     implausible, at_bounds = range_checks(fit)
     return ScoredCandidate(
         fit, gains, float(of_indenters.sum()) if has_indenter_gain else float("nan"),
@@ -313,11 +311,6 @@ def _excess_share(gone: float, excess: float) -> float:
 def error_of_sum(gains: Array) -> float:
     """Return the standard error of the sum of independent gains (t,); not a number for fewer than two."""
     return float(np.sqrt(len(gains)) * gains.std(ddof=1)) if len(gains) > 1 else float("nan")
-
-
-def _without_effects(base: JointFit, fit: JointFit) -> Array:
-    """The plain fit's residual (N, 6) less what the refit's effects change, whitened."""
-    return base.residual_at_centre - fit.effect_change
 
 
 def range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactiledata.arrays import Array, Indices
+from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.naming.linearise import Evaluation, Linearised, Sensitivities, inverse_of
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.parameters import JointModel, joint_model
@@ -109,11 +109,33 @@ class JointFit:
 
         `metric` marginalises these numbers, so that scores in it need the residual that they have not yet reduced.
         """
+        return self._moved_back(np.ones(len(self.precision), dtype=bool))
+
+    @property
+    def residual_beside(self) -> Array:
+        """`residual_at_centre` with the effects as fitted: what `beside` needs to say what is left of them."""
+        return self._moved_back(~self._is_of_effects)
+
+    def _moved_back(self, chosen: Mask) -> Array:
+        """Whitened residual (N, 6) with offsets and chosen entries (q,) that have a prior moved back to its mean."""
         vector, (low, high) = self.model.vector, self.model.bounds
         edge = 1e-6 * np.maximum(1.0, np.abs(vector))
-        goes_back = (self.precision > 0) & (vector > low + edge) & (vector < high - edge)
+        goes_back = chosen & (self.precision > 0) & (vector > low + edge) & (vector < high - edge)
         back = np.where(goes_back, vector - self.centre, 0.0)
         return self.residual + self.own * self.by_row + self.shared @ back
+
+    @property
+    def _is_of_effects(self) -> Mask:
+        """Entries of the vector (q,) that are numbers of effects."""
+        is_of_effects = np.zeros(self.shared.shape[2], dtype=bool)
+        is_of_effects[3 : 3 + len(self.model.coordinates)] = True
+        return is_of_effects
+
+    @property
+    def beside(self) -> RandomEffects:
+        """Metric in which nothing counts that E, nu, mu, offsets and errors of the simulation could imitate."""
+        others = ~self._is_of_effects
+        return RandomEffects(self.own, self.shared[:, :, others], self.precision[others], self.starts)
 
     @property
     def occam(self) -> float:
@@ -127,11 +149,8 @@ class JointFit:
         Source: Laplace's approximation of a Bayes factor, as in MacKay, Neural Computation 4 (1992).
         """
         coordinates = self.model.coordinates
-        is_of_effects = np.zeros(self.shared.shape[2], dtype=bool)
-        is_of_effects[3 : 3 + len(coordinates)] = True
-        beside = RandomEffects(self.own, self.shared[:, :, ~is_of_effects], self.precision[~is_of_effects], self.starts)
         strengths = self.effect_fields[:, :, [coordinate.is_strength for coordinate in coordinates]]
-        narrowed = np.eye(strengths.shape[2]) + beside.products(strengths, strengths)
+        narrowed = np.eye(strengths.shape[2]) + self.beside.products(strengths, strengths)
         shapes = sum(np.log(len(shape.parameter.grid)) for shape in coordinates if not shape.is_strength)
         return float(0.5 * np.linalg.slogdet(narrowed)[1] + shapes)
 

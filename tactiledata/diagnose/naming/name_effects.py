@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -104,26 +104,14 @@ def name_effects(
     whitened = with_estimated_sizes(whitened, base)
     numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
     base = joint_fit(whitened, numerical, base.model)
-    # screen and refits of single effects
+    # screen and refits of single effects, with smaller errors of the simulation where an effect explains these
     names, not_tried = playable(whitened, chosen.effects)
     progress("screen")
-    signatures, screened = _screened(whitened, base, names)
-    fits = Refits(whitened, base, chosen, progress)
-    singles = fits.singles(screened)
-    # what is missing made the errors of the simulation look larger: their sizes are those beside the best effect
-    best_single = max(singles, key=lambda fit: _evidence(base, fit), default=None)
-    if best_single is not None and _evidence(base, best_single) >= chosen.thresholds.needed(best_single.names):
-        resized = with_estimated_sizes(whitened, best_single)
-        if smallest_ratio(whitened, resized) < SMALLER:
-            reference, penalty = held_out(whitened, base, chosen.seed), size_penalty(whitened, base, resized)
-            numerical = resized.simulation_error_fields(base.model.material, base.model.offsets)
-            base = joint_fit(resized, numerical, with_errors_of(base.model, whitened, resized))
-            whitened = resized
-            signatures, screened = _screened(whitened, base, names)
-            fits = Refits(whitened, base, chosen, progress, reference, penalty)
-            singles = fits.singles(screened)
-    pairs = fits.pairs(screened, singles) if chosen.pairs else []
-    scored, decision = fits.score_and_decide(singles, pairs)
+    tried = _with_smaller_errors(_tried(Refits(whitened, base, chosen, progress), names), names)
+    whitened, base = tried.refits.whitened, tried.refits.base
+    # pairs and decision
+    pairs = tried.refits.pairs(tried.screened, tried.singles) if chosen.pairs else []
+    scored, decision = tried.refits.score_and_decide(tried.singles, pairs)
     # intervals; a profile needs many plays and is taken of a claim alone
     progress("intervals")
     claimed = decision.best is not None and not decision.objections
@@ -131,21 +119,62 @@ def name_effects(
     before, after = (
         intervals(whitened, fit, max(1.0, decision.left.dispersion), chosen.profile and claimed) for fit in (base, best)
     )
-    identifiable = identifiability_of(base.metric, signatures, tuple(not_tried), names)
-    return NamingResult(whitened, base, before, after, identifiable, screened, scored, decision, tuple(not_tried))
+    identifiable = identifiability_of(base.metric, tried.signatures, tuple(not_tried), names)
+    return NamingResult(whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried))
 
 
-def _screened(
-    whitened: WhitenedTouches, base: JointFit, names: Sequence[str]
-) -> tuple[list[Signature], list[Screened]]:
-    """Signatures of effects about a plain fit, and their first-order scores."""
-    signatures = effect_signatures(whitened, base.model.material, names, offsets=base.model.offsets)
-    return signatures, screen(base.metric, base.residual_at_centre, signatures)
+@dataclass(frozen=True)
+class _Tried:
+    """Screen and refits of single effects at one choice of the sizes of the simulation's errors."""
+
+    refits: Refits
+    signatures: list[Signature]
+    screened: list[Screened]
+    singles: list[JointFit]
+
+    def evidence(self, fit: JointFit) -> float:
+        """Logarithm of the Bayes factor of a refit against the plain fit with the sizes that suit each best."""
+        return 0.5 * (self.refits.base.cost - fit.cost) - fit.occam - self.refits.size_penalty
+
+    @property
+    def best(self) -> JointFit | None:
+        """The refit with most evidence; ``None`` where nothing was refitted."""
+        return max(self.singles, key=self.evidence, default=None)
 
 
-def _evidence(base: JointFit, fit: JointFit) -> float:
-    """Logarithm of the Bayes factor of a refit against the plain fit (Laplace's approximation)."""
-    return 0.5 * (base.cost - fit.cost) - fit.occam
+def _tried(refits: Refits, names: Sequence[str]) -> _Tried:
+    """Screen effects by their names about the plain fit, and refit the promising ones."""
+    base = refits.base
+    signatures = effect_signatures(refits.whitened, base.model.material, names, offsets=base.model.offsets)
+    screened = screen(base.metric, base.residual_at_centre, signatures)
+    return _Tried(refits, signatures, screened, refits.singles(screened))
+
+
+def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
+    """Return the refits with the sizes of errors that suit the best effect, where these make it more likely.
+
+    What is missing from a plain fit makes these errors look larger than they are, and larger ones hide what is missing.
+    """
+    refits, best = first.refits, first.best
+    if best is None or first.evidence(best) < refits.options.thresholds.needed(best.names):
+        return first
+    whitened = with_estimated_sizes(refits.whitened, best)
+    if smallest_ratio(refits.whitened, whitened) >= SMALLER:
+        return first
+    base = refits.base
+    numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
+    second = _tried(
+        replace(
+            refits,
+            whitened=whitened,
+            base=joint_fit(whitened, numerical, with_errors_of(base.model, refits.whitened, whitened)),
+            reference=held_out(refits.whitened, base, refits.options.seed),
+            size_penalty=size_penalty(refits.whitened, base, whitened),
+        ),
+        names,
+    )
+    found = second.best
+    return second if found is not None and second.evidence(found) > first.evidence(best) else first
 
 
 def _huber(residual: Array, turn: float = 2.0) -> Array:

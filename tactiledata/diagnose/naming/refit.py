@@ -187,9 +187,11 @@ class Refits:
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
             fit = joint_fit(self.whitened, self._error_fields(model), model, to_beat=to_beat)
-            return joint_fit(self.whitened, self._error_fields(fit.model), fit.model, rounds=LAST_ROUNDS)
+            again = joint_fit(self.whitened, self._error_fields(fit.model), fit.model, rounds=LAST_ROUNDS)
         except UsageError:
             return None
+        # the errors of forces that an effect cuts off or rounds are not smooth: the better of the two is kept
+        return min(fit, again, key=lambda either: either.cost)
 
     def _error_fields(self, model: JointModel) -> Array:
         """Whitened errors of the simulation (N, 6, e) at a model: they pass through its effects as forces do."""

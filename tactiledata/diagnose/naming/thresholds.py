@@ -93,6 +93,11 @@ class DecisionThresholds:
     tie_evidence, tie_share : float
         Lead in evidence up to which another candidate is a tie: the larger of a number, and of a share of the best
         candidate's evidence.
+    crowd : int
+        Number of other single effects with ``crowd_share`` of the evidence from which an effect that errors of the
+        simulation resemble is not named: these data do not say which of them it is.
+    crowd_share : float
+        See ``crowd``.
     trace_share : float
         Share of the needed evidence that is enough for a trace.
     special_case_evidence : float
@@ -130,6 +135,8 @@ class DecisionThresholds:
     tie: float = 0.95
     tie_evidence: float = 8.0
     tie_share: float = 0.1
+    crowd: int = 3
+    crowd_share: float = 0.6
     trace_share: float = 0.5
     special_case_evidence: float = 5.0
     remainder_share: float = 0.6

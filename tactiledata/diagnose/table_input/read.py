@@ -18,6 +18,8 @@ SEPARATORS = {".csv": ",", ".tsv": "\t"}
 """Separator of the fields, by the ending of the file's name."""
 GZIP = b"\x1f\x8b"
 """First bytes of a file that gzip compressed."""
+BLOCK = 2**20
+"""Bytes of a text that are looked at together."""
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 """Separators that are suspected where a table seems to have one column."""
 
@@ -71,9 +73,13 @@ def read_table(path: Path) -> pd.DataFrame:
 
 def _text(path: Path, separator: str) -> pd.DataFrame:
     """The rows of a text file; refuse another separator than its name implies, and rows longer than the header."""
+    _without_zeros(path)
     with path.open(encoding="utf-8-sig", newline="") as file:
         names = next(csv.reader(file, delimiter=separator), [])
     _once(names, path)
+    if blank := [place for place, name in enumerate(names, start=1) if not name.strip()]:
+        raise TactileDataError(f"column {blank[0]} of {path} has no name", "a name for every column",
+                               "Name it, or leave it out (pandas: index=False).")  # fmt: skip
     if len(names) == 1:
         for other, words in OTHER_SEPARATORS.items():
             if other in names[0] and other != separator:
@@ -89,6 +95,23 @@ def _text(path: Path, separator: str) -> pd.DataFrame:
             "Is there a separator at the end of each row, or a column without a name?",
         )  # fmt: skip
     return frame
+
+
+def _without_zeros(path: Path) -> None:
+    """Refuse a text with zero bytes, as a crash leaves them: cells around them would be read as other values."""
+    place = 0
+    with path.open("rb") as file:
+        if file.read(len(GZIP)) == GZIP:
+            return  # no text at all: decoding it says what it is
+        file.seek(0)
+        while block := file.read(BLOCK):
+            if b"\0" in block:
+                raise TactileDataError(
+                    f"{path} holds zero bytes, the first at byte {place + block.index(0)}",
+                    "text in UTF-8",
+                    "Copy the file again, or write it anew; rows around them may be lost.",
+                )
+            place += len(block)
 
 
 def _parquet(path: Path) -> pd.DataFrame:

@@ -71,7 +71,8 @@ class OwnErrors:
         measured = np.where(case.free_air[:, None], 0.0, np.nan_to_num(case.measured))
         tips = np.nan_to_num(case.touch.tips)
         # zero: a reading's noise, less by the number of readings; its change grows from the first frame on
-        variance = float(tare_variance(np.array([case.free_samples]), case.noise.reading_variance)[0])
+        reading = case.noise.reading_variance * case.noise.memory
+        variance = float(tare_variance(np.array([case.free_samples]), reading)[0])
         zero = np.broadcast_to(np.sqrt(variance) * np.linalg.inv(case.noise.whitened(np.eye(6))).T, (count, 6, 6))
         since = case.touch.seconds - case.touch.seconds[0]
         share = since / max(float(since[-1]), 1e-9)

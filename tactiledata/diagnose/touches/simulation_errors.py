@@ -72,7 +72,7 @@ class NumericalErrors:
 
 
 @dataclass(frozen=True)
-class SimulationError:
+class ErrorDirection:
     """One direction in which the simulation may err.
 
     Parameters
@@ -210,7 +210,7 @@ KINDS = (
 """Kinds of errors, in the order of the fields."""
 
 
-def error_list(errors: NumericalErrors, names: Sequence[str]) -> tuple[SimulationError, ...]:
+def error_list(errors: NumericalErrors, names: Sequence[str]) -> tuple[ErrorDirection, ...]:
     """Return the directions in which a simulation may err: those of each indenter, then those of all together.
 
     Parameters
@@ -221,9 +221,9 @@ def error_list(errors: NumericalErrors, names: Sequence[str]) -> tuple[Simulatio
         Names of the indenters.
     """
 
-    def error(kind: ErrorKind, name: str) -> SimulationError:
+    def error(kind: ErrorKind, name: str) -> ErrorDirection:
         deviation = kind.times * getattr(errors, kind.of) * errors.size(kind.family)
-        return SimulationError(kind.what, kind.family, deviation, name)
+        return ErrorDirection(kind.what, kind.family, deviation, name)
 
     of_each = [error(kind, name) for name in names for kind in KINDS]
     return (*of_each, *(error(kind, "") for kind in KINDS if kind.is_common))

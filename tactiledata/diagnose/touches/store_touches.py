@@ -54,7 +54,17 @@ class FrameUse:
 
     @staticmethod
     def of(measured: Sequence[MeasuredTouch], cases: Sequence[TouchCase], plays: Sequence[TouchPlays]) -> FrameUse:
-        """Return the use of the frames of measured trajectories by cases and their plays."""
+        """Return the use of the frames of measured trajectories.
+
+        Parameters
+        ----------
+        measured : sequence of MeasuredTouch
+            Trajectories with all of their frames.
+        cases : sequence of TouchCase
+            Trajectories that take part, with the frames that do.
+        plays : sequence of TouchPlays
+            Their plays, of the same frames.
+        """
 
         def squares(wrenches: Sequence[Array]) -> float:
             """Sum of the squared forces, N^2."""

@@ -16,8 +16,8 @@ import numpy as np
 from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.touches.own_errors import OwnErrors
 from tactiledata.diagnose.touches.simulation_errors import (
+    ErrorDirection,
     NumericalErrors,
-    SimulationError,
     error_list,
     error_wrenches,
 )
@@ -191,7 +191,17 @@ class WhitenedTouches:
     def simulation_error_wrenches(
         self, material: GelMaterial, offsets: Array | None = None, settings: Sequence[EffectSetting] = ()
     ) -> Array:
-        """Return the simulation's own errors as wrenches (N, 6, e) in N and N m; see `simulation_error_fields`."""
+        """Return the simulation's own errors as wrenches (N, 6, e) in N and N m, one standard deviation each.
+
+        Parameters
+        ----------
+        material : GelMaterial
+            Material of the simulation whose forces are off.
+        offsets : (t,) m, optional
+            Contact offset of each trajectory, where it is known.
+        settings : sequence of EffectSetting
+            Effects of the simulation.
+        """
         return error_wrenches(
             self.errors,
             np.nan_to_num(self.touch_set.play(material, settings, offsets)),
@@ -208,6 +218,6 @@ class WhitenedTouches:
         return [str(name) for name in np.unique(self.touch_set.indenters)]
 
     @property
-    def simulation_errors(self) -> tuple[SimulationError, ...]:
+    def simulation_errors(self) -> tuple[ErrorDirection, ...]:
         """What the e errors of the simulation are, in the order of `simulation_error_fields`."""
         return error_list(self.errors, self.indenter_names)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +15,6 @@ DIMITRIADIS = (0.0975, 0.769, 1.283, 1.133, 1.0)
 eq. 12)."""
 
 
-@dataclass(frozen=True)
 class BallOnLayer(OnLayer):
     """Hertz's ball on a thin bonded layer, which sticks and slips as a spring under Coulomb's friction.
 

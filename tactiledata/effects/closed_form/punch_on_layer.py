@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tactiledata.arrays import Array
@@ -17,7 +15,6 @@ GARCIA = (-0.291, 0.598, 1.283, 1.133, 1.0)
 2018)."""
 
 
-@dataclass(frozen=True)
 class PunchOnLayer(OnLayer):
     """A round flat punch that stands square on the gel and has the friction of one spring under Coulomb's limit.
 

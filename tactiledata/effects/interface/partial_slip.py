@@ -55,6 +55,5 @@ class PartialSlip(Effect):
     reference = "Mindlin, J. Appl. Mech. 16, 1949"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        ones = np.ones(len(state.touch))
-        parts = [state.rubbed(level * ones).contact.wrench for level in slip_levels()]
+        parts = [state.rubbed(np.full(len(state.touch), level)).contact.wrench for level in slip_levels()]
         return state.with_interface(values["share"] * (sum(parts) / len(parts) - state.contact.wrench))

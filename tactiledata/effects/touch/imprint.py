@@ -35,14 +35,14 @@ class ImprintTable:
     depths: Array
     imprints: Array
 
-    @staticmethod
-    def of(indenter: Indenter) -> ImprintTable:
+    @classmethod
+    def of(cls, indenter: Indenter) -> ImprintTable:
         """Return the table of an indenter, integrated over the height of its body."""
         line = np.arange(-_REACH, _REACH, _PITCH) + _PITCH / 2
         height = indenter.height(*np.meshgrid(line, line, indexing="ij")).ravel()
         depths = np.linspace(0.0, DEEPEST, _DEPTHS)
         overlap = np.maximum(depths[:, None] - np.sort(height[height < DEEPEST]), 0.0)
-        return ImprintTable(depths, np.square(overlap).sum(axis=1) * _PITCH**2)
+        return cls(depths, np.square(overlap).sum(axis=1) * _PITCH**2)
 
     def imprint(self, depth: Array | float) -> Array:
         """Imprints, m^4, of presses of these depths, m."""

@@ -53,13 +53,13 @@ class TouchState:
     interface: Array
     reading: Array | None = None
 
-    @staticmethod
-    def start(touch: Touch, base: BaseResponse) -> TouchState:
+    @classmethod
+    def start(cls, touch: Touch, base: BaseResponse) -> TouchState:
         """Return the touch as recorded, before any effect."""
         n = len(touch)
         # x + (-0.0) is x, for every x: a sum to which nothing was added changes no bit
         nothing = np.full((n, 6), -0.0)
-        return TouchState(
+        return cls(
             touch, base, felt=nothing, offset=np.zeros(n), shift=np.zeros((n, 2)), friction=np.ones(n),
             stiffness=np.ones(n), elastic=nothing, interface=nothing,
         )  # fmt: skip

@@ -184,13 +184,17 @@ def files_of(path: Path) -> Bag:
 
 def _listed(folder: Path, names: Any) -> Bag:
     listed = [str(name) for name in names] if isinstance(names, list) else []
-    files, findings = [], []
+    files: list[Path] = []
+    findings: list[Finding] = []
     for name in listed:
         file = path_inside(
             folder, Path(name).name if name.startswith(f"{folder.name}/") else name, str(folder / METADATA)
         )
         _refuse_neighbours(file)
-        if file.is_file():
+        if file in files:
+            text = f"{METADATA} lists {name} more than once; it was read once"
+            findings.append(Finding("unlisted-file", "warning", text))
+        elif file.is_file():
             files.append(file)
         else:
             findings.append(Finding("missing-file", "damage", f"{METADATA} lists {name}, which is not there"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -18,6 +19,7 @@ from tactiledata.formats.mcap.decode import kind_of
 from tactiledata.formats.mcap.describe import backgrounds_of, description_of
 from tactiledata.formats.mcap.images import stated_serials
 from tactiledata.formats.mcap.mapping_draft import Draft, draft_mapping
+from tactiledata.formats.mcap.passed_over import passed_over
 from tactiledata.formats.mcap.playback import Handler, HandlerFor, Playback
 from tactiledata.formats.mcap.reading import Decoders, Reading, spread
 from tactiledata.formats.mcap.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
@@ -66,8 +68,9 @@ bag/bag_0.mcap, bag_1.mcap …"""
         path = Path(source.path)
         description, said = description_of(path, inventories, mapping)
         decoders = Decoders()
-        roles = roles_of(_topics(inventories, decoders), mapping)
-        findings += [*said, *roles.findings]
+        topics = _topics(inventories, decoders)
+        roles = roles_of(topics, mapping)
+        findings += [*said, *roles.findings, *passed_over(topics, roles, _counts(inventories))]
         reading = Reading(roles, decoders, sink, description)
         if reading.is_idle:
             raise _nothing_to_read(source, inventories, decoders, roles)
@@ -95,11 +98,12 @@ bag/bag_0.mcap, bag_1.mcap …"""
         path = Path(source.path)
         description, said = description_of(path, inventories, mapping)
         decoders = Decoders()
-        roles = roles_of(_topics(inventories, decoders), mapping)
+        topics = _topics(inventories, decoders)
+        roles = roles_of(topics, mapping)
         reading, tally = Reading(roles, decoders, _NoSink(), description), Tally(decoders.reason)
         for inventory in inventories:
             findings += Playback(inventory, _both(tally.handler_for(inventory, decoders.get), reading)).run()
-        draft = _draft(_topics(inventories, decoders), roles, tally.glimpses(), description)
+        draft = _draft(topics, roles, tally.glimpses(), description)
         return Inspection(
             source,
             tally.topics(roles, reading.counts()),
@@ -107,6 +111,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
                 *findings,
                 *said,
                 *roles.findings,
+                *passed_over(topics, roles, _counts(inventories)),
                 *reading.findings(),
                 *_mixed_frames(reading),
                 *backgrounds_of(path, inventories, description).findings,
@@ -171,6 +176,18 @@ def _topics(inventories: Sequence[Survey], decoders: Decoders) -> list[Topic]:
             if channel.topic not in found or (is_readable and not found[channel.topic].is_readable):
                 found[channel.topic] = Topic(channel.topic, kind_of(schema), is_readable)
     return list(found.values())
+
+
+def _counts(inventories: Sequence[Survey]) -> dict[str, int]:
+    """Messages of each topic, as the files count them; empty where one of them does not."""
+    counts: Counter[str] = Counter()
+    for inventory in inventories:
+        if inventory.statistics is None:
+            return {}
+        stated = inventory.statistics.channel_message_counts
+        for number, channel in inventory.channels.items():
+            counts[channel.topic] += stated.get(number, 0)
+    return dict(counts)
 
 
 def _draft(topics: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse], description: LogDescription) -> Draft:

@@ -258,6 +258,16 @@ def _mapped_signal(
             "'frame' and 'child_frame': between which two frames the pose is meant",
             path=f"$.{place}",
         )
+    if units and not fields:
+        fields = FIELDS_OF.get(topic.kind, ())
+        wanted_units = tuple(FIELDS[column].unit for column in columns)
+        if not fields and units != wanted_units:
+            raise SchemaError(
+                f"the mapping's {place} states units for {topic.name} ({topic.kind}), which are not applied to it",
+                f"none, or {', '.join(wanted_units)}",
+                "'fields' beside 'units' say which numbers they are of.",
+                path=f"$.{place}.units",
+            )
     static = ""
     if topic.kind == TF_KIND:
         fixed = [one.name for one in known if one.kind == TF_KIND and one.is_readable and is_fixed_tree(one.name)]

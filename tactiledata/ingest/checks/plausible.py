@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -65,9 +66,16 @@ def _is_placeholder(name: str) -> bool:
 
 
 def _indenter_findings(name: str, entry: Mapping[str, Any]) -> list[Finding]:
-    """Whether the shape can be made; a mesh is looked at by whoever uses it."""
-    if entry.get("mesh") is not None:
-        return []
+    """Whether the shape can be made; of a mesh only its place, its content is looked at by whoever uses it."""
+    if (mesh := entry.get("mesh")) is not None:
+        path = PurePosixPath(str(mesh).replace("\\", "/"))
+        if not path.is_absolute() and ".." not in path.parts:
+            return []
+        text = (
+            f"indenters.{name} names the mesh {mesh!r}, which leads out of the recording and is never read; expected a "
+            "path beside it"
+        )
+        return [Finding("indenter-unusable", "warning", text)]
     try:
         make_indenter(entry, None, f"indenters.{name}")
     except TactileDataError as error:

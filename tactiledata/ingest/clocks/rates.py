@@ -64,6 +64,12 @@ def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Fin
     """What is to be said about a signal's rate; only forces always carry noise, an arm at rest does repeat itself."""
     if "fx" not in columns or rate.repeated < REPEATS_WORTH_SAYING * rate.steps or not rate.repeated:
         return []
+    if rate.repeated == rate.steps:
+        text = (
+            f"{stream}: all {rate.steps + 1} samples are the same, and a force sensor always shows some noise: it was "
+            "not read, and what follows from it says nothing. Check the sensor and its driver"
+        )
+        return [Finding("force-stuck", "warning", text, stream, count=rate.steps + 1)]
     changing = rate.nominal * (1 - rate.repeated / rate.steps)
     return [
         Finding(

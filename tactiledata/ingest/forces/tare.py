@@ -16,7 +16,13 @@ from tactiledata.ingest.forces.tare_events import (
     tares_near,
     without_steps,
 )
-from tactiledata.ingest.forces.zero_levels import ends_of, moved_findings, moved_zeros, pressed_beginnings
+from tactiledata.ingest.forces.zero_levels import (
+    ends_of,
+    free_beginnings,
+    moved_findings,
+    moved_zeros,
+    pressed_beginnings,
+)
 
 TOUCH = 0.5
 """N. Change of force against free air that counts as a touch, where the noise is smaller."""
@@ -147,12 +153,15 @@ def find_zero(
     ordered = sorted(spans, key=lambda span: span[1])
     ends = [each for each in (ends_of(t_ns, load, tares, span) for span in ordered) if each is not None]
     pressed = pressed_beginnings(ends, tares, touch_threshold(noise))
+    surely_free = free_beginnings(ends, tares, pressed)
     findings.extend(moved_findings(moved_zeros(ends, tares, pressed, touch_threshold(noise))))
     for name, start_ns, end_ns in ordered:
         start, stop = (int(row) for row in np.searchsorted(t_ns, [start_ns, end_ns]))
         if start == stop:  # without samples nobody knows where it begins
             continue
-        pieces = [] if name in pressed else _piece_zeros(load, tares, (start, stop), bias[start], noise)
+        pieces = (
+            [] if name in pressed else _piece_zeros(load, tares, (start, stop), bias[start], noise, name in surely_free)
+        )
         if not pieces:
             missed.append((name, start, stop))
             continue
@@ -207,9 +216,12 @@ def _was_pressed(t_ns: Times, load: Values, zero: np.ndarray, noise: float) -> b
 
 
 def _piece_zeros(
-    load: Values, tares: list[Tare], rows: tuple[int, int], general: np.ndarray, noise: float
+    load: Values, tares: list[Tare], rows: tuple[int, int], general: np.ndarray, noise: float, is_surely_free: bool
 ) -> list[tuple[int, np.ndarray]]:
-    """First row and zero (6,) of each piece of a trajectory between tare events; none where it has no free air."""
+    """First row and zero (6,) of each piece of a trajectory between tare events; none where it has no free air.
+
+    One that begins far from the recording's zero has none, unless its neighbours show that it does, and it has a touch.
+    """
     start, stop = rows
     inside = [tare for tare in tares if start < tare.row < stop]
     steady = without_steps(load, inside, start, stop)
@@ -219,7 +231,7 @@ def _piece_zeros(
     first = np.median(steady[sound[:MIN_FREE_AIR]], axis=0)
     contact = touching(np.linalg.norm((steady[sound] - first)[:, :3], axis=1), touch_threshold(noise))
     # with a tare inside, nothing of what was read before it tells of its zero: the trajectory's other end does
-    is_free = len(inside) > 0 and contact.any() and not contact[-1]
+    is_free = contact.any() and (is_surely_free or (len(inside) > 0 and not contact[-1]))
     if np.linalg.norm((first - general)[:3]) > MAX_DRIFT and not is_free:
         return []
     touched = np.flatnonzero(contact)

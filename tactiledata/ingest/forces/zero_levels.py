@@ -6,6 +6,7 @@ proves nothing by its first samples, and one that ends at the level of its neigh
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -115,6 +116,36 @@ def pressed_beginnings(ends: Sequence[Ends], tares: Sequence[Tare], threshold: f
         if _apart(own.end_as_begin, before) <= threshold < _apart(own.begin, before):
             found.add(own.name)
     return found
+
+
+def free_beginnings(ends: Sequence[Ends], tares: Sequence[Tare], pressed: set[str]) -> set[str]:
+    """Names of the trajectories that begin in free air whatever the rest of the recording reads.
+
+    Two neighbours that both begin and end at one level were in free air there: the sensor was set to zero before or
+    after them, and nobody stated it. So was one after them that begins at that level, wherever it ends.
+
+    Parameters
+    ----------
+    ends, tares
+        As for `pressed_beginnings`.
+    pressed : set of str
+        Names of those that begin in contact.
+    """
+    found: set[str] = set()
+    returning = {own.name for own in ends if _returns(own) and own.name not in pressed}
+    for before, after in itertools.pairwise(ends):
+        if any(before.start < tare.row <= after.start for tare in tares) or _apart(before.end, after.begin) > CALM:
+            continue
+        if {before.name, after.name} <= returning:
+            found |= {before.name, after.name}
+        elif before.name in found & returning and not after.is_begin_lost and after.name not in pressed:
+            found.add(after.name)
+    return found
+
+
+def _returns(own: Ends) -> bool:
+    """Whether a trajectory was recorded from start to end, and ends at the level at which it begins."""
+    return not (own.is_begin_lost or own.is_end_lost) and own.moved <= CALM
 
 
 def _neighbour(ends: Sequence[Ends], tares: Sequence[Tare], number: int, is_before: bool) -> Values | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pyarrow as pa
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Encoding, Finding, Image
 from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
+from tactiledata.contract.wording import counted
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.change.keep_sensors import keep_sensors
 from tactiledata.store.layout.lock import writing_lock
@@ -99,18 +101,34 @@ def _carry_sensors(origins: Sequence[Origin], target: Path) -> None:
 
 def _plan(origins: Sequence[Origin], target: Store, findings: list[Finding]) -> list[Piece]:
     """The sources that the target does not hold yet, each once, in order."""
-    held, chosen, twice = set(target.manifest["sources"]), [], 0
+    held = {row["sha256"]: _settings(row) for row in target.sources(["sha256", "provenance"]).to_pylist()}
+    chosen, twice, otherwise = [], 0, []
     for origin in origins:
         for piece in pieces_of(origin):
-            if piece.facts["sha256"] in held:
+            sha256, settings = piece.facts["sha256"], _settings(piece.facts)
+            if sha256 in held:
                 twice += 1
+                otherwise += [] if held[sha256] == settings else [f"{piece.facts['key']} of {piece.store.location}"]
                 continue
-            held.add(piece.facts["sha256"])
+            held[sha256] = settings
             chosen.append(piece)
     if twice:
         message = f"{twice} recordings are in more than one of the stores (or in the target already); each is kept once"
         findings.append(Finding("merge-twice", "info", message, count=twice))
+    if otherwise:
+        shown = ", ".join(otherwise[:3]) + (" …" if len(otherwise) > 3 else "")
+        message = (
+            f"{counted(len(otherwise), 'recording')} {'was' if len(otherwise) == 1 else 'were'} ingested with another "
+            f"mapping or other options than in the store that came first, which stays as it is ({shown} left out): "
+            "forces, sensors and trajectories may differ. Name the store first whose recordings are to stay"
+        )
+        findings.append(Finding("merge-otherwise", "warning", message, count=len(otherwise)))
     return chosen
+
+
+def _settings(facts: Mapping[str, Any]) -> str:
+    """The digest of the mapping and the options that a source was ingested with, empty where it is not known."""
+    return str(json.loads(facts["provenance"] or "{}").get("settings_sha256", ""))
 
 
 def _starts(target: Store, pieces: Sequence[Piece]) -> dict[str, int]:

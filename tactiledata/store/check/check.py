@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
@@ -152,7 +153,7 @@ def _shape_findings(store: Store) -> Iterator[Finding]:
         try:
             shape = store.array(path).shape
         except (TactileDataError, OSError, ValueError, KeyError) as error:
-            yield _damage("store-array", f"array {path} cannot be opened: {error}", path)
+            yield _damage("store-array", f"array {path} cannot be opened: {without_remedy(error)}", path)
             continue
         if shape[0] < length:
             yield _damage("store-array", f"array {path} has {shape[0]} rows, the manifest names {length}", path)
@@ -163,7 +164,7 @@ def _sensor_findings(store: Store) -> Iterator[Finding]:
         for sensor, fault in sensor_faults(store):
             yield _damage("store-sensors", fault, sensor)
     except TactileDataError as error:
-        yield _damage("store-sensors", str(error))
+        yield _damage("store-sensors", without_remedy(error))
     for sensor in store.manifest["references"]:
         try:
             store.reference(sensor)
@@ -178,7 +179,7 @@ def image_findings(store: Store, decode: bool, threads: int | None, said: Callab
         flags = np.asarray(store.frames(["flags"])["flags"])
         faults = list(payload_faults(store, decode, threads, said))
     except TactileDataError as error:
-        return [_damage("store-payload", str(error))]
+        return [_damage("store-payload", without_remedy(error))]
     new = [(row, why) for row, why in faults if not flags[row] & FrameFlag.BROKEN]
     marked = len(faults) - len(new)
     findings = []

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
+from tactiledata.contract.lfs_pointer import pointer_words
 from tactiledata.contract.records import Finding
 from tactiledata.contract.sealed import SEAL
 from tactiledata.store.layout.manifest import seal_fault
 from tactiledata.store.layout.places import CARD, MANIFEST
 from tactiledata.store.read.reader import Store
-from tactiledata.store.write.documents import document_faults
+from tactiledata.store.write.documents import POINTER, document_faults
 
 
 def document_findings(store: Store) -> Iterator[Finding]:
@@ -26,5 +28,8 @@ def document_findings(store: Store) -> Iterator[Finding]:
     for path, fault in document_faults(store):
         if path == CARD:
             yield Finding("store-card", "warning", f"{path} {fault}; `check --repair` writes it anew", stream=path)
+        elif fault == POINTER:
+            if not Path(store.location).is_dir():  # of a local store, one finding names all pointers
+                yield Finding("store-not-fetched", "damage", pointer_words(path), stream=path)
         else:
             yield Finding("store-document", "damage", f"{path} {fault}; take it from a copy", stream=path)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError
 from tactiledata.store.read.meshes import FRAME_ARRAYS, HAS_MESH, StoredMesh
@@ -26,7 +27,7 @@ def mesh_findings(store: Store) -> Iterator[Finding]:
             mesh.pad()
             fault = _first_fault(mesh, rows)
         except (TactileDataError, OSError, ValueError, KeyError) as error:
-            fault = str(error)
+            fault = without_remedy(error)
         if fault:
             yield _damage(name, fault)
         elif rows < store.n_frames:

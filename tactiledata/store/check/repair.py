@@ -16,6 +16,7 @@ from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag
 from tactiledata.contract.wording import counted
+from tactiledata.errors import SchemaError
 from tactiledata.store.check.check import check, manifest_findings
 from tactiledata.store.check.payloads import payload_faults
 from tactiledata.store.check.pointers import need_no_pointers
@@ -23,8 +24,9 @@ from tactiledata.store.check.tables import table_findings
 from tactiledata.store.layout.arrays import set_length
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.lock import writing_lock
+from tactiledata.store.layout.made_splits import made_names, names_on_disk, write_names
 from tactiledata.store.layout.manifest import Manifest, extended_digest, read_manifest, settings_of, write_manifest
-from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST, TABLE_SCHEMAS, table_folder
+from tactiledata.store.layout.places import INTAKE_LOCK, MADE_SPLITS, MANIFEST, TABLE_SCHEMAS, table_folder
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.appender import write_part
 from tactiledata.store.write.commit import record_anew, recover, refresh_card, store_errors
@@ -36,7 +38,8 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
 
     Leftovers of killed writers are removed, chunk files and shapes that were cut are stretched again, images that do
     not fit their CRC-32C or are too large to be decoded are marked as broken, the dataset card is written anew. A store
-    that was written before there were digests of its documents gets them, where nothing is damaged. Numbers, tables and
+    that was written before there were digests of its documents gets them, where nothing is damaged. Splits that are
+    gone with all their files leave the list of splits. Numbers, tables and
     images that are lost stay lost: those findings remain, and the recordings are the place to take them from.
 
     Parameters
@@ -65,11 +68,32 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
             mended += _mark_broken(folder, manifest)
         if not broken and not list(manifest_findings(manifest)):
             refresh_card(folder, manifest)
+        mended += _splits_listed(folder)
     findings = check(folder, decode=decode, progress=progress)
     if "documents" not in manifest and not any(finding.severity == "damage" for finding in findings):
         mended.append(_recorded(folder))
         findings = [finding for finding in findings if (finding.code, finding.stream) != ("store-no-digest", MANIFEST)]
     return [*mended, *findings]
+
+
+def _splits_listed(folder: Path) -> list[Finding]:
+    """The list of splits names those that are there; a store without a list needs none."""
+    place = folder / MADE_SPLITS
+    if not place.is_file():
+        return []
+    try:
+        listed = made_names(place.read_bytes())
+    except SchemaError:
+        write_names(folder, names_on_disk(folder))
+        return [_mended(f"{MADE_SPLITS} was written anew")]
+    files = {one.name for one in (folder / "splits").glob("*")}
+    gone = [name for name in listed if not {f"{name}.json", f"{name}.parquet"} & files]
+    if not gone:
+        return []
+    write_names(folder, sorted({*listed} - {*gone}))
+    return [
+        _mended(f"{counted(len(gone), 'split')} that are gone left the list of splits: {', '.join(gone)}", len(gone))
+    ]
 
 
 def _recorded(folder: Path) -> Finding:

@@ -10,12 +10,15 @@ from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal
-from tactiledata.errors import NotFetched, SchemaError, TactileDataError
+from tactiledata.contract.wording import counted
+from tactiledata.errors import MissingFile, NotFetched, SchemaError, TactileDataError
+from tactiledata.store.layout.made_splits import made_names
+from tactiledata.store.layout.places import MADE_SPLITS
 from tactiledata.store.read.reader import Store
 
 
 def split_findings(store: Store) -> Iterator[Finding]:
-    """Tables of splits that are missing or changed, and tables that no document vouches for."""
+    """Splits that are gone or whose files were changed, and tables that no document vouches for."""
     files = store.names("splits")
     vouched, unsealed = set(), []
     for name in files:
@@ -34,7 +37,8 @@ def split_findings(store: Store) -> Iterator[Finding]:
             vouched |= {table["file"]} if table else set()
             fault = _table_fault(store, files, table["file"], table["sha256"]) if table else ""
         except NotFetched as error:
-            fault = error.found
+            yield Finding("store-split", "damage", error.found, stream=name)
+            continue
         except (ValueError, TypeError, KeyError, RecursionError, TactileDataError):
             fault = f"splits/{name} cannot be read"
         if fault:
@@ -46,6 +50,29 @@ def split_findings(store: Store) -> Iterator[Finding]:
         if name.endswith(".parquet") and name not in vouched:
             message = f"splits/{name} has no document that vouches for it; draw the split anew"
             yield Finding("store-split", "damage", message, stream=name)
+    yield from _gone(store, files)
+
+
+def _gone(store: Store, files: list[str]) -> Iterator[Finding]:
+    """Splits that were made of the store and have no file any more; and a list of splits that cannot be read."""
+    try:
+        made = made_names(store.read_file(MADE_SPLITS))
+    except MissingFile:  # no split yet, or made before there was a list
+        return
+    except NotFetched:  # said by what looks for pointers
+        return
+    except SchemaError as error:
+        yield Finding("store-split", "damage", str(error), stream=MADE_SPLITS)
+        return
+    gone = [name for name in made if not {f"{name}.json", f"{name}.parquet"} & set(files)]
+    if gone:
+        message = (
+            f"{counted(len(gone), 'split')} that {'was' if len(gone) == 1 else 'were'} made of the store "
+            f"{'is' if len(gone) == 1 else 'are'} gone, table and document: {', '.join(gone)}; take the files from a "
+            "copy, or draw the split anew with the same options. If it was taken out on purpose, `check --repair` "
+            "takes it off the list"
+        )
+        yield Finding("store-split-gone", "warning", message, stream=MADE_SPLITS, count=len(gone))
 
 
 def _damage(fault: str, name: str) -> Finding:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError
@@ -29,7 +30,7 @@ def _part_findings(store: Store, table: str) -> Iterator[Finding]:
         try:
             digest = bytes_digest(store.read_file(path))
         except (TactileDataError, OSError) as error:
-            yield Finding("store-part", "damage", f"{path} cannot be read: {error}", stream=table)
+            yield Finding("store-part", "damage", f"{path} cannot be read: {without_remedy(error)}", stream=table)
             continue
         if digest != part["sha256"]:
             message = f"{path} is not the file that the manifest names (SHA-256 {digest[:12]}…)"
@@ -41,7 +42,7 @@ def _content_findings(store: Store, table: str) -> Iterator[Finding]:
     try:
         rows = store.table(table)
     except TactileDataError as error:
-        yield Finding("store-part", "damage", str(error), stream=table)
+        yield Finding("store-part", "damage", without_remedy(error), stream=table)
         return
     for name in TABLE_SCHEMAS[table].names:
         empty = rows[name].null_count

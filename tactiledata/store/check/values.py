@@ -9,6 +9,7 @@ from typing import Any
 import google_crc32c
 import numpy as np
 
+from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError
 from tactiledata.store.layout.places import (
@@ -130,5 +131,5 @@ def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop
                     return "times run backwards"
                 last = block[-1]
     except (TactileDataError, OSError) as error:
-        return str(error)
+        return without_remedy(error)
     return "" if crc == expected else "the numbers do not fit their CRC-32C"

@@ -72,7 +72,7 @@ def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bo
     refuse_pointer_bytes(content, where)
     try:
         manifest = json.loads(content)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise StoreError(
             f"{where} is not JSON: {error}",
             "the manifest of a store",
@@ -96,7 +96,7 @@ def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bo
             "damage.",
         )
     if checked:
-        _check(manifest, where)
+        _check(content, manifest, where)
     return manifest
 
 
@@ -109,7 +109,15 @@ CHECKED_ENTRIES = 100
 """Entries of the long lists that are held against the schema at every opening; `check` looks at all of them."""
 
 
-def _check(manifest: Manifest, where: str) -> None:
+_FITTING: dict[str, None] = {}
+"""Digests of manifests that this process has held against the schema already."""
+MAX_FITTING = 1024
+
+
+def _check(content: bytes, manifest: Manifest, where: str) -> None:
+    digest = bytes_digest(content)
+    if digest in _FITTING:
+        return
     sources = manifest.get("sources")
     shortened = {**manifest, "sources": sources[:CHECKED_ENTRIES] if isinstance(sources, list) else sources}
     try:
@@ -121,6 +129,9 @@ def _check(manifest: Manifest, where: str) -> None:
             "Run `tactiledata check` on the store.",
             **error.facts,
         ) from error
+    if len(_FITTING) >= MAX_FITTING:
+        _FITTING.clear()
+    _FITTING[digest] = None
 
 
 def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
@@ -60,10 +61,15 @@ def card(store_path: Path, manifest: Mapping[str, Any]) -> str:
 
 def _simulated(store_path: Path, manifest: Mapping[str, Any]) -> list[str]:
     folder = store_path / table_folder("sources")
-    tables = [pq.read_table(folder / part["file"], columns=["description"]) for part in manifest["index"]["sources"]]
-    kinds = [kind for table in tables for kind in kinds_of(table["description"].to_pylist())]
+    columns = [_column(folder / part["file"], "description") for part in manifest["index"]["sources"]]
+    kinds = [kind for column in columns for kind in kinds_of(column.to_pylist())]
     sentence = SimulatedCount.of(kinds).sentence
     return [sentence, ""] if sentence else []
+
+
+def _column(part: Path, name: str) -> pa.ChunkedArray:
+    with pq.ParquetFile(part) as part_file:
+        return part_file.read(columns=[name])[name]
 
 
 def _counts(store_path: Path, manifest: Mapping[str, Any]) -> list[Counter[str]]:
@@ -72,7 +78,7 @@ def _counts(store_path: Path, manifest: Mapping[str, Any]) -> list[Counter[str]]
     for table, column in wanted:
         counter: Counter[str] = Counter()
         for part in manifest["index"][table]:
-            values = pq.read_table(store_path / table_folder(table) / part["file"], columns=[column])[column]
+            values = _column(store_path / table_folder(table) / part["file"], column)
             counter.update({entry["values"].as_py(): entry["counts"].as_py() for entry in pc.value_counts(values)})
         counters.append(counter)
     return counters

@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from tactiledata.contract.atomic import readable_json, write_atomic
+from tactiledata.contract.lfs_pointer import not_fetched
 from tactiledata.contract.provenance import bytes_digest, digest_of
 from tactiledata.errors import MissingFile, NotFetched, StoreError, TactileDataError
 from tactiledata.store.layout.manifest import Manifest, read_manifest
@@ -17,6 +18,7 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.write.recover import array_lengths, array_paths, is_interrupted, sensors_before
 
 GROUP = "zarr.json"
+POINTER = "is a Git LFS pointer, not the file"
 
 
 def document_paths(manifest: Mapping[str, Any]) -> list[str]:
@@ -66,7 +68,7 @@ def document_faults(store: Store) -> Iterator[tuple[str, str]]:
             yield path, "is missing"
             continue
         except NotFetched:
-            yield path, "is a Git LFS pointer, not the file"
+            yield path, POINTER
             continue
         if path not in recorded:
             yield path, "has no digest in the manifest"
@@ -118,6 +120,8 @@ def need_whole_documents(store: Store) -> None:
     ------
     StoreError
         One does not.
+    NotFetched
+        The first that does not is a Git LFS pointer.
     """
     faults = [(path, f"{path} {fault}") for path, fault in document_faults(store) if path != CARD]
     if "documents" not in store.manifest:
@@ -125,6 +129,8 @@ def need_whole_documents(store: Store) -> None:
         faults = [(sensors_path(home_of(store.manifest)), fault) for _, fault in sensor_faults(store)]
     if faults:
         path, fault = faults[0]
+        if fault.endswith(POINTER):
+            raise not_fetched(f"{store.location}/{path}")
         raise StoreError(
             f"the store {store.location} is damaged: {fault}" + (f"; {len(faults) - 1} more" if faults[1:] else ""),
             "the documents that the manifest names",

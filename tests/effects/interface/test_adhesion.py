@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tactiledata.effects.interface.adhesion import AFTER_SHEAR, jkr_force, punch_force, tip_radius
 from tactiledata.effects.touch.response import ContactResponse
@@ -117,3 +118,78 @@ def test_free_air_is_left_alone(touch, play, moved):
     """A path that never touches has no pull."""
     path = moved(touch, np.arange(9.0), np.linspace(-3e-4, -1e-6, 9))
     assert (play("adhesion", on=path, work=2.0).wrench == 0).all()
+
+
+class Tip:
+    """An indenter of a given height."""
+
+    def __init__(self, height):
+        self.height = height
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, np.pi / 2])
+def test_a_tip_that_curves_one_way_only_has_half_the_curvature(turn):
+    """The mean of x^2 / 2 R over a circle is that of a ball of 2 R, however the ridge lies; a saddle is flat."""
+    ridge = Tip(lambda x, y: (x * np.cos(turn) + y * np.sin(turn)) ** 2 / (2 * 0.004))
+    assert tip_radius(ridge, 1e-4) == pytest.approx(0.008)
+    assert tip_radius(Tip(lambda x, y: (x**2 - y**2) / (2 * 0.004)), 1e-4) == np.inf
+
+
+def test_where_a_body_ends_its_tip_is_what_is_left_of_it():
+    """Directions without a body do not count; a body narrower than the circle is flat."""
+    half = Tip(lambda x, y: np.where(x > -1e-9, (x**2 + y**2) / (2 * 0.004), np.inf))
+    assert tip_radius(half, 1e-4) == pytest.approx(0.004)
+    assert tip_radius(Tip(lambda x, y: np.full_like(x, np.inf)), 1e-4) == np.inf
+
+
+@pytest.mark.parametrize("depth", [-1.4e-5, 0.0, 1e-5, 5e-4, 2e-3])
+def test_jkr_is_exact(depth):
+    """To double precision: with the radius of the contact that gives the depth, found by bisection."""
+    pull = np.sqrt(2 * np.pi * WORK / MODULUS)
+    a = brentq(lambda a: a**2 / RADIUS - pull * np.sqrt(a) - depth, (RADIUS * pull / 4) ** (2 / 3), 0.05, xtol=1e-18)
+    wanted = 4 * MODULUS * a**3 / (3 * RADIUS) - np.sqrt(8 * np.pi * WORK * MODULUS * a**3)
+    assert jkr_force(np.array([depth]), RADIUS, MODULUS, np.array([WORK]))[0] == pytest.approx(wanted, rel=1e-10)
+
+
+def test_twelve_hundredths_of_the_work_are_left_after_shear():
+    """As the reference measured."""
+    assert AFTER_SHEAR == 0.12
+
+
+def on_half_space(touch):
+    """E* of the touch's gel, and Hertz's force on it by depth, for its ball of 4 mm."""
+    modulus = touch.material.youngs_modulus / (1 - touch.material.poisson_ratio**2)
+    return modulus, lambda depth: 4 / 3 * modulus * np.sqrt(0.004) * np.maximum(depth, 0.0) ** 1.5
+
+
+def test_leaving_begins_on_the_line_of_a_contact_that_keeps_its_area(touch, play, moved):
+    """After the deepest frame the force falls by 2 E* sqrt(R d) times the way, until it meets the curve of JKR."""
+    depth = np.array([0.0, 5e-4, 4.6e-4, 4e-4, 4.8e-4])
+    path = moved(touch, np.arange(5.0), depth)
+    pull = (play("adhesion", on=path, work=WORK).wrench - play(on=path).wrench)[:, 2]
+    modulus, hertz = on_half_space(touch)
+    line = hertz(5e-4) - 2 * modulus * np.sqrt(0.004 * 5e-4) * (5e-4 - depth) - hertz(depth)
+    curve = jkr_force(depth, 0.004, modulus, np.full(5, WORK)) - hertz(depth)
+    np.testing.assert_allclose(pull[:2], 0.0, atol=1e-12)
+    np.testing.assert_allclose(pull[2:], np.maximum(line, curve)[2:], rtol=1e-3)
+    assert line[2] > curve[2]
+    assert line[3] < curve[3]
+
+
+def test_a_contact_that_has_parted_pulls_again_only_in_the_next_touch(touch, play, moved):
+    """Back within reach of the pull, but not in touch, there is none; in a touch of its own the same press pulls."""
+    depth = np.array([0.0, 3e-4, -3e-6, -3e-4, -3e-6, 4e-4, 3.9e-4])
+    path = moved(touch, np.arange(7.0), depth)
+    pull = (play("adhesion", on=path, work=WORK).wrench - play(on=path).wrench)[:, 2]
+    assert pull[2] < -1e-3
+    assert (pull[3:] == 0).all()
+    again = moved(touch, np.arange(3.0), depth[4:])
+    assert (play("adhesion", on=again, work=WORK).wrench - play(on=again).wrench)[2, 2] < -1e-4
+
+
+def test_a_flat_punch_pulls_in_proportion_to_its_height():
+    """2 E* a d above the surface, as far as Kendall's force; a smaller work holds less far."""
+    depth = np.array([1e-4, 0.0, -1e-6, -1e-5, -1e-3])
+    force = punch_force(depth, 0.003, MODULUS, np.full(5, WORK))
+    np.testing.assert_allclose(force, [0.0, 0.0, -2e-6 * MODULUS * 0.003, -2e-5 * MODULUS * 0.003, 0.0])
+    assert punch_force(depth, 0.003, MODULUS, np.full(5, 1e-9))[3] == 0.0

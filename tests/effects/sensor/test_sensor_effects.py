@@ -217,3 +217,37 @@ def test_a_knee_of_nothing_is_a_hard_limit():
     force = np.linspace(-9.0, 9.0, 181)
     np.testing.assert_array_equal(limited(force, 5.0, 0.0), np.clip(force, -5.0, 5.0))
     np.testing.assert_allclose(limited(force, 5.0, 1e-4), np.clip(force, -5.0, 5.0), atol=5.0 * 1e-4)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_without_a_dead_band_no_bit_of_a_reading_changes(noise):
+    """The sign of a zero stays, too."""
+    rows = np.array([[-0.0, 0.0, 1e-3, -0.25]])
+    assert mean_reading(rows, 0.0, noise).tobytes() == rows.tobytes()
+
+
+def test_the_ends_of_a_dead_band_are_read():
+    """Within the open band a single reading is 0; at its ends it is what it is."""
+    rows = np.array([[-0.25, -0.24, 0.24, 0.25]])
+    assert mean_reading(rows, 0.25, 0.0).tolist() == [[-0.25, 0.0, 0.0, 0.25]]
+
+
+@pytest.mark.parametrize(
+    ("away", "is_biased"), [(-2.01, False), (-1.99, True), (0.0, True), (1.99, True), (2.01, False)]
+)
+def test_noise_biases_up_to_two_deviations_from_an_end(away, is_biased):
+    """Inwards at both ends of the range; beyond, and in the middle, a frame was not chosen by noise."""
+    low, high = selection_bias(np.array([1.0 + 0.1 * away, 13.0 - 0.1 * away]), 0.1, 1.0, 13.0)
+    assert (low > 1e-4) == (is_biased or away == 2.01)
+    assert high == pytest.approx(-low, abs=1e-12)
+
+
+@pytest.mark.parametrize(("frames", "force"), [(1, 0.0), (2, 0.0), (3, -0.125)])
+def test_of_less_than_three_frames_no_acceleration_is_known(touch, play, moved, frames, force):
+    """Three frames, 0.25 and 0.75 m apart, have speeds of 0.25, 0.5 and 0.75 m/s: a quarter of a m/s^2."""
+    seconds = np.arange(float(frames))
+    path = moved(touch, seconds, np.full(frames, -1.0), x=0.25 * seconds**2)
+    wrench = play("inertia", on=path, mass=0.5).wrench
+    assert wrench.shape == (frames, 6)
+    assert wrench[frames // 2, 0] == pytest.approx(force)
+    assert bool(wrench.any()) == (frames == 3)

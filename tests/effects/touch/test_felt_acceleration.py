@@ -5,10 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tactiledata.effects.touch.felt_acceleration import DAMPING, FREQUENCIES, RATE, felt_accelerations, felt_at
+from tactiledata.effects.touch.felt_acceleration import DAMPING, FREQUENCIES, RATE, _mode, felt_accelerations, felt_at
 from tactiledata.errors import UsageError
 
 FRAMES = np.arange(1.02, 2.0, 0.013)
+
+
+@pytest.fixture(autouse=True)
+def _fresh_filters():
+    """Each test designs the filters that it uses."""
+    _mode.cache_clear()
 
 
 def stream(seconds, way):
@@ -88,3 +94,52 @@ def test_inertia_is_what_is_felt_times_mass(touch, play):
     assert (change[:, 3:] == 0).all()
     with pytest.raises(UsageError, match="felt_accelerations"):
         dataclasses.replace(touch, felt_accelerations=felt[:, :3])
+
+
+def test_the_filter_of_a_mode_is_designed_once():
+    """Recordings have thousands of touches, each with all modes."""
+    assert _mode(7.5) is _mode(7.5)
+
+
+def test_positions_at_the_rate_of_integration_are_answered_exactly():
+    """Straight pieces of 2 ms, with a tenth of the critical damping: the closed form, to rounding, in every mode."""
+    seconds = np.arange(1251) / 500.0
+    frames = seconds[[5, 100, 500, 501, 750, 1000, 1250]]
+    felt = felt_accelerations(frames, *stream(seconds, 3e-3 * np.minimum(seconds, 1.0)))
+    for column, frequency in enumerate(FREQUENCIES):
+        w = 2 * np.pi * frequency
+        damped = w * np.sqrt(0.99)
+        starts = [np.where(t > 0, np.exp(-0.1 * w * t) * np.sin(damped * t), 0.0) for t in (frames, frames - 1.0)]
+        expected = 3e-3 * w * w / damped * (starts[0] - starts[1])
+        np.testing.assert_allclose(felt[:, column], np.outer(expected, [0.6, 0.0, -0.8]), atol=1e-8)
+
+
+@pytest.mark.parametrize(("gap", "goes_on"), [(1.9, True), (2.1, False)])
+def test_after_two_seconds_without_a_position_a_mode_starts_anew(gap, goes_on):
+    """A tip that moved on meanwhile is felt to have moved only where the gap is shorter."""
+    before = np.arange(501) / 500.0
+    seconds = np.concatenate([before, before + 1.0 + gap])
+    way = np.concatenate([np.zeros(501), np.full(501, 5e-3)])
+    felt = felt_accelerations(1.0 + gap + np.array([0.01, 0.05]), *stream(seconds, way))
+    assert felt.any() == goes_on
+
+
+def test_frames_up_to_two_seconds_after_the_last_position_still_ring():
+    """Later ones are at rest, and so are those before the first."""
+    seconds = np.arange(501) / 500.0
+    frames = np.array([-0.1, 1.5, 2.9, 3.1])
+    felt = felt_accelerations(frames, *stream(seconds, 3e-3 * seconds))
+    assert [bool(row.any()) for row in felt] == [False, True, True, False]
+
+
+def test_the_modes_are_a_twentieth_apart():
+    """From 6 to 40 Hz, each 5 per cent above the one before, to the rounding of two decimals."""
+    assert (FREQUENCIES[0], FREQUENCIES[-1]) == (6.0, 40.0)
+    np.testing.assert_allclose(np.divide(FREQUENCIES[1:], FREQUENCIES[:-1]), 1.0512, atol=2e-3)
+
+
+@pytest.mark.parametrize(("asked", "column"), [(6.0, 0), (5.0, 0), (40.0, 38), (50.0, 38)])
+def test_beyond_the_modes_the_outermost_is_felt(asked, column):
+    """Below 6 Hz that of 6 Hz, above 40 Hz that of 40 Hz."""
+    felt = np.random.default_rng(2).normal(size=(3, 39, 3))
+    np.testing.assert_allclose(felt_at(felt, asked), felt[:, column], atol=1e-12)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
 from tactiledata.effects.interface.partial_slip import slip_levels
 from tactiledata.effects.touch.last_move import SLOWEST as STANDING
 from tactiledata.effects.touch.last_move import WAYS
@@ -180,3 +181,97 @@ def test_slip_levels_are_equal_parts_of_mindlins_distribution():
     for stretch in (0.1, 0.5, 1.0, 1.4):
         wanted = 1 - (1 - 2 * stretch / 3) ** 1.5
         assert np.minimum(levels, stretch).mean() == pytest.approx(wanted, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("length", "took"),
+    [
+        (WAYS[0] / 2, 1.0),
+        (np.sqrt(WAYS[2] * WAYS[3]), 3.5),
+        (WAYS[2] ** 0.25 * WAYS[3] ** 0.75, 3.75),
+        (WAYS[5], 6.0),
+        (2 * WAYS[5], 6.0),
+    ],
+)
+def test_ages_lie_between_those_of_the_ways_next_to_the_length(touch, moved, play, length, took):
+    """In proportion to the logarithm; below the first way and beyond the last, of these; all less the rest."""
+    path = slide(touch, moved, np.linspace(0.0, 40e-3, 41), speed=1e-2)
+    ways = np.tile(np.arange(1.0, 7.0), (len(path), 1))
+    rest = np.full(len(path), 0.05)
+    path = dataclasses.replace(path, pace=np.full(len(path), 1e-2), rest=rest, last_ways=ways)
+    factor = play("static_friction", on=path, ageing=0.1, length=length, time=0.05).friction[-1]
+    assert factor == pytest.approx(1 + 0.1 * np.log10((0.05 + took - 0.05 + _kept(length)) / (0.05 + length / 1e-3)))
+
+
+def _kept(length):
+    """What is left of the rest after each of many moves of a millimetre, which adds to the age."""
+    return 0.05 / (np.exp(1e-3 / length) - 1.0)
+
+
+def test_below_a_thousandth_of_its_speed_friction_stays_as_it_is_there(touch, moved, play):
+    """Four decades below v0 it is 1 - 3 beta; a little above three decades, in frames alone, it is on the law."""
+    stated = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=1e-3)
+    stated = dataclasses.replace(stated, pace=np.full(len(stated), 1e-7), rest=np.zeros(len(stated)))
+    assert play("rate_friction", on=stated, beta=0.1, speed=1e-3).friction[-1] == pytest.approx(0.7)
+    near = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=2e-6)
+    wanted = 1 + 0.1 * np.log10(2e-3)
+    assert play("rate_friction", on=near, beta=0.1, speed=1e-3).friction[-1] == pytest.approx(wanted)
+
+
+def test_before_any_move_friction_is_as_simulated(touch, moved, play):
+    """A press that never slides, and a slide slower than a thousandth of v0, have no speed of their own."""
+    still = moved(touch, np.arange(4.0), np.full(4, DEPTH))
+    assert play("rate_friction", on=still, beta=0.1).friction.tolist() == [1.0] * 4
+    slow = slide(touch, moved, np.linspace(0.0, 4e-6, 41), speed=0.9e-6)
+    assert set(play("rate_friction", on=slow, beta=0.1).friction) == {1.0}
+    stands = dataclasses.replace(still, pace=np.zeros(4), rest=np.ones(4))
+    assert play("rate_friction", on=stands, beta=0.1).friction.tolist() == [1.0] * 4
+
+
+def test_partial_slip_asks_for_eight_parts(touch, play, moved):
+    """Beside the answer before it, so that a touch costs nine."""
+    asked = []
+
+    class Counted(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            asked.append(friction[0])
+            return super().respond(offset, shift, friction)
+
+    play("partial_slip", on=slide(touch, moved, np.linspace(0.0, 1e-3, 5)), base=Counted, share=0.5)
+    assert len(asked) == 9
+    np.testing.assert_allclose(sorted(asked), sorted([1.0, *slip_levels(8)]))
+
+
+def test_without_load_no_friction_is_changed_by_area(touch, moved, play):
+    """In free air, and at the surface, the factor is 1; without friction there is nothing to change."""
+    path = moved(touch, np.arange(3.0), np.array([-1e-3, 0.0, DEPTH]))
+    factor = play("area_friction", on=path, shear_strength=1e5).friction
+    assert factor[:2].tolist() == [1.0, 1.0]
+    assert factor[2] != 1.0
+    smooth = dataclasses.replace(path, material=dataclasses.replace(path.material, friction=0.0))
+    assert play("area_friction", on=smooth, shear_strength=1e5).friction.tolist() == [1.0, 1.0, 1.0]
+
+
+def test_a_contact_that_pulls_has_no_pressure_to_judge_by(touch, moved, play):
+    """Touching under a pull, or under nothing, friction is as simulated."""
+    path = moved(touch, np.arange(3.0), np.full(3, DEPTH))
+
+    class Pulling(BallOnLayer):
+        def respond(self, offset, shift, friction):
+            answer = super().respond(offset, shift, friction)
+            wrench = answer.wrench.copy()
+            wrench[1:, 2] = [-1.0, 0.0]
+            return dataclasses.replace(answer, wrench=wrench)
+
+    factor = play("area_friction", on=path, base=Pulling, shear_strength=1e5).friction
+    assert factor[0] != 1.0
+    assert factor[1:].tolist() == [1.0, 1.0]
+
+
+def test_an_age_of_nothing_is_that_of_the_pace(touch, moved, play):
+    """Where the last way took no time that is known, a slide at v0 is as old as length / v0, and rubs as simulated."""
+    path = slide(touch, moved, np.linspace(0.0, 40e-3, 41))
+    still = np.zeros(len(path))
+    path = dataclasses.replace(path, pace=still + 1e-3, rest=still, last_ways=np.zeros((len(path), len(WAYS))))
+    factor = play("static_friction", on=path, ageing=0.1, length=1e-4, time=0.05).friction
+    assert factor[-1] == pytest.approx(1.0, abs=1e-9)

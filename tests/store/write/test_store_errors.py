@@ -44,6 +44,7 @@ def test_opening_nothing(tmp_path: Path) -> None:
     ("content", "match"),
     [
         (b"", "not JSON"),
+        (b"[" * 100_000, "not JSON"),
         (b"[]", "format"),
         (b'{"format": "lerobot/3"}', "format"),
         (b'{"format": "tactiledata-store/2"}', "newer"),

@@ -1,0 +1,45 @@
+"""Notes on what took no part in the diagnosis of a store: trajectories, frames and effects, and why."""
+
+from __future__ import annotations
+
+from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
+from tactiledata.diagnose.residuals.wording import percent
+from tactiledata.effects import EFFECTS
+
+_NEEDS = {
+    "joints": "the joints' angles",
+    "gravity": "how the sensor is turned",
+    "powered": "when the sensor was switched on (power_on_ns in log.yaml)",
+    "selection": "a range of forces to which they were cut",
+    "earlier_depth": "what was done to the gel before",
+    "earlier_contacts": "what was done to the gel before",
+}
+"""What recordings must state for an effect to be tried, in words."""
+
+
+def notes_of(done: StoreDiagnosis) -> list[str]:
+    """Return notes on trajectories, frames and effects that took no part, and why."""
+    # trajectories and frames
+    played = done.played
+    notes = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
+    frames = played.frames
+    if frames.lost:
+        notes.append(
+            f"{frames.lost} frames, with {percent(frames.force_lost)} of the squared force, take no part: without pose"
+            " or wrench, or the gel could not be solved there"
+        )
+    if frames.estimated:
+        notes.append(
+            f"{frames.estimated} frames could not be solved at some parameters of the gel and are interpolated there"
+        )
+    # effects that were not tried, by reason
+    by_reason: dict[str, list[str]] = {}
+    chosen = done.options.effects
+    for name, reason in played.not_played.items():
+        if chosen and name not in chosen:
+            continue
+        by_reason.setdefault(reason, []).append(EFFECTS[name]().title)
+    for name in done.naming.not_tried:
+        needed = " and ".join(_NEEDS.get(need, need) for need in EFFECTS[name].needs)
+        by_reason.setdefault(f"the recordings do not state {needed}", []).append(EFFECTS[name]().title)
+    return notes + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]

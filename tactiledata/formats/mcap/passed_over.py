@@ -1,0 +1,44 @@
+"""Topics that could be a stream which a recording otherwise lacks, and are not read: said by name, not passed over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tactiledata.contract.records import Finding
+from tactiledata.formats.mcap.roles import IMAGE_KINDS, KINDS_OF_SIGNAL, TF_KIND, Roles, Topic
+
+STREAMS = {
+    "wrench": tuple(KINDS_OF_SIGNAL["wrench"]),
+    "tcp": tuple(kind for kind in KINDS_OF_SIGNAL["tcp"] if kind != TF_KIND),
+    "images": IMAGE_KINDS,
+}
+"""Types of message that are a whole stream; a tree of transforms holds many poses and may hold none of the tool."""
+MOST_NAMES = 4
+
+
+def passed_over(topics: Iterable[Topic], roles: Roles, n_messages: dict[str, int]) -> list[Finding]:
+    """A finding for each stream that no topic is read as, although topics of its type hold messages.
+
+    Parameters
+    ----------
+    topics : iterable of Topic
+    roles : Roles
+        What is read.
+    n_messages : dict of topic to int
+        Messages of each topic as the file counts them; a topic that is not in it may hold some.
+    """
+    read = {role.name for role in roles.signals} | ({"images"} if roles.images else set())
+    left = [topic for topic in topics if topic.name not in roles.topics and n_messages.get(topic.name, 1)]
+    found = []
+    for stream, kinds in STREAMS.items():
+        names = sorted(topic.name for topic in left if topic.kind in kinds)
+        if stream in read or not names:
+            continue
+        listed = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
+        why = "its name says" if len(names) == 1 else "their names say"
+        text = (
+            f"nothing is read as {stream}, and {listed} could be it: {why} too little. Name the topic in a mapping: "
+            "`tactiledata inspect PATH --suggest-mapping` writes one to start from"
+        )
+        found.append(Finding("topic-left", "warning", text, count=len(names)))
+    return found

@@ -1,0 +1,74 @@
+"""What ends a worker, piece by piece, without starting one."""
+
+import signal
+import threading
+from multiprocessing import Pipe
+
+import pytest
+
+from tactiledata.contract import worker_pool as module
+
+
+class Pool:
+    """A pool that starts nothing and notes how it was shut down."""
+
+    made = None
+
+    def __init__(self, workers, context, prepare, given):
+        self.workers, self.prepare, self.watched = workers, prepare, given[0]
+        self.shut = []
+        Pool.made = self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.shut.append("waited")
+
+    def shutdown(self, wait=True, cancel_futures=False):
+        # the other end of the pipe is closed by now: a worker that waits for it ends
+        self.shut.append((wait, cancel_futures, self.watched.poll(0)))
+
+
+@pytest.fixture
+def pool(monkeypatch):
+    monkeypatch.setattr(module, "ProcessPoolExecutor", Pool)
+
+
+def test_an_error_ends_workers_at_once(pool):
+    """The pipe is closed, tasks that wait are dropped, nobody is waited for, and the error goes on."""
+    block = module.worker_pool(3)
+    made = block.__enter__()
+    assert made.workers == 3
+    assert not made.watched.poll(0)
+    stopped = KeyboardInterrupt()
+    # it does not swallow the error
+    assert not block.__exit__(KeyboardInterrupt, stopped, None)
+    assert Pool.made.shut[0] == (False, True, True)
+
+
+def test_a_block_that_ends_well_waits(pool):
+    """Without an error the pool is left as pools are: tasks that were submitted are finished."""
+    with module.worker_pool(1) as made:
+        pass
+    assert made.shut == ["waited"]
+
+
+def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
+    """It waits while the other end is held, ignores interrupts of the terminal, and never keeps a process alive."""
+    ended, handled = [], []
+    monkeypatch.setattr(module.os, "_exit", ended.append)
+    monkeypatch.setattr(module.signal, "signal", lambda *given: handled.append(given))
+    watched, held = Pipe(duplex=False)
+    before = set(threading.enumerate())
+    with watched:
+        module._end_with_parent(watched)
+        (thread,) = set(threading.enumerate()) - before
+        assert thread.daemon
+        thread.join(0.05)
+        assert thread.is_alive()
+        assert ended == []
+        held.close()
+        thread.join(10)
+    assert ended == [1]
+    assert handled == [(signal.SIGINT, signal.SIG_IGN)]
