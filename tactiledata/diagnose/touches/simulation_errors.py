@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactiledata.arrays import Array, Indices
+from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.residuals.history import largest_so_far
 from tactiledata.nuisance.numerical import LAW_ERROR, SHAPE_ERROR
 
@@ -136,11 +136,13 @@ class _Contact:
         return np.column_stack([none, none, none, dy * fz, -dx * fz, dx * fy - dy * fx])
 
 
-def _directions(contact: _Contact, growth: Array, unloaded: Array) -> list[Array]:
+def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -> list[Array]:
     """Changes (N, 6) of the wrench by errors of size 1 of one indenter, or of all of them, in the order of ``KINDS``.
 
     Parameters
     ----------
+    rows : (N,) bool
+        Frames of the indenter.
     growth : (N,)
         Logarithm of the force over its typical one.
     unloaded : (N,)
@@ -152,7 +154,8 @@ def _directions(contact: _Contact, growth: Array, unloaded: Array) -> list[Array
     slides = size >= SLIDING * contact.limit
     used = np.divide(size, contact.limit, out=np.zeros_like(size), where=contact.limit > 0)
     sticking, sliding = (contact.sheared(shear * flag[:, None]) for flag in (~slides, slides))
-    bend = growth**2 - float(np.mean(growth[load > 0] ** 2)) if (load > 0).any() else growth
+    touched = rows & (load > 0)
+    bend = growth**2 - float(np.mean(growth[touched] ** 2)) if touched.any() else growth
     none = np.zeros_like(load)
     pushed = np.column_stack([none, none, load * np.minimum(used, 1.0) ** 2, none, none, none])
     factors = (growth, bend, unloaded)
@@ -276,8 +279,9 @@ def error_wrenches(
     units: list[Array] = []
     for number in range(len(names)):
         rows = owner == number
-        units += [unit * rows[:, None] for unit in _directions(whole, growth(rows), unloaded)]
-    together = _directions(whole, growth(np.ones(len(load), dtype=bool)), unloaded)
+        units += [unit * rows[:, None] for unit in _directions(whole, rows, growth(rows), unloaded)]
+    every = np.ones(len(load), dtype=bool)
+    together = _directions(whole, every, growth(every), unloaded)
     units += [unit for unit, kind in zip(together, KINDS, strict=True) if kind.is_common]
     deviations = [error.deviation for error in error_list(errors, names)]
     return np.stack(units, axis=2) * np.array(deviations)

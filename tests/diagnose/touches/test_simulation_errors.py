@@ -145,7 +145,6 @@ def test_errors_of_an_indenter_are_as_if_it_were_alone():
     np.testing.assert_allclose(found[:3, :, kept], fields()[:, :, kept], atol=1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="the mean of the curve is taken over the frames of all indenters")
 def test_the_curve_of_an_indenter_is_as_if_it_were_alone():
     """The curve has no mean over the frames of its own indenter, so that it is no factor on all of its forces."""
     found, _, _ = two_indenters()
