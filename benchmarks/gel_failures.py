@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from tactiledata.gel.elasticity.compliance import FactorisedPad
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines import finite_strain
 from tactiledata.gel.engines.fem import FemEngine
-from tactiledata.gel.mesh.structured_pad import pad_mesh
+from tactiledata.gel.mesh.structured_pad import GridPlan, pad_mesh, structured_pad
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.sensors.digit import DIGIT
 
@@ -46,6 +47,8 @@ TILT = np.radians(6.0)
 SPIN = np.radians(20.0)
 DOWN, ALONG = 5, 7
 """Frames of a touch: pressed down, then sheared out, back and across, while the depth changes a little."""
+COARSE = GridPlan(8, 9, 0.8e-3, (4.8e-3, 5.6e-3), (0.0, 0.5, 0.8, 1.0))
+"""The low pad with cells twice as wide: twenty times as quick, for a look after a change of the code."""
 BINS = (0.0, 0.3e-3, 0.6e-3, 0.9e-3, 1.3e-3)
 """m, between which depths are counted together."""
 
@@ -54,6 +57,7 @@ BINS = (0.0, 0.3e-3, 0.6e-3, 0.9e-3, 1.3e-3)
 class Case:
     """One touch of the set: its material, its poses (n, 4, 4), and how deep each frame is (n,), m."""
 
+    name: str
     indenter: str
     material: GelMaterial
     poses: Array
@@ -88,7 +92,7 @@ def drawn(name: str, ratio: float, seed: int, engine: FemEngine) -> Case:
     poses[:, 0, 3] += out * (shares * np.cos(way) - across * np.sin(way))
     poses[:, 1, 3] += out * (shares * np.sin(way) + across * np.cos(way))
     poses[:, 2, 3] -= depths
-    return Case(name, material, poses, depths)
+    return Case(f"{name} {ratio} {seed}", name, material, poses, depths)
 
 
 def depth_at_force(name: str, material: GelMaterial, base: Array, engine: FemEngine) -> float:
@@ -175,16 +179,23 @@ def shown(cases: list[Case], histories: list[GelHistory], seconds: list[float]) 
 def compared(path: Path, cases: list[Case], histories: list[GelHistory], seconds: list[float]) -> None:
     """Print how answers and times differ from those kept by another version."""
     with np.load(path) as kept:
-        before, then, its_seconds = kept["wrench"], kept["status"], kept["seconds"]
-    now = np.stack([history.wrench for history in histories])
-    status = np.stack([history.status for history in histories])
-    assert now.shape == before.shape, "kept answers are of another set"
+        before, then, its_seconds, its_names = kept["wrench"], kept["status"], kept["seconds"], kept["names"].tolist()
+    # touches that both have played
+    chosen = [place for place, case in enumerate(cases) if case.name in its_names]
+    kept_places = [its_names.index(cases[place].name) for place in chosen]
+    before, then, its_seconds = before[kept_places], then[kept_places], its_seconds[kept_places]
+    now = np.stack([histories[place].wrench for place in chosen])
+    status = np.stack([histories[place].status for place in chosen])
+    spent = np.array(seconds)[chosen]
     both = (status == FrameStatus.SOLVED) & (then == FrameStatus.SOLVED)
     # only frames before the first failure of either have the same path behind them
     failed = (status == FrameStatus.NOT_CONVERGED) | (then == FrameStatus.NOT_CONVERGED)
     same = both & (np.cumsum(failed, axis=1) == 0)
     moved = np.linalg.norm((now - before)[..., :3], axis=-1) / np.nanmax(np.abs(before[..., 2]), axis=1)[:, None]
     changes = moved[same]
+    if not same.any():
+        print(f"against {path.name}: no frame has the same path behind it")
+        return
     print(
         f"against {path.name}: {int((failed & (then == FrameStatus.NOT_CONVERGED)).sum())} frames failed there;"
         f" forces of {same.sum()} frames with the same path move by {100 * np.median(changes):.4f} % of the touch's"
@@ -192,11 +203,11 @@ def compared(path: Path, cases: list[Case], histories: list[GelHistory], seconds
         f" most; the same to 1e-9: {100 * (changes < 1e-9).mean():.1f} %"
     )
     whole = ~(then == FrameStatus.NOT_CONVERGED).any(axis=1)
-    ratio = np.array(seconds)[whole] / its_seconds[whole]
+    ratio = spent[whole] / its_seconds[whole]
     print(
         f"touches without failures there ({whole.sum()}): processor time {np.median(ratio):.2f} times as long in the"
-        f" median, {np.array(seconds)[whole].sum() / its_seconds[whole].sum():.2f} in all; all touches"
-        f" {sum(seconds) / its_seconds.sum():.2f}"
+        f" median, {spent[whole].sum() / its_seconds[whole].sum():.2f} in all; all touches"
+        f" {spent.sum() / its_seconds.sum():.2f}"
     )
 
 
@@ -206,23 +217,25 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--seed", type=int, default=0, help="of the first round; the next round has the next one")
     parser.add_argument("--ratios", type=float, nargs="+", default=list(RATIOS))
+    parser.add_argument("--coarse", action="store_true", help="a coarser pad")
     parser.add_argument("--save", type=Path)
     parser.add_argument("--against", type=Path)
     parser.add_argument("--verbose", action="store_true", help="one line a touch")
     options = parser.parse_args()
     header("the gel's failures", ["numpy", "scipy", "numba"])
     spent = Spent()
-    mesh = pad_mesh("digit", DIGIT.gel, "low")
+    mesh = structured_pad("coarse", DIGIT.gel, COARSE) if options.coarse else pad_mesh("digit", DIGIT.gel, "low")
     cases: list[Case] = []
     histories: list[GelHistory] = []
     seconds: list[float] = []
     for ratio in options.ratios:
-        linear = FemEngine(mesh, ratio, "linear")
+        engine = FemEngine(mesh, ratio)
+        # the same pad, with the other solver
+        linear = copy(engine)
+        linear.fidelity = "linear"
         chosen = [
             drawn(name, ratio, options.seed + number, linear) for number in range(options.rounds) for name in INDENTERS
         ]
-        del linear
-        engine = FemEngine(mesh, ratio)
         # what is compiled and read at the first touch is not counted
         first = chosen[0]
         played(engine, replace(first, poses=first.poses[:2]))
@@ -245,6 +258,7 @@ def main() -> None:
             status=[history.status for history in histories],
             iterations=[history.iterations for history in histories],
             seconds=seconds,
+            names=[case.name for case in cases],
         )
     if options.against:
         compared(options.against, cases, histories, seconds)

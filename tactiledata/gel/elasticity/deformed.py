@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import SuperLU, splu
 
 from tactiledata.arrays import Array, Indices
 from tactiledata.gel.elasticity.compliance import BATCH, FactorisedPad
@@ -73,9 +74,10 @@ class TangentFactory:
 
     def at(self, displacement: Array, members: Indices) -> DeformedPad:
         """Return the factorised tangent at displacements (v, 3), m, with the compliance of patches ``members`` (k,)."""
-        options = {"SymmetricMode": True}
-        matrix = self._assembly.matrix(displacement, is_filtered=True)
-        factor = BlockFactor.of(splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
+        factor = BlockFactor.of(_factorised(self._assembly.matrix(displacement)))
+        if (factor.inverse_diagonal < 0).any():
+            # only the contact keeps the pad from giving way: leave out what would make it
+            factor = BlockFactor.of(_factorised(self._assembly.matrix(displacement, is_filtered=True)))
         return DeformedPad(factor, self._pad.mesh.free, members, self._compliance(factor, members))
 
     def _compliance(self, factor: BlockFactor, members: Indices) -> NDArray[np.float32]:
@@ -101,3 +103,8 @@ class TangentFactory:
             flat[:, :, columns.start : columns.stop, :] = means.reshape(len(columns), 3, count, 3).transpose(2, 3, 0, 1)
         blocks = flat.transpose(0, 2, 1, 3)
         return np.ascontiguousarray((blocks + blocks.transpose(1, 0, 3, 2)) / 2, dtype=np.float32)
+
+
+def _factorised(matrix: csc_array) -> SuperLU:
+    """Factor of a symmetric matrix, without row exchanges."""
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

@@ -56,8 +56,8 @@ class TangentAssembly:
         displacement : (v, 3) m
             Displacements of all nodes.
         is_filtered : bool
-            Whether negative eigenvalues of a cell's matrix are replaced by their absolute values, so that the result is
-            positive definite (Chen et al., Stabler Neo-Hookean Simulation, SIGGRAPH 2024).
+            Whether negative eigenvalues of a cell's matrix are replaced by zero, so that the result is positive definite
+            (Teran et al., Robust Quasistatic Finite Elements, Symposium on Computer Animation, 2005).
         """
         elastic = self._elastic
         size = 3 * elastic.cells.shape[1]
@@ -78,7 +78,7 @@ def _filter(matrices: Array, displacement: Array, gradients: Array) -> None:
     strained = np.flatnonzero(np.abs(slopes).max(axis=(1, 2, 3)) > STRAINED)
     values, vectors = np.linalg.eigh(matrices[strained])
     negative = values[:, 0] < 0
-    values, vectors = np.abs(values[negative]), vectors[negative]
+    values, vectors = np.maximum(values[negative], 0.0), vectors[negative]
     matrices[strained[negative]] = (vectors * values[:, None, :]) @ vectors.transpose(0, 2, 1)
 
 
