@@ -1,4 +1,4 @@
-"""Frames that are hard to solve: deep, nearly incompressible, sheared under high friction; and what follows a failure."""
+"""Frames that are hard to solve: deep, nearly incompressible, sheared under high friction; what follows a failure."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,12 @@ DEEP = poses(
 """Down to 1.1 mm, then out by 0.6 mm, back and across, and up."""
 HARDEST = ("edge", "cone")
 SHEARED = poses(
-    (0, 0, 1), (0, 0, -0.2), (0, 0, -0.4), *[(0.1 * step, 0, -0.4) for step in (1, 2, 3, 4, 5)], (0.5, 0, 1), (0.5, 0, -0.2)
+    (0, 0, 1),
+    (0, 0, -0.2),
+    (0, 0, -0.4),
+    *[(0.1 * step, 0, -0.4) for step in (1, 2, 3, 4, 5)],
+    (0.5, 0, 1),
+    (0.5, 0, -0.2),
 )
 BARRIER = 5e-5
 """m along x: the touch cannot be followed across it, where ``_obstruct`` says so."""
@@ -99,7 +104,7 @@ def test_a_failed_step_is_halved_where_it_failed(soft):
 
 
 def test_the_air_ends_an_interruption_and_a_second_failure_gives_up(soft):
-    """The gel is released once for a frame and then given up; the next frame starts from rest, and counts as resumed."""
+    """A frame is pressed anew once, then given up; the next starts from rest and counts as resumed, up to the air."""
     solve = _solve_of(soft, poses((0, 0, -0.1), (0, 0, -0.2), (0, 0, -0.1), (0, 0, 1), (0, 0, -0.1)))
     assert solve.next_step()
     _take(solve)

@@ -50,7 +50,8 @@ def load_steps(
 ) -> tuple[Array, list[Array]]:
     """Return the pose (4, 4) from which steps of at most ``LARGEST_STEP`` lead to a frame, and the poses that end them.
 
-    The last one is the frame's own. Where nothing touched at the start, the part of the motion through the air is left out.
+    The last one is the frame's own. Where nothing touched at the start, the part of the motion through the air is left
+    out.
 
     Parameters
     ----------

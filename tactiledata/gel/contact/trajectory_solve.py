@@ -110,7 +110,5 @@ class TrajectorySolve:
     def _plan(self) -> None:
         """Set the load steps from the present state to the present frame."""
         state, pose = self.path.state, self._poses[self._frame]
-        self._start, steps = load_steps(
-            state.pose, pose, self.path.rest, self.path.relief, state.is_touching
-        )
+        self._start, steps = load_steps(state.pose, pose, self.path.rest, self.path.relief, state.is_touching)
         self._steps = [(step, 0) for step in steps]

@@ -75,7 +75,7 @@ class TangentFactory:
     def at(self, displacement: Array, members: Indices) -> DeformedPad:
         """Return the factorised tangent at displacements (v, 3), m, with the compliance of patches ``members`` (k,)."""
         factor = BlockFactor.of(_factorised(self._assembly.matrix(displacement)))
-        if (factor.inverse_diagonal < 0).any():
+        if not (factor.inverse_diagonal > 0).all():
             # only the contact keeps the pad from giving way: leave out what would make it
             factor = BlockFactor.of(_factorised(self._assembly.matrix(displacement, is_filtered=True)))
         return DeformedPad(factor, self._pad.mesh.free, members, self._compliance(factor, members))

@@ -56,7 +56,7 @@ class TangentAssembly:
         displacement : (v, 3) m
             Displacements of all nodes.
         is_filtered : bool
-            Whether negative eigenvalues of a cell's matrix are replaced by zero, so that the result is positive definite
+            Whether negative eigenvalues of a cell's matrix are replaced by zero, so that the sum is positive definite
             (Teran et al., Robust Quasistatic Finite Elements, Symposium on Computer Animation, 2005).
         """
         elastic = self._elastic

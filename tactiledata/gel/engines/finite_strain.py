@@ -17,7 +17,7 @@ from tactiledata.gel.elasticity.deformed import TangentFactory
 from tactiledata.gel.elasticity.internal_forces import NEO_HOOKEAN, ElasticPad, internal_forces
 from tactiledata.gel.elasticity.mixing import SecantMixer
 from tactiledata.gel.elasticity.stiffening import Stiffening
-from tactiledata.gel.engines.tangent_step import Body, TangentStep
+from tactiledata.gel.engines.tangent_step import FARTHEST, Body, TangentStep
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
 
@@ -35,8 +35,6 @@ MOST_ITERATIONS = 70
 """Iterations after which a load step has failed."""
 SWEEPS = 8
 """Sweeps of the contact solver in each iteration; the outer iterations do the rest."""
-FARTHEST = 5e-3
-"""Displacement of a node, m, beyond which an iterate has diverged."""
 BELOW_SURFACE = 3
 """Stride of the interior nodes that enter the residual norm."""
 
@@ -156,6 +154,9 @@ class LoadStepSolve:
 
 class FiniteStrainSolver:
     """Accelerated modified Newton iterations with the stiffness at rest; contact is solved within each iteration.
+
+    A load step for which they find no equilibrium is solved by ``TangentStep``, and so are those that follow it up to
+    the next free air.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from tactiledata.gel.mesh.surface import ContactSurface
 TOLERANCE = 5e-7
 """Largest change of a node's position, m, in the iteration that completes a load step.
 
-A quarter of that of the usual iterations: a filtered tangent is too stiff, so that what is left is more than a change."""
+A quarter of that of the usual iterations: a filtered tangent is too stiff, so that more is left than a change shows."""
 USUAL_TOLERANCE = 2e-6
 """m: that of the usual iterations, to which ``TOLERANCE`` belongs."""
 FORCE_TOLERANCE = 2.5e-3
@@ -35,6 +35,8 @@ SWEEPS = 60
 """Most sweeps of the contact solver in each iteration."""
 PROBATION = 12
 """Iterations after which a tangent is made anew where the step has not been solved; it costs about 35 of them."""
+FARTHEST = 5e-3
+"""Displacement of a node, m, beyond which an iterate has diverged."""
 MAY_JOIN = 1.2e-4
 """Largest gap, m, of the patches whose compliance is computed with a tangent."""
 SHORTEST = 1.0 / 32.0
@@ -91,8 +93,9 @@ class Iterate:
 class TangentStep:
     """Newton iterations from the last solved state of a path to the pose of its ``move_to``.
 
-    The contact is solved for the linearised pad in each iteration. The tangent is kept, from step to step too, for as
-    long as it makes changes fall; a step is shortened until the unbalanced force falls.
+    The contact is solved for the linearised pad in each iteration. A tangent is kept, from load step to load step too,
+    until it needs more than ``PROBATION`` iterations; iterations are accelerated by Anderson's method, and shortened
+    where they go too far.
 
     Parameters
     ----------
@@ -106,7 +109,8 @@ class TangentStep:
         self._body = body
         self._scale = tolerance / USUAL_TOLERANCE
         self._tangent: DeformedPad | None = None
-        self._displacement = self._forces = np.empty(0)
+        self._displacement: Array = np.empty((0, 3))
+        self._forces: Array = np.empty((0, 3))
         self._iterations = self._age = 0
         self._mixer: SecantMixer | None = None
 
@@ -130,15 +134,16 @@ class TangentStep:
         """Make one iteration; return the equilibrium where it has been found."""
         body, displacement, forces = self._body, self._displacement, self._forces
         self._iterations += 1
+        if not np.abs(displacement).max() < FARTHEST:
+            self._iterations = MOST_ITERATIONS
+            return None
         if self._tangent is None:
             self._renew(path)
         tangent = self._tangent
         assert tangent is not None
         # what a Newton step does with the present forces, then the forces that the contact wants after it
         free_step = -tangent.solve(body.unbalanced(displacement, forces))
-        ahead = Ahead(
-            body.surface.averaging @ free_step[body.surface.nodes], tangent.members, tangent.compliance
-        )
+        ahead = Ahead(body.surface.averaging @ free_step[body.surface.nodes], tangent.members, tangent.compliance)
         pressed, gaps = path.press(displacement, forces, SWEEPS, FORCE_TOLERANCE / 10, ahead)
         largest = max(float(np.abs(pressed).max()), 1e-30)
         force_change = float(np.abs(pressed - forces).max()) / (FORCE_TOLERANCE * self._scale * largest)
