@@ -53,6 +53,25 @@ class ContactState:
         return bool(self.forces.any())
 
 
+@dataclass(frozen=True)
+class Ahead:
+    """What a Newton step will do to the patches without a change of their forces, and how it answers to a change.
+
+    Parameters
+    ----------
+    shift : (m, 3) m
+        Mean displacement of each patch by the step, at the present forces.
+    members : (k,)
+        Patches that may be pressed.
+    compliance : (k, k, 3, 3) 1/m
+        Mean displacement of a member by a unit force on a member, for a Young's modulus of 1.
+    """
+
+    shift: Array
+    members: Indices
+    compliance: NDArray[np.float32]
+
+
 @dataclass
 class ContactPath:
     """Contact of one indenter with the gel along its path.
@@ -106,7 +125,9 @@ class ContactPath:
         self._openings = np.where(is_touching, 0.0, np.clip(self.state.gaps, 1e-9, APART))
         return len(self._faces) > 0 or self.state.is_touching
 
-    def press(self, displacement: Array, forces: Array, sweeps: int, tolerance: float) -> tuple[Array, Array]:
+    def press(
+        self, displacement: Array, forces: Array, sweeps: int, tolerance: float, ahead: Ahead | None = None
+    ) -> tuple[Array, Array]:
         """Improve the patch forces at a displacement of the gel; return them (m, 3), m^2, and the gaps (m,), m.
 
         Parameters
@@ -119,22 +140,33 @@ class ContactPath:
             Most Gauss-Seidel sweeps over the patches.
         tolerance : float
             Relative change of the forces at which sweeps end.
+        ahead : Ahead, optional
+            Linearised step for which the forces are sought; by default they are sought at the displacement itself, with
+            the compliance of the pad at rest.
         """
         positions = self.rest + displacement[self.rows]
         self._looks += 1
         if self._looks <= COVER_UPDATES:
-            self._under = np.full((len(self._faces), len(self.surface.shapes)), -1, dtype=np.int8)
+            self._under = self._undecided()
         gaps, normals, covers = patch_gaps(self.surface, self._faces, positions, self.relief, self._pose, self._under)
-        patches = np.flatnonzero((gaps < MAY_TOUCH) | forces.any(axis=1))
+        places = self.surface.averaging @ positions
+        if ahead is None:
+            patches = np.flatnonzero((gaps < MAY_TOUCH) | forces.any(axis=1))
+            compliance, rows, distances = self.compliance, patches, gaps
+        else:
+            distances = gaps + np.where(gaps < APART, (normals * ahead.shift).sum(axis=1), 0.0)
+            places = places + ahead.shift
+            rows = np.flatnonzero((distances < MAY_TOUCH)[ahead.members] | forces[ahead.members].any(axis=1))
+            compliance, patches = ahead.compliance, ahead.members[rows]
         # solve the contact of the patches that may touch
         improved = forces[patches]
-        slips = (self.surface.averaging @ positions)[patches] - self._carried[patches]
+        slips = places[patches] - self._carried[patches]
         solve_contact(
-            self.compliance,
-            patches,
+            compliance,
+            rows,
             improved,
             normals[patches],
-            gaps[patches],
+            distances[patches],
             slips,
             self._openings[patches],
             np.clip(covers[patches], 0.05, 1.0),
@@ -145,6 +177,15 @@ class ContactPath:
         pressed = np.zeros_like(forces)
         pressed[patches] = improved
         return pressed, gaps
+
+    def gaps(self, displacement: Array) -> Array:
+        """Return the gaps (m,), m, from the indenter at the pose of ``move_to``, at displacements (r, 3), m."""
+        positions = self.rest + displacement[self.rows]
+        return patch_gaps(self.surface, self._faces, positions, self.relief, self._pose, self._undecided())[0]
+
+    def _undecided(self) -> NDArray[np.int8]:
+        """Marks (k, q) of the points of the searched faces, by which is decided anew whether they are covered."""
+        return np.full((len(self._faces), len(self.surface.shapes)), -1, dtype=np.int8)
 
     def accept_step(self, displacement: Array, forces: Array, gaps: Array) -> None:
         """Take an equilibrium at the pose of ``move_to`` as the new state.
@@ -160,8 +201,16 @@ class ContactPath:
 
     def release(self) -> None:
         """Take the gel at rest as the state at the pose of ``move_to``, where nothing touches."""
+        self._rest_at(self._pose)
+
+    def forget(self) -> None:
+        """Take the gel at rest as the state, at an unknown pose."""
+        self._rest_at(np.full((4, 4), np.nan))
+
+    def _rest_at(self, pose: Array) -> None:
+        """Take the gel at rest as the state at a pose (4, 4)."""
         self.state = ContactState(
-            self._pose,
+            pose,
             np.zeros_like(self.state.forces),
             np.zeros_like(self.state.displacement),
             np.full(len(self.state.gaps), APART),

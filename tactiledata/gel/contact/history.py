@@ -79,6 +79,9 @@ class GelHistory:
         Solver iterations that each frame took.
     pressed : (n, m) bool
         True for patches that the indenter presses; false where a frame was not solved.
+    resumed : (n,) bool
+        True for solved frames whose path was interrupted: an earlier frame, or the way to this one, found no
+        equilibrium, and the gel was released and pressed anew. Friction does not know what happened before.
     """
 
     wrench: Array
@@ -89,3 +92,4 @@ class GelHistory:
     residual: Array
     iterations: NDArray[Any]
     pressed: NDArray[np.bool_]
+    resumed: NDArray[np.bool_]

@@ -46,11 +46,12 @@ def pose_status(pose: Array, rest: Array, relief: IndenterRelief, thickness: flo
 
 
 def load_steps(
-    start: Array, end: Array, rest: Array, relief: IndenterRelief, is_touching: bool, finer: int
-) -> list[Array]:
-    """Return poses (4, 4) that lead to a frame in steps of at most ``LARGEST_STEP``; the last one is the frame's own.
+    start: Array, end: Array, rest: Array, relief: IndenterRelief, is_touching: bool
+) -> tuple[Array, list[Array]]:
+    """Return the pose (4, 4) from which steps of at most ``LARGEST_STEP`` lead to a frame, and the poses that end them.
 
-    Where nothing touched at the start, the part of the motion through the air is left out.
+    The last one is the frame's own. Where nothing touched at the start, the part of the motion through the air is left
+    out.
 
     Parameters
     ----------
@@ -62,14 +63,12 @@ def load_steps(
         Underside of the indenter.
     is_touching : bool
         Whether the indenter presses the gel at ``start``.
-    finer : int
-        Factor on the number of steps.
     """
     if not is_touching:
         start = _first_touch(start, end, rest, relief)
     turn = Rotation.from_matrix(start[:3, :3].T @ end[:3, :3]).magnitude()
     distance = float(np.linalg.norm(end[:3, 3] - start[:3, 3])) + LEVER * float(turn)
-    return interpolated_poses(start, end, finer * max(1, int(np.ceil(distance / LARGEST_STEP - 1e-6))))
+    return start, interpolated_poses(start, end, max(1, int(np.ceil(distance / LARGEST_STEP - 1e-6))))
 
 
 def _first_touch(start: Array, end: Array, rest: Array, relief: IndenterRelief) -> Array:

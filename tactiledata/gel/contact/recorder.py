@@ -45,8 +45,9 @@ class FrameRecorder:
         self.status = np.full(count, FrameStatus.NOT_CONVERGED, dtype=np.int8)
         self.residual = np.full(count, np.nan)
         self.iterations = np.zeros(count, dtype=np.int64)
+        self.resumed = np.zeros(count, dtype=bool)
 
-    def keep(self, frame: int, path: ContactPath, residual: float) -> None:
+    def keep(self, frame: int, path: ContactPath, residual: float, is_resumed: bool = False) -> None:
         """Record the solved contact of a frame; ``put_displacement`` must follow.
 
         Parameters
@@ -56,7 +57,10 @@ class FrameRecorder:
             Its state is the equilibrium.
         residual : float
             Largest unbalanced nodal force over the largest contact force.
+        is_resumed : bool
+            Whether the gel was pressed anew after a failure, so that friction does not know all of the path.
         """
+        self.resumed[frame] = is_resumed
         self.wrench[frame] = path.wrench() * self._modulus
         self.node_forces[frame] = self._surface.averaging.T @ path.state.forces * self._modulus
         self.gaps[frame] = path.state.gaps
@@ -93,4 +97,5 @@ class FrameRecorder:
             self.residual,
             self.iterations,
             self.pressed,
+            self.resumed,
         )

@@ -13,9 +13,11 @@ from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.contact.trajectory_solve import TrajectorySolve
 from tactiledata.gel.elasticity.compliance import FactorisedPad
+from tactiledata.gel.elasticity.deformed import TangentFactory
 from tactiledata.gel.elasticity.internal_forces import NEO_HOOKEAN, ElasticPad, internal_forces
 from tactiledata.gel.elasticity.mixing import SecantMixer
 from tactiledata.gel.elasticity.stiffening import Stiffening
+from tactiledata.gel.engines.tangent_step import FARTHEST, Body, TangentStep
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.surface import ContactSurface
 
@@ -33,8 +35,6 @@ MOST_ITERATIONS = 70
 """Iterations after which a load step has failed."""
 SWEEPS = 8
 """Sweeps of the contact solver in each iteration; the outer iterations do the rest."""
-FARTHEST = 5e-3
-"""Displacement of a node, m, beyond which an iterate has diverged."""
 BELOW_SURFACE = 3
 """Stride of the interior nodes that enter the residual norm."""
 
@@ -52,10 +52,14 @@ class LoadStepSolve:
         Largest change of a node's position in the iteration that completes a step.
     measured : (k,) int
         Places of the unknowns that enter the residual norm.
+    body : Body
+        Parts of the engine that a Newton iteration needs.
     """
 
-    def __init__(self, trajectory: TrajectorySolve, tolerance: float, measured: Indices) -> None:
+    def __init__(self, trajectory: TrajectorySolve, tolerance: float, measured: Indices, body: Body) -> None:
         self.trajectory = trajectory
+        self._tangent_step = TangentStep(body, tolerance)
+        self.is_hard = False
         self._tolerance = tolerance
         state = trajectory.path.state
         self.displacement = state.displacement
@@ -73,6 +77,10 @@ class LoadStepSolve:
         state = self.trajectory.path.state
         if not state.is_touching:
             self._forget()
+            self._tangent_step.forget()
+            self.is_hard = False
+        if self.is_hard and self.is_active:
+            self._tangent_step.start(self.trajectory.path)
         self.displacement, self.forces = state.displacement, state.forces
         if self._stride is not None:
             self.displacement = self.displacement + self._stride[0]
@@ -102,11 +110,22 @@ class LoadStepSolve:
         if max(change, force_change) < (LENIENCE if self._iterations > PATIENCE else 1.0):
             self._accept_step(displacement, forces, gaps, residual)
         elif self._iterations >= MOST_ITERATIONS or not np.abs(displacement).max() < FARTHEST:
+            # the same step once more, with the tangent at the present state
             self._forget()
-            self.trajectory.step_failed()
-            self.start_step()
+            self.is_hard = True
+            self._tangent_step.start(self.trajectory.path)
         else:
             self._mix(displacement, forces)
+
+    def iterate_with_tangent(self) -> None:
+        """Make a Newton iteration with the tangent at the present state: accept the step, divide it, or continue."""
+        self.trajectory.count(1)
+        solved = self._tangent_step.iterate(self.trajectory.path)
+        if solved is not None:
+            self._accept_step(solved.displacement, solved.forces, solved.gaps, solved.residual)
+        elif self._tangent_step.has_failed:
+            self.trajectory.step_failed()
+            self.start_step()
 
     def _accept_step(self, displacement: Array, forces: Array, gaps: Array, residual: float) -> None:
         """Take an equilibrium, record the frame that it completes, and start the next step."""
@@ -136,6 +155,9 @@ class LoadStepSolve:
 class FiniteStrainSolver:
     """Accelerated modified Newton iterations with the stiffness at rest; contact is solved within each iteration.
 
+    A load step for which they find no equilibrium is solved by ``TangentStep``, and so are those that follow it up to
+    the next free air.
+
     Parameters
     ----------
     pad : FactorisedPad
@@ -162,6 +184,8 @@ class FiniteStrainSolver:
         self._tolerance = tolerance
         self._stiffening = stiffening
         self._measured = _measured(pad.mesh, surface)
+        tangents = TangentFactory(pad, elastic, surface, stiffening)
+        self._body = Body(pad.mesh, elastic, surface, pad.poisson_ratio, stiffening, tangents)
         self._libraries = ThreadpoolController()
 
     def run(self, trajectories: Iterator[TrajectorySolve], width: int) -> Iterator[tuple[int, GelHistory]]:
@@ -170,7 +194,7 @@ class FiniteStrainSolver:
         with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:
             while True:
                 while len(active) < width and (trajectory := next(trajectories, None)) is not None:
-                    active.append(LoadStepSolve(trajectory, self._tolerance, self._measured))
+                    active.append(LoadStepSolve(trajectory, self._tolerance, self._measured, self._body))
                     active[-1].start_step()
                 if not active:
                     return
@@ -181,7 +205,11 @@ class FiniteStrainSolver:
                 if active:
                     # trajectories are divided among threads; BLAS products must not start threads beside them
                     with self._libraries.limit(limits=1, user_api="blas"):
-                        self._iterate(active, threads)
+                        hard = [load_step for load_step in active if load_step.is_hard]
+                        list(threads.map(LoadStepSolve.iterate_with_tangent, hard))
+                        easy = [load_step for load_step in active if load_step.is_active and not load_step.is_hard]
+                        if easy:
+                            self._iterate(easy, threads)
 
     def _iterate(self, active: list[LoadStepSolve], threads: ThreadPoolExecutor) -> None:
         """Make one iteration of the load step of every active trajectory."""

@@ -136,7 +136,7 @@ class _FlexTrajectory:
 
     def _press(self, frame: int, pose: Array) -> None:
         """Move the indenter to a frame's pose (4, 4) and record the frame once the pad is at rest."""
-        steps = load_steps(self._pose, pose, self._rest, self._relief, self._is_touching, 1)
+        _, steps = load_steps(self._pose, pose, self._rest, self._relief, self._is_touching)
         current = self._pose if self._is_touching else steps[0]
         count = 0
         for step in steps:
