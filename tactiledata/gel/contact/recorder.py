@@ -89,13 +89,13 @@ class FrameRecorder:
     def history(self) -> GelHistory:
         """Return the arrays as the answer of the engine."""
         return GelHistory(
-            self.wrench,
-            self.displacement,
-            self.node_forces,
-            self.gaps,
-            self.status,
-            self.residual,
-            self.iterations,
-            self.pressed,
-            self.resumed,
+            wrench=self.wrench,
+            displacement=self.displacement,
+            node_forces=self.node_forces,
+            gaps=self.gaps,
+            status=self.status,
+            residual=self.residual,
+            iterations=self.iterations,
+            pressed=self.pressed,
+            resumed=self.resumed,
         )
