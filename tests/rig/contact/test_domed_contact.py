@@ -77,7 +77,7 @@ def test_without_friction_the_force_is_along_the_normal(form):
     assert abs(domed[1]) < 1e-3 * domed[2]
 
 
-@pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
+@pytest.mark.parametrize("form", [{}, pytest.param(LAYER, marks=pytest.mark.slow)], ids=["closed", "layer"])
 def test_on_the_other_side_it_is_the_mirror_image(form):
     inward = {"shear": {**OUTWARD["shear"], "by": [-0.0010, 0.0]}}
     one = last([DOME], "shear", steps=(PRESS, OUTWARD), **form)
