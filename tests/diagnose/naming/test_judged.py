@@ -167,6 +167,23 @@ def test_a_special_case_is_said_in_place_of_the_wider_one():
         assert len(decided([special, wider]).ties) == ties
 
 
+def crowd(name, others, share):
+    """A best candidate, and others with a share of its evidence that change something else each."""
+    best = with_evidence(name, MUCH, change=along(0))
+    return [best, *(with_evidence(f"other {k}", share * MUCH, change=along(1 + k % 5)) for k in range(others))]
+
+
+def test_one_of_many_that_errors_resemble_is_not_named():
+    """Where several others have nearly its evidence. Beside fewer or weaker ones it is, and so is any other effect."""
+    near, far = 1.05 * T.crowd_share, 0.95 * T.crowd_share
+    found = decided(crowd(HARD, T.crowd, near))
+    assert (found.verdict, found.best.label, found.ties) == (Verdict.NOT_EXPLAINED, HARD, ())
+    assert found.objections[0].startswith(f"{T.crowd} other effects")
+    assert decided(crowd(HARD, T.crowd - 1, near)).claimed == (HARD,)
+    assert decided(crowd(HARD, T.crowd, far)).claimed == (HARD,)
+    assert decided(crowd(EASY, T.crowd, near)).claimed == (EASY,)
+
+
 def pair_beside(first, second, adds):
     """A pair whose evidence is that of the first effect and what the second one adds."""
     return with_evidence((first.label, second.label), first.evidence + adds)

@@ -4,10 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from candidates import EASY, HARD, TRAJECTORIES, candidate, plain_metric, scattered, with_evidence
+from candidates import EASY, HARD, TRAJECTORIES, candidate, scattered, with_evidence
 
 from tactiledata.diagnose.naming.evidence import score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts
+from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.gel.elasticity.material import GelMaterial
 
@@ -151,24 +152,39 @@ def test_evidence_saturates_with_the_number_of_trajectories():
     assert T.counted(0) == 1.0
 
 
-def fitted(cost, by_trajectory, occam, change):
-    """A fit of which a score needs the costs, the price of its numbers, and what its effect changes."""
+def fitted(cost, by_trajectory, occam, change, left):
+    """A fit of which a score needs the costs, the price of its numbers, what its effect changes, and what is left."""
     material = GelMaterial(9e5, 0.47, 0.7)
     model = SimpleNamespace(
-        settings=(), coordinates=(), material=material,
+        settings=(),
+        coordinates=(),
+        material=material,
         box=SimpleNamespace(low=(1e5, 0.4, 0.1), high=(1e7, 0.5, 2.0)),
-    )  # fmt: skip
+    )
+    metric = RandomEffects(np.zeros(change.shape), np.zeros((*change.shape, 0)), np.zeros(0), np.arange(len(change)))
     return SimpleNamespace(
-        names=(EASY,), cost=cost, cost_by_trajectory=by_trajectory, occam=occam, effect_change=change,
-        residual_at_centre=change, metric=plain_metric(len(change)), model=model, covariance=np.eye(3),
-    )  # fmt: skip
+        names=(EASY,),
+        cost=cost,
+        cost_by_trajectory=by_trajectory,
+        occam=occam,
+        effect_change=change,
+        residual_at_centre=left,
+        residual_beside=left,
+        metric=metric,
+        beside=metric,
+        model=model,
+        covariance=np.eye(3),
+    )
 
 
 @pytest.mark.parametrize(("dispersion", "counted"), [(1.0, 1.0), (2.0, 1.0), (1.0, 0.25)])
 def test_a_score_is_what_the_formulas_say(dispersion, counted):
     """Half the fall of the cost, over the dispersion, by the saturation; the price of the numbers is taken whole."""
     change = np.ones((4, 6))
-    base, fit = fitted(100.0, np.array([60.0, 40.0]), 0.0, change), fitted(40.0, np.array([30.0, 8.0]), 3.0, change)
+    # the plain fit leaves what the effect changes, by two thirds to four thirds; the refit leaves nothing of it in sum
+    uneven = np.array([2.0, 3.0, 3.0, 4.0])[:, None] / 3.0 * change
+    base = fitted(100.0, np.array([60.0, 40.0]), 0.0, change, uneven)
+    fit = fitted(40.0, np.array([30.0, 8.0]), 3.0, change, uneven - change)
     base_out = GroupedCosts(np.array([66.0, 50.0]), np.zeros(0))
     out = GroupedCosts(np.array([36.0, 30.0]), np.zeros(0))
     scored = score_candidate(base, fit, base_out, out, 16.0, dispersion, counted)
@@ -178,3 +194,7 @@ def test_a_score_is_what_the_formulas_say(dispersion, counted):
     # 116 are left by the plain fit, of which noise is 16; 50 of the other 100 are gone
     assert scored.excess_share == pytest.approx(0.5)
     assert np.isnan(scored.indenter_gain)
+    # four trajectories that deviate by a third twice, each of leverage a quarter: as a jackknife has it
+    error = np.sqrt(2.0 * (1.0 / 3.0 / 0.75) ** 2) / 4.0
+    assert scored.signature_before == pytest.approx(1.0 / error)
+    assert scored.signature_after == pytest.approx(0.0, abs=1e-9)
