@@ -54,11 +54,6 @@ def frame_weights(forces: Array, noise: float, scatter: float = SCATTER) -> Arra
 
 CENTRE_SCATTER = 5e-5
 """Standard deviation, m, of the error of the simulated centre of pressure from frame to frame; an estimate."""
-LOCKED_ERROR = 0.05
-"""Standard deviation of the error of the shear that friction locks in, as a share of the load taken off since.
-
-It depends on all steps since first contact, not on the force that is left: two solvers that agree within 1 % under
-load differ by up to 5 % of the greatest load while unloading (benchmarks/solver_difference.py)."""
 
 
 def scatter_covariance(deviations: Array, centre: Array, places: Array) -> Array:
