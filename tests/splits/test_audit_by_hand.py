@@ -1,11 +1,13 @@
 """What an audit says in words, near fingerprints by hand, and the fit of brightness among outliers."""
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from split_cases import MemoryStore, many, trajectories
 
 from tactiledata.contract.records import Finding
 from tactiledata.splits import audit as module
+from tactiledata.splits import copies
 from tactiledata.splits.audit import AuditReport, _noise_by_sensor, _not_compared, _too_large, empty_parts
 from tactiledata.splits.copies import Comparison, Portrait, brightness_fit, compare_images
 from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs, principal_axes
@@ -87,8 +89,6 @@ def test_sizes_beyond_the_limit_are_told_by_the_table():
 
     class Sizes:
         def frames(self, columns):
-            import pyarrow as pa
-
             return pa.table(
                 {"height": pa.array([9, 4096, 4097], pa.int16()), "width": pa.array([9, 4096, 4096], pa.int16())}
             )
@@ -215,3 +215,49 @@ def test_principal_axes_keep_distances_of_few_directions():
     wide = rng.normal(size=(60, CELLS)).astype(np.float32)
     flat = principal_axes(wide)
     assert np.linalg.norm(flat[3] - flat[9]) < np.linalg.norm(wide[3] - wide[9])
+
+
+def test_small_images_are_read_256_at_a_time(monkeypatch):
+    """Of 300 small images 256 are asked for first, then 44; progress is told after each."""
+    asked, told = [], []
+
+    class Small:
+        def frames(self, columns):
+            return pa.table({side: pa.array([2] * 300, pa.int16()) for side in columns})
+
+        def images(self, rows):
+            asked.append(len(rows))
+            return np.zeros((len(rows), 2, 2, 3), np.uint8)
+
+    monkeypatch.setattr(module, "fingerprint", lambda image: np.ones(CELLS, np.float32))
+    prints, unreadable = module._fingerprints(Small(), np.arange(300), lambda *given: told.append(given))
+    assert (asked, told, unreadable) == ([256, 44], [(256, 300), (300, 300)], [])
+    assert (prints == 1).all()
+
+
+def test_smooth_colours_are_without_fine_grain():
+    """A Gaussian blur of 3 pixels leaves 1 / (2 x 3 x sqrt(pi)) of the grain; every third pixel either way is taken."""
+    grain = np.random.default_rng(3).normal(128, 20, (192, 144, 3))
+    smooth = Portrait(np.rint(grain).clip(0, 255).astype(np.uint8)).smooth
+    assert smooth.shape == (64 * 48 * 3,)
+    assert smooth.std() == pytest.approx(20 / (6 * np.sqrt(np.pi)), rel=0.1)
+
+
+def test_the_finest_fit_tries_nine_places_around_the_first(monkeypatch):
+    """Gains 0.002 apart about the picture's mean, and offsets 0.2 grey levels apart; then half and a quarter of it."""
+    tried = []
+
+    def left(original, other, gain, offset, quality):
+        tried.append((gain, offset, quality))
+        return 5.0 * 0.8 ** (1 + (len(tried) - 1) // 9)
+
+    monkeypatch.setattr(copies, "_left", left)
+    picture = Portrait(np.full((64, 64, 3), 50, np.uint8))
+    copies._finest(picture, picture, (5.0, 1.1, 3.0), 80)
+    hand = [(1.1 + turn, 3.0 - 50 * turn + shift, 80) for turn in (-0.002, 0.0, 0.002) for shift in (-0.2, 0.0, 0.2)]
+    np.testing.assert_allclose(tried[:9], hand, rtol=1e-9)
+    assert len(tried) == 27
+    for first, step in ((0, 0.002), (9, 0.001), (18, 0.0005)):
+        gains, offsets, _ = np.array(tried[first : first + 9]).reshape(3, 3, 3).transpose(2, 0, 1)
+        np.testing.assert_allclose(np.diff(gains, axis=0), step, rtol=1e-6)
+        np.testing.assert_allclose(np.diff(offsets, axis=1), 100 * step, rtol=1e-6)

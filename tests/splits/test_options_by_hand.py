@@ -154,6 +154,8 @@ def test_a_draw_at_a_border_belongs_to_the_next_part():
     assert part_of(draws, (0.5, 0.25, 0.25)).tolist() == [0, 0, 1, 1, 2, 2]
     assert part_of(draws, (0.5, 0.0, 0.5)).tolist() == [0, 0, 2, 2, 2, 2]
     assert part_of(draws, (0.0, 0.0, 1.0)).tolist() == [2] * 6
+    # typed shares may sum to a little less than 1: what is over belongs to the last part that has a share
+    assert part_of(np.array([0.9999999]), (0.5, 0.4999995, 0.0)).tolist() == [1]
 
 
 def test_a_table_of_nothing_is_assigned_to_nothing():
