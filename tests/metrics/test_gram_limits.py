@@ -120,6 +120,13 @@ def test_no_pictures_have_no_distances():
     assert gram_style_random(flat(WHITE, count=0), flat(WHITE)).shape == (0,)
 
 
+def test_layers_are_compared_behind_the_first_relu_of_each_width():
+    """Gatys et al. 2016: conv1_1 to conv5_1, each behind its ReLU, where no value is negative."""
+    network = list(module.build_features(8))
+    assert all(isinstance(network[number], torch.nn.ReLU) for number in module.STYLE_LAYERS)
+    assert [network[number - 1].out_channels for number in module.STYLE_LAYERS] == [8, 16, 32, 64, 64]
+
+
 def test_the_random_network_is_always_the_same():
     """Golden values of its first and last convolution: with others, no two versions could be compared.
 
