@@ -11,7 +11,6 @@ that. Touches are those of `wedge_plan`. What was played and solved is kept, as 
 from __future__ import annotations
 
 import argparse
-import json
 import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
@@ -20,7 +19,7 @@ from typing import Any
 
 from naming_asked import KINDS, Asked, asked_cases
 from naming_summary import summary
-from naming_worlds import Bench
+from naming_worlds import Bench, keep_and_tell
 from other_solvers import OtherSolver
 from wedge_plan import WedgePlan
 
@@ -72,11 +71,7 @@ def main() -> None:
         kinds = ("generator", "mismatch", "solver", "noise", "plan")
         result = {**{kind: getattr(options, kind) for kind in kinds}, **bench.run(case)}
         found.append(result)
-        if options.out:
-            with options.out.open("a") as file:
-                file.write(json.dumps(result) + "\n")
-        said = f"{result['verdict']}: {', '.join(result['set']) or '-'} (nearest {' + '.join(result['nearest'])})"
-        print(f"{case.label}: {said}; signal {result['signal']:.0f}; {result['seconds']:.0f} s", flush=True)
+        keep_and_tell(case, result, options.out)
     print(summary(found))
 
 

@@ -20,6 +20,7 @@ import yaml
 from mutant_runs import Copy, fork_tests, load_libraries
 from mutant_sites import Mutant, sample
 from mutant_tests import TestMap
+from wilson import interval
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {
@@ -44,8 +45,6 @@ OWN_TESTS = {"losses": ("calibrate", "split_models")}
 EVERYBODYS_TESTS = ("test_house.py", "test_families.py")
 """Tests that read the sources of every package, or everything that is registered."""
 KILLED, SURVIVED, EQUIVALENT = "killed", "survived", "equivalent"
-Z = 1.959964
-"""Half-width of a normal distribution's 95 % interval, in standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -72,16 +71,6 @@ def test_files(names: Iterable[str]) -> list[str]:
         place = ROOT / "tests" / name
         found += sorted(place.rglob("test_*.py")) if place.is_dir() else [place]
     return [str(path.relative_to(ROOT)) for path in found]
-
-
-def interval(successes: int, count: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share."""
-    if count == 0:
-        return 0.0, 1.0
-    share, square = successes / count, Z**2 / count
-    middle = (share + square / 2) / (1 + square)
-    half = Z / (1 + square) * (share * (1 - share) / count + square / (4 * count)) ** 0.5
-    return middle - half, middle + half
 
 
 def equivalents() -> dict[tuple[str, str, str], str]:

@@ -121,21 +121,10 @@ def _touch(chance: np.random.Generator, indenter: str) -> dict[str, Any]:
     deepest = float(chance.uniform(*DEPTHS[indenter]))
     speed = float(chance.choice(SPEEDS))
     settle = float(chance.uniform(0.08, 0.15))
-    moving = {"speed": speed, "settle": settle}
     dwell = float(np.exp(chance.uniform(0.0, np.log(4.0))))
-    steps: list[dict[str, Any]] = [
-        {"press": {"depth": deepest, "step": deepest / 4, **moving}},
-        {"dwell": {"time": dwell, "captures": 3}},
-    ]
-    if chance.random() < 0.75:
-        length, way = float(chance.uniform(6e-4, 1.4e-3)), float(chance.uniform(0.0, 2 * np.pi))
-        by = [length * float(np.cos(way)), length * float(np.sin(way))]
-        steps.append({"shear": {"by": by, "step": length / 3, **moving}})
-        steps.append({"dwell": {"time": dwell / 2, "captures": 1}})
-        if chance.random() < 0.75:
-            steps.append({"reverse": {"step": length / 2, **moving}})
-    steps.append({"press": {"depth": 0.55 * deepest, "step": deepest, **moving}})
-    steps.append({"retreat": {"speed": speed}})
+    steps = path_steps(
+        chance, deepest, speed, settle, dwell, slides=0.75, lengths=(6e-4, 1.4e-3), returns=0.75, last=0.55
+    )
     tilt, toward = chance.uniform(0.0, TILTS.get(indenter, 0.1)), chance.uniform(0.0, 2 * np.pi)
     return {
         "indenter": indenter,
@@ -145,3 +134,51 @@ def _touch(chance: np.random.Generator, indenter: str) -> dict[str, Any]:
         "yaw": float(chance.uniform(-1.2, 1.2)),
         "force_limit": ENOUGH,
     }
+
+
+def path_steps(
+    chance: np.random.Generator,
+    deepest: float,
+    speed: float,
+    settle: float,
+    dwell: float,
+    *,
+    slides: float,
+    lengths: tuple[float, float],
+    returns: float,
+    last: float,
+) -> list[dict[str, Any]]:
+    """Return the steps of a touch: press and dwell, perhaps slide, dwell and slide back, then out in two parts.
+
+    Parameters
+    ----------
+    chance : Generator
+        Draws whether and how it slides.
+    deepest : m
+        Depth of the press.
+    speed : m/s
+        Speed of every step.
+    settle, dwell : s
+        Rest after each step, and at the depth.
+    slides, returns : float
+        Chance that it slides, and that a slide turns back.
+    lengths : (low, high) m
+        Between which the length of a slide is drawn.
+    last : float
+        Depth of the first part out, as a share of the deepest.
+    """
+    moving = {"speed": speed, "settle": settle}
+    steps: list[dict[str, Any]] = [
+        {"press": {"depth": deepest, "step": deepest / 4, **moving}},
+        {"dwell": {"time": dwell, "captures": 3}},
+    ]
+    if chance.random() < slides:
+        length, way = float(chance.uniform(*lengths)), float(chance.uniform(0.0, 2 * np.pi))
+        by = [length * float(np.cos(way)), length * float(np.sin(way))]
+        steps.append({"shear": {"by": by, "step": length / 3, **moving}})
+        steps.append({"dwell": {"time": dwell / 2, "captures": 1}})
+        if chance.random() < returns:
+            steps.append({"reverse": {"step": length / 2, **moving}})
+    steps.append({"press": {"depth": last * deepest, "step": deepest, **moving}})
+    steps.append({"retreat": {"speed": speed}})
+    return steps

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from wilson import interval
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
@@ -40,16 +41,8 @@ def outcome(case: Case) -> str:
     return "undetectable" if truth <= set(case["undetectable"]) else "too weak"
 
 
-def interval(count: int, total: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share."""
-    z = 1.959964
-    share, square = count / total, z**2 / total
-    middle, half = share + square / 2, z * np.sqrt(share * (1 - share) / total + square / (4 * total))
-    return float((middle - half) / (1 + square)), float((middle + half) / (1 + square))
-
-
 def of_nulls(nulls: Sequence[Case]) -> list[tuple[str, float, float, float]]:
-    """Of each effect that was refitted alone: the most evidence, the most without two trajectories, what it needs."""
+    """Return each effect with the most evidence in a null, the most without its two best trajectories, and the need."""
     most: dict[str, list[float]] = {}
     for case in nulls:
         for one in case["candidates"]:

@@ -171,6 +171,15 @@ def _tell(done: int, total: int, what: str = "") -> None:
     print(f"# the gel: {done} of {total} batches {what}", flush=True)
 
 
+def keep_and_tell(case: Asked, result: dict[str, Any], out: Path | None) -> None:
+    """Append what was found of a case to a file, where there is one, and print it in a line."""
+    if out:
+        with out.open("a") as file:
+            file.write(json.dumps(result) + "\n")
+    said = f"{result['verdict']}: {', '.join(result['set']) or '-'} (nearest {' + '.join(result['nearest'])})"
+    print(f"{case.label}: {said}; signal {result['signal']:.0f}; {result['seconds']:.0f} s", flush=True)
+
+
 def main() -> None:
     """Run what is not in the file yet; print a line a case, then the summary."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -203,11 +212,7 @@ def main() -> None:
         assert bench is not None
         result = {**asked_plan, **bench.run(one)}
         found.append(result)
-        if options.out:
-            with options.out.open("a") as file:
-                file.write(json.dumps(result) + "\n")
-        said = f"{result['verdict']}: {', '.join(result['set']) or '-'} (nearest {' + '.join(result['nearest'])})"
-        print(f"{one.label}: {said}; signal {result['signal']:.0f}; {result['seconds']:.0f} s", flush=True)
+        keep_and_tell(one, result, options.out)
     print(summary(found))
 
 

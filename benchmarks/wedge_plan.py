@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from naming_plan import ENOUGH, UNITS, Plan
+from naming_plan import ENOUGH, UNITS, Plan, path_steps
 
 from tactiledata.gel.elasticity.material import GelMaterial
 
@@ -34,7 +34,7 @@ class WedgePlan(Plan):
 
     @property
     def touches(self) -> list[dict[str, Any]]:
-        """In the order in which they are played, one unit after the other."""
+        """The touches of the plan, in the order in which they are played, one unit after the other."""
         chance = np.random.default_rng([self.number, 152])
         names = list(INDENTERS)
         told = []
@@ -53,21 +53,8 @@ def _touch(chance: np.random.Generator, indenter: str) -> dict[str, Any]:
     deepest = float(chance.uniform(*DEPTHS[indenter]))
     speed = float(np.exp(chance.uniform(np.log(3e-4), np.log(4e-3))))
     settle = float(chance.uniform(0.08, 0.2))
-    moving = {"speed": speed, "settle": settle}
     dwell = float(np.exp(chance.uniform(0.0, np.log(5.0))))
-    steps: list[dict[str, Any]] = [
-        {"press": {"depth": deepest, "step": deepest / 4, **moving}},
-        {"dwell": {"time": dwell, "captures": 3}},
-    ]
-    if chance.random() < 0.8:
-        length, way = float(chance.uniform(4e-4, 1.2e-3)), float(chance.uniform(0.0, 2 * np.pi))
-        by = [length * float(np.cos(way)), length * float(np.sin(way))]
-        steps.append({"shear": {"by": by, "step": length / 3, **moving}})
-        steps.append({"dwell": {"time": dwell / 2, "captures": 1}})
-        if chance.random() < 0.6:
-            steps.append({"reverse": {"step": length / 2, **moving}})
-    steps.append({"press": {"depth": 0.5 * deepest, "step": deepest, **moving}})
-    steps.append({"retreat": {"speed": speed}})
+    steps = path_steps(chance, deepest, speed, settle, dwell, slides=0.8, lengths=(4e-4, 1.2e-3), returns=0.6, last=0.5)
     toward = chance.uniform(0.0, 2 * np.pi)
     tilt = WEDGES[indenter] + chance.uniform(-0.01, 0.01)
     return {

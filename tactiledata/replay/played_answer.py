@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.arrays import Array, Mask
-from tactiledata.effects.touch.gel_variants import surface_height
+from tactiledata.effects.touch.gel_variants import contact_height
 from tactiledata.effects.touch.response import ContactResponse, GelVariant
 from tactiledata.effects.touch.shear_stiffness import shear_stiffness
 from tactiledata.effects.touch.state import wrench_at
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.mesh.pad import PadMesh
-from tactiledata.indenters.base.turned import reach_below_tip
 
 SLIDES = 0.95
 """Share of Coulomb's limit above which the whole contact counts as sliding."""
@@ -62,7 +61,7 @@ class PlayedAnswer:
         """
         wrench, tips, gel = history.wrench[rows], poses[rows, :3, 3], touch.material
         area = history.pressed[rows] @ areas
-        depth = surface_height(mesh, tips[:, :2]) + reach_below_tip(touch.indenter, poses[rows]) - tips[:, 2]
+        depth = contact_height(mesh, touch.indenter, poses[rows]) - tips[:, 2]
         touching = (area > 0) & (wrench[:, 2] > 0)
         normal = np.where(touching, wrench[:, 2], 1.0)
         # centre of pressure, from the torque M = r x F with r at the height of the tip

@@ -69,7 +69,7 @@ def test_what_a_vector_loss_is_by_default(level, measured):
 
 @pytest.mark.parametrize("none", [0.0, -0.02, -1.0])
 def test_no_deviation_or_less_leaves_factors_and_offsets_out(level, measured, none):
-    """Nothing is divided by a deviation that is not positive: no factor's row, and offsets of 0."""
+    """A deviation of 0 or less leaves its row out of the factors, and offsets at 0: nothing is divided by it."""
     loss = VectorLoss(Simulated(level), measured, NOISE, MANY, none, np.array([1, 0]), none)
     np.testing.assert_array_equal(loss.residual(POINT)[30:], [0.0, 0.0])
     np.testing.assert_array_equal(loss.owner()[30:], [0, 1])

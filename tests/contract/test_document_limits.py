@@ -76,7 +76,7 @@ def test_a_schemas_own_refusal_is_said_for_what_it_excludes(schema, value, words
 
 
 def test_the_first_fault_by_its_place_is_the_fact():
-    """Of several faults the path of the first one in the order of places is the one that programs get."""
+    """A program that catches an error gets the path of the first of several faults, in the order of places."""
     soft = {"model": "digit", "shore_00": "soft"}
     document = {"format": "tactiledata-log/1", "sensors": {"C": soft, "A": soft, "B": soft}}
     with pytest.raises(SchemaError) as caught:
@@ -97,7 +97,7 @@ def test_the_key_that_is_given_twice_is_named(text, key):
 
 @pytest.mark.parametrize("digits", [301, 400])
 def test_a_number_of_many_digits_does_not_fill_the_message(digits, tmp_path):
-    """Of a number of more than 40 characters the first 39 are shown, and an ellipsis."""
+    """A message shows the first 39 characters of a number of more than 40, and an ellipsis."""
     path = tmp_path / "x.yaml"
     path.write_text("a: [1, " + "9" * digits + "]")
     with pytest.raises(SchemaError, match=r"holds 9{39}… at \$\.a\[1\], no number a machine can keep") as caught:

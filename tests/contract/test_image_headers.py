@@ -118,7 +118,7 @@ def test_nothing_behind_a_scan_or_the_end_is_a_frame(end):
 
 
 def test_bytes_between_segments_end_the_reading():
-    """Where a mark is due and another byte stands the file is broken: a size before it counts, one behind it not."""
+    """A JPEG ends where a marker is due and another byte stands: a size before that place counts, one after it not."""
     with pytest.raises(BrokenLog, match="before its size is stated"):
         read_header(START + b"\0" + frame() + END)
     assert facts(START + frame() + b"\0\0" + frame(0xC0, 99, 99) + END)[:2] == (3, 5)
@@ -147,7 +147,7 @@ def test_millions_are_rounded_to_a_tenth(pixels, millions):
 
 @pytest.mark.parametrize("payload", [png(4097, 4096), START + frame(0xC0, 4097, 4096) + END])
 def test_a_picture_beyond_the_limit_is_not_decoded(payload):
-    """By its header alone, with what to do; one of the largest size that does not decode is another fault."""
+    """A picture beyond the limit is refused by its header alone; one of the largest size fails as undecodable."""
     with pytest.raises(BrokenLog, match=r"at most 16777216 pixels.*Crop it to the gel"):
         decode_rgb(payload)
     with pytest.raises(BrokenLog, match="image of 3 x 5 that does not decode"):

@@ -59,7 +59,7 @@ def test_other_pointers_are_counted(others, words):
 
 
 def test_one_alone_by_default():
-    """Where nothing is said of others there are none."""
+    """A pointer file stands alone unless a number of others is stated."""
     assert str(not_fetched("a.png")) == str(not_fetched("a.png", 0))
     assert pointer_words("a.png") == "a.png is a Git LFS pointer, not the file; run `git lfs pull`"
 

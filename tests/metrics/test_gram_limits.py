@@ -116,7 +116,7 @@ def test_both_sides_need_32_pixels(height, width, runs):
 
 
 def test_no_pictures_have_no_distances():
-    """Nothing to score gives nothing."""
+    """Distances of no pictures are an empty array."""
     assert gram_style_random(flat(WHITE, count=0), flat(WHITE)).shape == (0,)
 
 

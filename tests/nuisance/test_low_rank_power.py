@@ -50,7 +50,7 @@ def test_it_is_the_power_of_the_whole_matrix(seed, unknowns, size, power):
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.sampled_from([1e-3, 0.3, 10.0]))
 def test_half_a_power_undoes_minus_half(seed, size):
-    """In either order."""
+    """The powers 1/2 and -1/2 undo each other in either order."""
     rows, fields = drawn(seed, size=size)
     for power in (0.5, -0.5):
         there = low_rank_power(rows, fields, STARTS, power)

@@ -171,10 +171,6 @@ class ScoredCandidate:
         """Standard error of the gain over trajectories."""
         return error_of_sum(self.gains)
 
-    def gain_lower_bound(self, thresholds: DecisionThresholds) -> float:
-        """Return the gain minus ``gain_penalty_sigmas`` standard errors, by which candidates are ranked."""
-        return thresholds.lower_bound(self.gain, self.gain_error)
-
     @property
     def evidence_without_best_two(self) -> float:
         """Evidence that remains without the two trajectories that contribute most; the Occam penalty stays whole."""

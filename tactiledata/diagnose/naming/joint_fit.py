@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -137,7 +138,7 @@ class JointFit:
         others = ~self._is_of_effects
         return RandomEffects(self.own, self.shared[:, :, others], self.precision[others], self.starts)
 
-    @property
+    @cached_property
     def occam(self) -> float:
         """Occam penalty of the effects' numbers: ½ ln det(I + SᵀMS) + Σ ln m.
 

@@ -28,13 +28,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TypeVar
 
 import numpy as np
 
 from tactiledata.arrays import Array, Mask
-
-Number = TypeVar("Number", float, Array)
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
     "static_friction": 120.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
@@ -115,8 +112,6 @@ class DecisionThresholds:
     log_odds_unlisted : float
         Log-odds of an effect outside the catalogue, relative to "nothing is missing", where the residual has
         structure; minus that number where it has none.
-    gain_penalty_sigmas : float
-        Standard errors over trajectories that are subtracted from a gain before candidates are ranked by it.
     """
 
     claims: Mapping[str, float] = field(default_factory=lambda: CLAIM_EVIDENCE)
@@ -144,7 +139,6 @@ class DecisionThresholds:
     objection_cost: float = 5.0
     log_odds_nothing: float = 0.0
     log_odds_unlisted: float = 3.0
-    gain_penalty_sigmas: float = 1.2
 
     def claim(self, name: str) -> float:
         """Return the evidence that a claim of an effect needs."""
@@ -186,10 +180,6 @@ class DecisionThresholds:
         """Thresholds of a trace: the needed evidence is lowered by ``trace_share``."""
         lowered = {name: self.trace_share * value for name, value in self.claims.items()}
         return replace(self, claims=lowered, usual_claim=self.trace_share * self.usual_claim)
-
-    def lower_bound(self, gain: Number, error: Number) -> Number:
-        """Return a gain minus ``gain_penalty_sigmas`` standard errors: a gain from few trajectories ranks lower."""
-        return gain - self.gain_penalty_sigmas * error
 
     def tie_margin(self, evidence: float) -> float:
         """Return the lead in evidence up to which another candidate is a tie of one with this evidence."""

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tactiledata.arrays import Array, Mask
+from tactiledata.calibrate.experiment import KNOWN
 from tactiledata.calibrate.kept_plays import Play
-from tactiledata.diagnose.touches.played_columns import LEAST_FORCE
+from tactiledata.diagnose.touches.played_columns import pressed, wrench_at_height
+from tactiledata.effects.touch.state import wrench_at
 from tactiledata.gel.contact.history import FrameStatus
 
-KNOWN = (FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
-"""Statuses of frames whose wrench is known."""
 LEAST_SHEAR = 0.02
 """Share of the load from which shear is large enough to give a factor."""
 NEIGHBOURS = 5
@@ -27,7 +27,7 @@ NEIGHBOURS = 5
 
 
 class Loads(NamedTuple):
-    """A play as load, shear, centre of pressure, spin and area: forces over Young's modulus in m^2.
+    """Contact of a play as load, shear, centre of pressure, spin and area; forces are over Young's modulus, in m^2.
 
     Parameters
     ----------
@@ -60,22 +60,19 @@ class Loads(NamedTuple):
         heights : (n,) m
             Height of the tip in the gel frame.
         """
-        wrench = np.nan_to_num(play.wrench)
-        touches = wrench[:, 2] > LEAST_FORCE
-        load = np.where(touches, wrench[:, 2], 0.0)
-        shear = wrench[:, :2] * touches[:, None]
-        divisor = np.where(touches, load, 1.0)
-        x = (heights * shear[:, 0] - wrench[:, 4] * touches) / divisor
-        y = (wrench[:, 3] * touches + heights * shear[:, 1]) / divisor
-        spin = wrench[:, 5] * touches - (x * shear[:, 1] - y * shear[:, 0])
-        return Loads(load, shear, np.column_stack([x, y]), spin, np.nan_to_num(play.area) * touches)
+        columns = np.column_stack([np.nan_to_num(play.wrench), np.nan_to_num(play.area)])
+        tips = np.column_stack([np.zeros((len(heights), 2)), heights])
+        # contact is where the play has a load: every frame counts as deep enough
+        wrench, centre, area, load = pressed(columns, np.ones(len(heights)), tips, tips[:, :2])
+        spin = wrench[:, 5] - wrench_at_height(wrench[:, :2], centre, heights)[:, 5]
+        return Loads(load, wrench[:, :2], centre, spin, area)
 
     def wrench(self, heights: Array) -> Array:
         """Return the wrenches (n, 6) over Young's modulus about the gel's origin; see `of`."""
-        x, y = self.centre.T
-        fx, fy = self.shear.T
-        across = [y * self.load - heights * fy, heights * fx - x * self.load, x * fy - y * fx + self.spin]
-        return np.column_stack([fx, fy, self.load, *across])
+        force = np.column_stack([self.shear, self.load])
+        wrench = wrench_at(force, np.column_stack([self.centre, heights]))
+        wrench[:, 5] += self.spin
+        return wrench
 
 
 def solved(play: Play) -> Mask:

@@ -12,7 +12,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.history import largest_so_far
-from tactiledata.diagnose.touches.played_columns import wrench_at_height
+from tactiledata.diagnose.touches.played_columns import moved_wrench, wrench_at_height
 from tactiledata.diagnose.touches.touch_case import TouchCase
 from tactiledata.nuisance.tare import tare_variance
 
@@ -79,17 +79,15 @@ class OwnErrors:
         sizes = self.slope * np.array([1.0, 1.0, 1.0, self.lever, self.lever, self.lever])
         slope = share[:, None, None] * np.diag(sizes)
         # place: a force that attacks elsewhere has another torque
-        fx, fy, fz = measured[:, :3].T
-        none = np.zeros(count)
-        along_x = np.column_stack([none, none, none, none, -fz, fy])
-        along_y = np.column_stack([none, none, none, fz, none, -fx])
+        ways = np.eye(2)
+        places = [self.place * moved_wrench(measured[:, :3], np.tile(way, (count, 1))) for way in ways]
         # shear, at the tip
         shear = wrench_at_height(measured[:, :2], tips[:, :2], tips[:, 2])
-        taken_off = largest_so_far(fz, np.array([0])) - fz
+        load = measured[:, 2]
+        taken_off = largest_so_far(load, np.array([0])) - load
         taken_off = np.where(case.free_air, 0.0, taken_off)
-        held = [wrench_at_height(np.outer(taken_off, way), tips[:, :2], tips[:, 2]) for way in ((1.0, 0.0), (0.0, 1.0))]
+        held = [wrench_at_height(np.outer(taken_off, way), tips[:, :2], tips[:, 2]) for way in ways]
         others = [
-            self.place * along_x, self.place * along_y, self.force * measured, self.shear * shear,
-            *(self.locked * pull for pull in held),
+            *places, self.force * measured, self.shear * shear, *(self.locked * pull for pull in held),
         ]  # fmt: skip
         return np.concatenate([zero, slope, np.stack(others, axis=2)], axis=2)

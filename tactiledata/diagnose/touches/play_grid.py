@@ -25,13 +25,12 @@ from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.missing_frames import complete, solved
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
-from tactiledata.effects.touch.gel_variants import surface_height, variant_engine, warped
+from tactiledata.effects.touch.gel_variants import contact_height, variant_engine, warped
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
-from tactiledata.indenters.base.turned import reach_below_tip
 from tactiledata.indenters.scaled import scaled
 
 
@@ -226,12 +225,6 @@ def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> 
     return kept
 
 
-def _height_of_contact(mesh: PadMesh, touch: GelTouch) -> Array:
-    """Height of the tip (n,), m, gel frame, at which the lowest point of the indenter meets the undeformed surface."""
-    poses = np.nan_to_num(touch.poses)
-    return surface_height(mesh, poses[:, :2, 3]) + reach_below_tip(touch.indenter, poses)
-
-
 def _touch_plays(
     plan: ResponsePlan,
     mesh: PadMesh,
@@ -283,7 +276,7 @@ def _touch_plays(
         np.array([bend(ratio, plan.frictions[mu_middle]) for ratio in plan.ratios]),
         np.array([bend(plan.ratios[nu_middle], friction) for friction in plan.frictions]),
         np.stack([right - left, up - down]) / (2 * SHIFT),
-        np.where(unknown, np.nan, _height_of_contact(mesh, touch.touch)),
+        np.where(unknown, np.nan, contact_height(mesh, touch.touch.indenter, np.nan_to_num(touch.touch.poses))),
         {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
         estimated,
     )

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from tactiledata.arrays import Array
+from tactiledata.effects.touch.state import torque_of
 
 AREA = 6
 """Index of the column with the contact's area, after the six of the wrench."""
@@ -75,6 +76,20 @@ def wrench_at_height(shear: Array, centre: Array, heights: Array) -> Array:
             if not np.isnan(row[column]):
                 wrench[frame, column] = row[column]
     return wrench
+
+
+def moved_wrench(force: Array, motion: Array) -> Array:
+    """Return the change (n, 6) of wrenches whose centre of pressure is moved along the gel: torques alone.
+
+    Parameters
+    ----------
+    force : (n, 3)
+        Forces, in any unit.
+    motion : (n, 2) m
+        Motion of the centre along x and y.
+    """
+    along = np.column_stack([motion, np.zeros(len(motion))])
+    return np.concatenate([np.zeros_like(force), torque_of(force, along)], axis=1)
 
 
 @njit(cache=True)

@@ -18,6 +18,7 @@ import numpy as np
 
 from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.residuals.history import largest_so_far
+from tactiledata.diagnose.touches.played_columns import moved_wrench, wrench_at_height
 from tactiledata.nuisance.numerical import LAW_ERROR, SHAPE_ERROR
 
 NORMAL, SHEAR, CENTRE = "normal force", "shear", "centre of pressure"
@@ -124,16 +125,11 @@ class _Contact:
 
     def sheared(self, shear: Array) -> Array:
         """Wrench (N, 6) of a tangential force (N, 2) at the tip."""
-        x, y, z = self.tips.T
-        fx, fy = shear.T
-        return np.column_stack([fx, fy, 0.0 * fx, -z * fy, z * fx, x * fy - y * fx])
+        return wrench_at_height(shear, self.tips[:, :2], self.tips[:, 2])
 
     def moved(self, motion: Array) -> Array:
         """Change (N, 6) of the wrench where its centre of pressure moves by (N, 2) metres."""
-        dx, dy = motion.T
-        fx, fy, fz = self.wrench[:, :3].T
-        none = 0.0 * fx
-        return np.column_stack([none, none, none, dy * fz, -dx * fz, dx * fy - dy * fx])
+        return moved_wrench(self.wrench[:, :3], motion)
 
 
 def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -> list[Array]:

@@ -95,6 +95,11 @@ class WhitenedTouches:
         return np.concatenate([case.free_air for case in self.touch_set.touches])
 
     @cached_property
+    def _of_noise(self) -> Array:
+        """Matrix (N, 6, 6) of each row that whitens the noise alone, from the right."""
+        return np.stack([case.noise.whitened(np.eye(6)) for case in self.touch_set.touches])[self.trajectory]
+
+    @cached_property
     def _whitening(self) -> Array:
         """Matrix (N, 6, 6) of each row by which a wrench is multiplied from the right, own unknowns not regarded.
 
@@ -102,7 +107,7 @@ class WhitenedTouches:
         """
         known = np.isfinite(np.concatenate([case.measured for case in self.touch_set.touches])).all(axis=1)
         trust = (self.trust * known)[:, None, None]
-        of_noise = np.stack([case.noise.whitened(np.eye(6)) for case in self.touch_set.touches])[self.trajectory]
+        of_noise = self._of_noise
         # in units of the noise the covariance is I + scatter: its inverse root, by eigenvalues
         values, axes = np.linalg.eigh(of_noise.transpose(0, 2, 1) @ self._scatter @ of_noise)
         shrunk = (axes / np.sqrt(1.0 + np.maximum(values, 0.0))[:, None, :]) @ axes.transpose(0, 2, 1)
@@ -130,8 +135,7 @@ class WhitenedTouches:
 
         It is below 1 where the simulation scatters beside the noise.
         """
-        of_noise = np.stack([case.noise.whitened(np.eye(6)) for case in self.touch_set.touches])[self.trajectory]
-        share = np.linalg.inv(of_noise) @ self._whitening
+        share = np.linalg.inv(self._of_noise) @ self._whitening
         weights: Array = np.sqrt(np.einsum("nij,nij->n", share, share) / 6.0)
         return weights
 

@@ -12,6 +12,8 @@ from tactiledata.effects.touch.response import GelVariant
 from tactiledata.gel.elasticity.stiffening import Stiffening
 from tactiledata.gel.engines.fem import FemEngine, Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.indenters.base import Indenter
+from tactiledata.indenters.base.turned import reach_below_tip
 
 
 def variant_engine(mesh: PadMesh, poisson_ratio: float, fidelity: Fidelity, variant: GelVariant) -> FemEngine:
@@ -53,6 +55,21 @@ def surface_height(mesh: PadMesh, places: Array) -> Array:
     outside = ~np.isfinite(height)
     height[outside] = NearestNDInterpolator(points[:, :2], points[:, 2])(places[outside])
     return height
+
+
+def contact_height(mesh: PadMesh, indenter: Indenter, poses: Array) -> Array:
+    """Return the height of the tip (n,), m, gel frame, at which the indenter's lowest point meets the surface.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Undeformed pad.
+    indenter : Indenter
+        The solid that presses.
+    poses : (n, 4, 4) m
+        gel_from_indenter, every one known.
+    """
+    return surface_height(mesh, poses[:, :2, 3]) + reach_below_tip(indenter, poses)
 
 
 def warped(mesh: PadMesh, variant: GelVariant) -> PadMesh:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,7 @@ def parse_manifest(content: bytes, where: str, checked: bool = True, damaged: bo
             "damage.",
         )
     if checked:
-        _check(content, manifest, where)
+        _check(content, where)
     return manifest
 
 
@@ -109,15 +110,10 @@ CHECKED_ENTRIES = 100
 """Entries of the long lists that are held against the schema at every opening; `check` looks at all of them."""
 
 
-_FITTING: dict[str, None] = {}
-"""Digests of manifests that this process has held against the schema already."""
-MAX_FITTING = 1024
-
-
-def _check(content: bytes, manifest: Manifest, where: str) -> None:
-    digest = bytes_digest(content)
-    if digest in _FITTING:
-        return
+@lru_cache(maxsize=8)
+def _check(content: bytes, where: str) -> None:
+    """Hold a manifest against the schema; the same bytes of the same file are not checked again."""
+    manifest = json.loads(content)
     sources = manifest.get("sources")
     shortened = {**manifest, "sources": sources[:CHECKED_ENTRIES] if isinstance(sources, list) else sources}
     try:
@@ -129,9 +125,6 @@ def _check(content: bytes, manifest: Manifest, where: str) -> None:
             "Run `tactiledata check` on the store.",
             **error.facts,
         ) from error
-    if len(_FITTING) >= MAX_FITTING:
-        _FITTING.clear()
-    _FITTING[digest] = None
 
 
 def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:

@@ -40,7 +40,7 @@ def test_planted_errors_are_found_in_their_family(family, seed):
 
 
 def test_noise_alone_asks_for_the_smallest_errors():
-    """In every family."""
+    """Noise without errors of the simulation gives every family the smallest size."""
     assert estimated({}) == pytest.approx(dict.fromkeys(FAMILIES, SMALLEST), rel=1e-3)
 
 
