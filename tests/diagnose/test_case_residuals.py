@@ -167,7 +167,7 @@ def test_what_a_known_effect_changes_is_recognised():
     """A lagging sensor against the same touches without lag: the difference is nearest to the lag's signature."""
     (white, fit), (lagging, _) = (plain_fit(world_cases(world, 5, 24)) for world in (World(), World(lag=0.04)))
     plain = case_residuals(white, fit)
-    changed = white.with_zeros(lagging.whiten(lagging.measured) - white.whiten(white.measured))
+    changed = white.with_own(lagging.whiten(lagging.measured) - white.whiten(white.measured))
     field = changed[np.isfinite(changed).all(axis=1)][: len(plain.values)]
     known = signature_fields(white, fit, ("lag", "relaxation", "rate_friction"))
     assert all(one.shape == plain.values.shape for one in known.values())

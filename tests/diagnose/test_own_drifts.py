@@ -8,7 +8,7 @@ from planted import planted
 
 from tactiledata.diagnose.locate.own_offsets import own_drifts, own_values
 from tactiledata.diagnose.residuals.projection import project
-from tactiledata.diagnose.residuals.residuals import Covariate
+from tactiledata.diagnose.residuals.residuals import Covariate, ResidualParameter
 
 DRAWS = 299
 
@@ -41,6 +41,21 @@ def test_values_are_those_that_were_dealt():
     hidden = world.with_values(world.values + world.slopes[:, :, 2] * np.repeat(dealt, 15)[:, None])
     told = own_values(project(hidden))["offset"]
     assert np.corrcoef(told, dealt)[0, 1] > 0.9
+
+
+def test_values_are_the_most_likely_ones_under_all_priors():
+    """Normal equations over all numbers at once, written out, with the prior of an error that two indenters share."""
+    world = planted(6)
+    field = world.slopes[:, :, 2] * (0.02 * (world.labels["indenter"] != "cone"))[:, None]
+    error = dataclasses.replace(ResidualParameter("error"), is_tested=False, prior_deviation=1.0)
+    given = dataclasses.replace(world.with_fields({"error": field}), parameters=(*world.parameters, error))
+    trajectories = len(given.starts)
+    own = np.zeros((*given.values.shape, trajectories))
+    own[np.arange(len(given.values)), :, given.trajectory] = given.slopes[:, :, 2]
+    columns = np.concatenate([given.slopes[:, :, [0, 1, 3]], own], axis=2).reshape(-1, 3 + trajectories)
+    precision = np.array([0.0, 0.0, 1.0, *np.full(trajectories, 0.04**-2)])
+    expected = np.linalg.solve(columns.T @ columns + np.diag(precision), columns.T @ given.values.ravel())
+    np.testing.assert_allclose(own_values(project(given))["offset"], expected[3:], atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(3))

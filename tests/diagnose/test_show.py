@@ -117,7 +117,7 @@ def test_the_same_simulation_tells_what_it_has_not_seen():
     raw = white.simulation_error_wrenches(START)
     fit = joint_fit(white, white.whiten(raw), joint_model(START, [], len(offsets), raw.shape[2]), rounds=12)
     for groups in (folds_of(len(offsets)), white.indenter):
-        told = held_out_wrenches(white, fit, groups, raw)
+        told = held_out_wrenches(white, fit, groups)
         error = np.sqrt(((told - white.measured)[:, :3] ** 2).mean())
         assert error < 0.01 * np.sqrt((white.measured[:, :3] ** 2).mean())
 
@@ -132,7 +132,7 @@ def test_sensors_are_held_out_where_there_are_two():
     white = WhitenedTouches.of(TouchSet(cases, base))
     raw = white.simulation_error_wrenches(START)
     fit = joint_fit(white, white.whiten(raw), joint_model(START, [], len(cases), raw.shape[2]))
-    found = held_out_errors(white, (fit, fit), raw, 0)
+    found = held_out_errors(white, (fit, fit), 0)
     assert [(errors.unseen, errors.groups) for errors in found] == [
         ("trajectories", 16), ("indenters", 4), ("sensors", 2)
     ]  # fmt: skip
@@ -140,10 +140,10 @@ def test_sensors_are_held_out_where_there_are_two():
 
 
 def test_whitened_rows_return_as_newtons():
-    """Whitening loses nothing: the zeros that it takes out of a trajectory's rows are put back."""
+    """Whitening loses nothing: what is marginalised in a trajectory is put back."""
     white = WhitenedTouches.of(null(3000, trajectories=8))
     assert not np.allclose(white.in_newtons(white.whiten(white.measured)), white.measured, atol=1e-3)
-    returned = white.in_newtons(white.with_zeros(white.whiten(white.measured)))
+    returned = white.in_newtons(white.with_own(white.whiten(white.measured)))
     assert np.allclose(returned, white.measured, atol=1e-9)
 
 

@@ -97,14 +97,14 @@ def own_values(projection: ProjectedResiduals) -> dict[str, Array]:
     """Most likely values (u,) of the tested own parameters, by name: means over each unit's trajectories.
 
     With the prior N(0, v) and sensitivities s, the most likely value of a parameter is ``v sᵀ V⁻¹ r`` for a residual r
-    with covariance V.
+    with covariance V. Shared parameters are refitted under their priors.
     """
-    residuals = projection.residuals
+    residuals, score = projection.residuals, projection.score_with_priors
     count = np.bincount(residuals.unit_of_trajectory, minlength=residuals.unit_count)
     values = {}
     for place, parameter in enumerate(residuals.parameters):
         if parameter.own_deviation is not None and np.isfinite(parameter.own_deviation) and parameter.is_tested:
-            products = residuals.by_unit(np.einsum("nk,nk->n", residuals.slopes[:, :, place], projection.score))
+            products = residuals.by_unit(np.einsum("nk,nk->n", residuals.slopes[:, :, place], score))
             values[parameter.name] = parameter.own_deviation**2 * products / count
     return values
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -61,6 +62,20 @@ class ProjectedResiduals:
         """The part of a field (n, k, c) that is orthogonal to all shared parameters."""
         together = np.einsum("nkp,nkc->pc", self.weighed, field)
         return field - np.einsum("nkp,pc->nkc", self.directions, self.inverse @ together)
+
+    @cached_property
+    def score_with_priors(self) -> Array:
+        """``score`` (n, k) if shared parameters are refitted under their priors.
+
+        A free refit fits noise with parameters that priors hold near 0, and the trajectories' own parameters make up
+        for it.
+        """
+        shared = [self.residuals.parameters[place] for place in self.residuals.shared]
+        precision = np.array([parameter.prior_deviation for parameter in shared]) ** -2.0
+        values = self.weigh(self.residuals.values)
+        gram = np.einsum("nkp,nkq->pq", self.directions, self.weighed)
+        found = _pseudo_inverse(gram + np.diag(precision)) @ np.einsum("nkp,nk->p", self.directions, values)
+        return values - self.weighed @ found
 
     def information(self, place: int) -> Array:
         """Fisher information (n,) of each frame on one shared parameter, by its place in `Residuals.shared`."""

@@ -58,6 +58,9 @@ class ResidualParameter:
     is_tested : bool
         Whether locators test if the parameter drifts, or what its values follow where each trajectory has its own.
         Nuisance parameters, such as errors of the simulation itself, are refitted and never tested.
+    prior_deviation : float
+        Standard deviation of a normal prior about 0 of a value that all trajectories share; ``inf`` (the default): no
+        prior. Most tests refit shared values freely. Values of trajectories' own parameters heed the prior.
     """
 
     name: str
@@ -65,6 +68,7 @@ class ResidualParameter:
     value: float = float("nan")
     own_deviation: float | None = None
     is_tested: bool = True
+    prior_deviation: float = float("inf")
 
 
 @dataclass(frozen=True)

@@ -61,8 +61,8 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
 
     - E, nu and mu are tested for drifts, except one at its bound.
     - Each trajectory's contact offset and zeros are marginalised under their priors.
-    - Errors of the simulation itself (a factor on all forces of an indenter, the force law, sticking shear) and the
-      numbers of effects are refitted with E, nu and mu and never tested: they are known to be uncertain.
+    - Errors of the simulation itself and the numbers of effects are refitted with E, nu and mu and never tested: they
+      are known to be uncertain.
     - Covariates of the contact, and ``contact`` ("stick" or "slip"), come from the plain simulation at the fitted gel.
     """
     # frames that are known, and slopes of the wrench over the parameters
@@ -75,8 +75,10 @@ def case_residuals(white: WhitenedTouches, fit: JointFit) -> Residuals:
     slopes = white.with_own(np.stack(fields, axis=2))
     names = tuple(ResidualParameter(name, own_deviation=1.0, is_tested=False) for name in white.own.names())
     deviations = np.mean([case.noise.deviations for case in cases.touches], axis=0) * TO_UNIT
+    # numbers with a prior move back to its mean
+    beside = fit.residual + fit.own * fit.by_row + fit.simulation_error_fields @ model.errors
     return Residuals(
-        white.with_own(fit.residual + fit.own * fit.by_row) * single,
+        white.with_own(beside) * single,
         COMPONENTS,
         white.trajectory.astype(np.int64),
         case_covariates(cases, answers),
@@ -197,7 +199,8 @@ def _parameters(white: WhitenedTouches, fit: JointFit) -> tuple[tuple[ResidualPa
         fields.append(fit.shared[:, :, 3 + place])
     first = 3 + len(model.coordinates)
     for place, error in enumerate(white.simulation_errors):
-        listed.append(ResidualParameter(f"error of the simulation: {error.label}", is_tested=False))
+        title = f"error of the simulation: {error.label}"
+        listed.append(ResidualParameter(title, is_tested=False, prior_deviation=1.0))
         fields.append(fit.shared[:, :, first + place])
     return tuple(listed), fields
 
