@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import hashlib
 import io
@@ -88,10 +89,31 @@ def keep_play(path: Path, play: Play) -> None:
 
 @cache
 def _engine_digest() -> str:
-    """Hash of the source files on which a play depends."""
+    """Hash of the program on which a play depends: of its statements, without comments and docstrings."""
     digest = hashlib.sha256()
     for package in ("tactiledata.gel", "tactiledata.indenters"):
         folder = Path(str(resources.files(package)))
         for source in sorted(folder.rglob("*.py")):
-            digest.update(source.relative_to(folder).as_posix().encode() + source.read_bytes())
+            digest.update(source.relative_to(folder).as_posix().encode() + statements(source.read_text("utf-8")))
     return digest.hexdigest()
+
+
+def statements(source: str) -> bytes:
+    """Return the syntax tree of a program as text, in bytes; comments, docstrings and blank space are no part of it."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if not isinstance(body, list):
+            continue
+        # a text that stands alone as a statement documents what is around or above it
+        node.body = [part for part in body if not _is_text(part)]  # type: ignore[attr-defined]
+    return ast.dump(tree).encode()
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    """Whether a statement is nothing but a text."""
+    return (
+        isinstance(statement, ast.Expr)
+        and isinstance(statement.value, ast.Constant)
+        and isinstance(statement.value.value, str)
+    )

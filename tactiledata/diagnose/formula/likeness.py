@@ -9,6 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
+from tactiledata.diagnose.residuals.scores import IMITATED
 
 NEAR = 0.9
 """Smallest absolute cosine at which a field behaves like a known effect."""
@@ -33,7 +34,8 @@ def likenesses(projection: ProjectedResiduals, field: Array, signatures: Mapping
     Parameters
     ----------
     projection : ProjectedResiduals
-        Gives the metric, and the shared parameters that are projected out of the field and of the signatures.
+        Its metric is the inverse covariance with the trajectories' own parameters marginalised. Its shared parameters
+        are projected out of the field and of the signatures; the cosine is 0 where they imitate a signature.
     field : (n, k)
         Whitened change of the simulation.
     signatures : dict, name -> (n, k)
@@ -42,9 +44,12 @@ def likenesses(projection: ProjectedResiduals, field: Array, signatures: Mapping
     if not signatures:
         return ()
     names = list(signatures)
-    both = projection.orthogonal(np.stack([field, *(signatures[name] for name in names)], axis=2))
+    stacked = np.stack([field, *(signatures[name] for name in names)], axis=2)
+    both = projection.orthogonal(stacked)
     together = np.einsum("nka,nkb->ab", both, projection.weigh(both), optimize=True)
-    size = np.sqrt(np.maximum(np.diag(together), 1e-300))
-    cosines = together[0, 1:] / (size[0] * size[1:])
+    squares = np.diag(together)
+    has_direction = squares > IMITATED * (stacked**2).sum(axis=(0, 1))
+    size = np.sqrt(np.where(has_direction, squares, 1.0))
+    cosines = np.where(has_direction[0] & has_direction[1:], together[0, 1:] / (size[0] * size[1:]), 0.0)
     listed = [Likeness(name, float(cosine)) for name, cosine in zip(names, cosines, strict=True)]
     return tuple(sorted(listed, key=lambda likeness: -abs(likeness.cosine)))

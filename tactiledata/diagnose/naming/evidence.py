@@ -195,8 +195,9 @@ class ScoredCandidate:
     def is_agreed(self, thresholds: DecisionThresholds) -> bool:
         """Whether trajectories agree on the effect.
 
-        They do where the signature statistic reaches ``signature_threshold``, or where the gain is certain and the
-        needed evidence remains without the two trajectories that contribute most.
+        They do where the signature statistic of the plain fit's residual reaches ``signature_threshold``. They also do
+        where the gain is certain (`has_certain_gain`) and the evidence that a claim needs remains without the two
+        trajectories that contribute most to it.
         """
         return self.signature_before >= thresholds.signature_threshold or (
             self.has_certain_gain(thresholds) and self.evidence_without_best_two >= thresholds.needed(self.names)

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array, Indices
+from tactiledata.diagnose.residuals.scores import IMITATED
 
 
 @dataclass(frozen=True)
@@ -87,11 +88,25 @@ class RandomEffects:
 
 
 def cosines(metric: RandomEffects, fields: Sequence[Array]) -> Array:
-    """Return cosines (k, k) of k fields (N, 6) in the metric; 0 where nothing of a field is left in it."""
+    """Return the cosines (k, k) of the angles between k fields in the metric, at least one field.
+
+    A field that the shared parameters imitate up to ``IMITATED`` of its squares has no direction of its own: its
+    cosines are 0, also that with itself.
+
+    Parameters
+    ----------
+    metric : RandomEffects
+        Metric of the cosines.
+    fields : sequence of k (N, 6)
+        Whitened changes of the wrench.
+    """
     stacked = np.stack(fields, axis=2)
     products = metric.products(stacked, stacked)
-    size = np.sqrt(np.maximum(np.diag(products), 1e-300))
-    return np.clip(products / np.outer(size, size), -1.0, 1.0)
+    squares = np.diag(products)
+    has_direction = squares > IMITATED * (stacked**2).sum(axis=(0, 1))
+    size = np.sqrt(np.where(has_direction, squares, 1.0))
+    is_known = np.outer(has_direction, has_direction)
+    return np.where(is_known, np.clip(products / np.outer(size, size), -1.0, 1.0), 0.0)
 
 
 def best_imitation(metric: RandomEffects, field: Array, others: Array) -> float:

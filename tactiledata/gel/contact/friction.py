@@ -30,6 +30,9 @@ def solve_contact(
 ) -> float:
     """Improve the contact forces in place by sweeps over the patches; return the last relative change.
 
+    Only ``forces`` is changed. The answer is the largest change of a force component in the last sweep over the largest
+    normal force: above ``tolerance`` where the sweeps did not suffice, and 0 without patches or without normal force.
+
     One patch after the other is made to obey Signorini's and Coulomb's laws while all others are held (Jourdan, Alart
     and Jean, Comput. Methods Appl. Mech. Eng. 155, 1998).
 
@@ -44,9 +47,11 @@ def solve_contact(
     normals : (k, 3)
         Unit normals out of the indenter.
     gaps : (k,) m
-        Distance along the normal at the given forces.
+        Mean distance of the patch from the indenter along the normal at the forces on entry; negative where they
+        overlap.
     slips : (k, 3) m
-        Motion relative to the indenter since the last load step, at the given forces.
+        Motion relative to the indenter since the last load step, at the forces on entry; the part along the normal
+        does not count.
     openings : (k,) m
         Gap at the last load step; 0 for a patch that touched. Where a patch first touches in this step, only the
         motion after touching counts as slip.

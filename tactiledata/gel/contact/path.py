@@ -20,7 +20,11 @@ HALVINGS = 10
 
 
 def pose_status(pose: Array, rest: Array, relief: IndenterRelief, thickness: float) -> FrameStatus:
-    """Return why a frame cannot be solved, or ``SOLVED`` where it can be.
+    """Return why a frame cannot be solved, or ``SOLVED`` where it can be tried, contact or none.
+
+    ``POSE_MISSING``: a number of the pose is not finite. ``TOO_DEEP``: the indenter overlaps the undeformed gel by more
+    than ``DEEPEST`` times the thickness. ``BESIDE_THE_PAD``: it overlaps nothing, and its tip is more than half the
+    thickness below the surface.
 
     Parameters
     ----------

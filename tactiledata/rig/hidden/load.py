@@ -167,7 +167,10 @@ class HiddenInertia(HiddenEffect):
     frequency: float = 18.0
 
     def load(self, moments: Times, played_log: PlayedLog, scenario: Scenario) -> RealArray | None:
-        """Return the force and torque of inertia (n, 6), N and N m, sensor frame.
+        """Return the load (n, 6), N and N m, sensor frame, that the tool's inertia puts on the force sensor.
+
+        The force is minus the mass times the acceleration of the arm, filtered by the arm's vibration, at the tool's
+        centre of gravity. The tool's turning adds no torque of its own.
 
         Parameters
         ----------

@@ -108,7 +108,11 @@ def _times(played_log: PlayedLog, rate: float, jitter: float, rng: np.random.Gen
 
 
 def tare_times(scenario: Scenario, played_log: PlayedLog) -> list[int]:
-    """Return the moments at which the force sensor is set to zero, ns of the host clock."""
+    """Return the moments at which the force sensor is set to zero, ns of the host clock.
+
+    They lie ``TARE_DELAY_NS`` after the start of the log where the scenario's ``recordings.tare`` is "log", after the
+    start of each trajectory where it is "trajectory"; there are none otherwise.
+    """
     setup = scenario.recordings.tare
     if setup == "log":
         return [played_log.start_ns + TARE_DELAY_NS]

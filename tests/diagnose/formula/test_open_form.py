@@ -196,6 +196,14 @@ def test_likeness_ignores_what_a_refit_takes():
     assert likenesses(project(world), field, {"same": same})[0].cosine == pytest.approx(1.0, abs=1e-6)
 
 
+def test_what_a_refit_takes_whole_resembles_nothing():
+    """A signature that E imitates leaves rounding errors alone, and its cosine is 0."""
+    world = planted(0)
+    field = np.random.default_rng(1).normal(size=world.values.shape)
+    found = likenesses(project(world), field, {"imitated": 3.0 * world.slopes[:, :, 0], "same": field})
+    assert [(one.name, one.cosine) for one in found] == [("same", pytest.approx(1.0)), ("imitated", 0.0)]
+
+
 def test_held_out_trajectories_fit_better_with_a_true_term_and_no_worse_without():
     """Most of the gap closes where a term was planted; nothing moves where none was."""
     world = planted(4, 60, plant=modulus_over("depth", 0.6, 0.2, 1.0), random_effects=False)
