@@ -19,8 +19,9 @@ import argparse
 import json
 import tempfile
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,22 +33,34 @@ from naming_summary import summary
 from naming_truth import friction_left, modulus_left
 
 from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.full_plays import named_with_full_plays
 from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.naming.metric import cosines
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.touch.response import GelVariant
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.rig.scenario.scenario import load_scenario
 
 START = GelMaterial(0.9e6, 0.475, 0.65)
 QUICK_EFFECTS = ("frame_rotation", "relaxation", "lag")
+
+
+@dataclass(frozen=True)
+class _Played:
+    """Touches of a case with the plays by which they are simulated."""
+
+    touch_set: TouchSet
+    plays: list[TouchPlays]
 
 
 @dataclass
@@ -58,6 +71,7 @@ class Bench:
     maker: Maker
     family: PlayedFamily
     effects: tuple[str, ...]
+    plays: Callable[[frozenset[GelVariant]], list[TouchPlays]]
     pairs: bool = True
     _kept: tuple[tuple[int, GelMaterial], np.ndarray] | None = None
 
@@ -67,15 +81,23 @@ class Bench:
         maker = Maker.of(plan, bank)
         fidelity: Fidelity = "linear" if plan.is_quick else "finite-strain"
         wanted = variants_of(varied) if with_variants else ()
-        plays = play_touches(
-            plan.mesh, fidelity, to_play(maker.touches), plan.bounds, workers=1, progress=_tell, variants=wanted
-        )
+        touches = to_play(maker.touches)
+
+        @cache
+        def plays_with(full: frozenset[GelVariant]) -> list[TouchPlays]:
+            return play_touches(plan.mesh, fidelity, touches, plan.bounds, 1, _tell, wanted, full=full)
+
+        plays = plays_with(frozenset())
+        known = [one.known for one in plays]
         played = set(plays[0].variants)
         asked = QUICK_EFFECTS if plan.is_quick else EFFECTS
         tried = tuple(name for name in asked if played.issuperset(design_variants(EFFECTS[name]())))
-        maker = maker.keeping([one.known for one in plays])
-        family = PlayedFamily(maker.touches, [one.part(one.known) for one in plays])
-        return Bench(plan, maker, family, tried)
+        maker = maker.keeping(known)
+
+        def known_plays(full: frozenset[GelVariant]) -> list[TouchPlays]:
+            return [one.part(rows) for one, rows in zip(plays_with(full), known, strict=True)]
+
+        return Bench(plan, maker, PlayedFamily(maker.touches, known_plays(frozenset())), tried, known_plays)
 
     def gel(self, seed: int) -> GelMaterial:
         """Of a world: E is its own."""
@@ -102,7 +124,16 @@ class Bench:
         recorded = self.maker.recorded(asked.seed, truth, asked.hidden, asked.more)
         cases = self.maker.cases(recorded, self.family)
         began = time.perf_counter()
-        naming = name_effects(cases, START, NamingOptions(effects=self.effects, profile=False, pairs=self.pairs))
+        options = NamingOptions(effects=self.effects, profile=False, pairs=self.pairs)
+
+        def play(full: frozenset[GelVariant]) -> _Played:
+            plays = self.plays(full)
+            return _Played(replace(cases, base=PlayedFamily(self.maker.touches, plays)), plays)
+
+        def name(played: _Played) -> NamingResult:
+            return name_effects(played.touch_set, START, options)
+
+        _, naming, full_plays = named_with_full_plays(play, name, DEFAULT_THRESHOLDS)
         seconds = time.perf_counter() - began
         scenario = load_scenario(self.maker.plan.scenario(asked.seed, truth, asked.hidden))
         change, left, unhidden = np.zeros((int(cases.counts.sum()), 6)), 0.0, truth
@@ -122,6 +153,7 @@ class Bench:
             "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],
             **_found(naming, asked, change),
             "signal": round(float(np.sqrt(max(left, 0.0))), 2),
+            "full_plays": [asdict(one) for one in full_plays],
         }
 
 

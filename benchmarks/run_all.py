@@ -15,6 +15,7 @@ BENCHMARKS = (
     "gel_growth.py",
     "gel_mesh_error.py",
     "linear_error.py",
+    "estimated_plays.py",
     "solver_difference.py",
     "replay_memory.py",
     "calibration_worlds.py",

@@ -13,7 +13,7 @@ from tactiledata.calibrate.fit import Fit, fit
 from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.calibrate.player import play_at, play_nodes
+from tactiledata.calibrate.player import play_at, play_plan
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
@@ -118,9 +118,9 @@ def calibrate_measured(
     bounds = find_bounds(options.bounds)
     # simulate every touch at the nodes over nu, mu and offset
     plan = ResponsePlan.of(bounds)
-    plays = play_nodes(
-        measured.mesh, options.mechanics, measured.touches, list(plan.nodes()), options.workers, report_progress
-    )
+    plays = play_plan(
+        measured.mesh, options.mechanics, measured.touches, plan, options.workers, report_progress
+    ).by_node()
     experiment = assemble(measured.touches, plan, plays)
     if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
         reasons = experiment if isinstance(experiment, dict) else experiment.left_out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import hashlib
 import io
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.program import statements
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.compliance import cache_folder
 
@@ -96,24 +96,3 @@ def _engine_digest() -> str:
         for source in sorted(folder.rglob("*.py")):
             digest.update(source.relative_to(folder).as_posix().encode() + statements(source.read_text("utf-8")))
     return digest.hexdigest()
-
-
-def statements(source: str) -> bytes:
-    """Return the syntax tree of a program as text, in bytes; comments, docstrings and blank space are no part of it."""
-    tree = ast.parse(source)
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if not isinstance(body, list):
-            continue
-        # a text that stands alone as a statement documents what is around or above it
-        node.body = [part for part in body if not _is_text(part)]  # type: ignore[attr-defined]
-    return ast.dump(tree).encode()
-
-
-def _is_text(statement: ast.stmt) -> bool:
-    """Whether a statement is nothing but a text."""
-    return (
-        isinstance(statement, ast.Expr)
-        and isinstance(statement.value, ast.Constant)
-        and isinstance(statement.value.value, str)
-    )

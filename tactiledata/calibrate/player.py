@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactiledata.arrays import Array
+from tactiledata.calibrate.estimated_plays import estimated_node, is_played
 from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_path
-from tactiledata.calibrate.plan import Node
+from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
@@ -100,6 +101,84 @@ def play_nodes(
             finished = len(plays_of) * len(touches)
             progress.finished(finished, f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
     return plays_of
+
+
+@dataclass(frozen=True)
+class PlanPlays:
+    """The plays at the nodes of a plan: all of them, or some and those of the linear engine at all nodes.
+
+    Parameters
+    ----------
+    plan : ResponsePlan
+        Nodes over nu, mu and offset.
+    played : dict, Node -> plays of t touches
+        By the engine that was asked for.
+    linear : dict, Node -> plays of t touches
+        By the linear engine at every node; empty where every node was played.
+    """
+
+    plan: ResponsePlan
+    played: dict[Node, list[Play]]
+    linear: dict[Node, list[Play]]
+
+    def by_node(self) -> dict[Node, list[Play]]:
+        """Return the plays of every node of the plan, those that were not played estimated (`estimated_node`)."""
+        return {
+            node: self.played[node]
+            if node in self.played
+            else estimated_node(self.plan, node, self.played, self.linear)
+            for node in self.plan.nodes()
+        }
+
+
+def play_plan(
+    mesh: PadMesh,
+    mechanics: Mechanics,
+    touches: Sequence[MeasuredTouch],
+    plan: ResponsePlan,
+    workers: int = 1,
+    report_progress: Progress = no_progress,
+    estimate: bool = True,
+) -> PlanPlays:
+    """Simulate all touches at the nodes of a plan.
+
+    At finite strain, only the nodes are played at which no more than one of nu, mu and offset differs from the middle,
+    and all nodes by the linear engine, from which the others are estimated.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh of the gel.
+    mechanics : str
+        Engine and fidelity.
+    touches : sequence of MeasuredTouch
+        Poses and indenters.
+    plan : ResponsePlan
+        Nodes over nu, mu and offset.
+    workers : int
+        Processes.
+    report_progress : callable
+        Called with the number of finished plays of touches, their total and a label.
+    estimate : bool
+        Whether plays at finite strain may be estimated; otherwise every node is played.
+
+    Raises
+    ------
+    Exception
+        The error of a batch that failed.
+    """
+    nodes = list(plan.nodes())
+    if mechanics != "finite-strain" or not estimate:
+        return PlanPlays(plan, play_nodes(mesh, mechanics, touches, nodes, workers, report_progress), {})
+    full = [node for node in nodes if is_played(plan, node)]
+    before, total = len(full) * len(touches), (len(full) + len(nodes)) * len(touches)
+    played = play_nodes(
+        mesh, mechanics, touches, full, workers, lambda done, _, what="": report_progress(done, total, what)
+    )
+    linear = play_nodes(
+        mesh, "linear", touches, nodes, workers, lambda done, _, what="": report_progress(before + done, total, what)
+    )
+    return PlanPlays(plan, played, linear)
 
 
 def play_at(

@@ -8,18 +8,21 @@ from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import explain
-from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.full_plays import named_with_full_plays
+from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.next_trial.limits import limits
 from tactiledata.diagnose.next_trial.propose import propose_trials
 from tactiledata.diagnose.options import DiagnosisOptions
 from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
-from tactiledata.diagnose.touches.store_touches import store_touches
+from tactiledata.diagnose.touches.store_touches import StoreTouches, store_touches
 from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import read_zeros
+from tactiledata.effects.touch.response import GelVariant
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
@@ -54,17 +57,28 @@ def diagnose_store(
         The store is damaged; too few trajectories can be used, and the message counts the reasons; or scikit-learn is
         not installed.
     """
-    # check, read and play
+    # check and read
     need_learning_library()
     need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
     calibration = options.calibration()
     opened = OpenedStore.planned(store, calibration.pads, calibration.indenter_folder)
-    played = store_touches(opened, calibration, play_progress)
-    # name what is missing
-    candidates = tuple(name for name in played.effects if not options.effects or name in options.effects)
     errors = NumericalErrors.of(options.fidelity)
-    naming_options = NamingOptions(effects=candidates, errors=errors, pairs=options.pairs, seed=options.seed)
-    naming = name_effects(played.touch_set, played.start, naming_options, step_progress)
+
+    def play(full: frozenset[GelVariant]) -> StoreTouches:
+        return store_touches(opened, calibration, play_progress, full)
+
+    def candidates_of(played: StoreTouches) -> tuple[str, ...]:
+        return tuple(name for name in played.effects if not options.effects or name in options.effects)
+
+    def name(played: StoreTouches) -> NamingResult:
+        naming_options = NamingOptions(
+            effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed
+        )
+        return name_effects(played.touch_set, played.start, naming_options, step_progress)
+
+    # name what is missing
+    played, naming, full_plays = named_with_full_plays(play, name, DEFAULT_THRESHOLDS)
+    candidates = candidates_of(played)
     # compare on data that had no part in the fit
     shown = show(naming, options.seed, step_progress)
     # a formula where no known effect explains what is missing
@@ -84,4 +98,6 @@ def diagnose_store(
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
     simulated = simulated_trajectories(store, played.uids)
-    return StoreDiagnosis(store.digest, options, played, naming, shown, formula, proposals, remarks, causes, simulated)
+    return StoreDiagnosis(
+        store.digest, options, played, naming, shown, formula, proposals, remarks, causes, simulated, full_plays
+    )

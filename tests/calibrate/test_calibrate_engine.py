@@ -10,7 +10,7 @@ import pytest
 from tactiledata.calibrate import player
 from tactiledata.calibrate.calibrate import calibrate_measured
 from tactiledata.calibrate.document import calibration_document, write_calibration
-from tactiledata.calibrate.kept_plays import load_play, play_path, statements
+from tactiledata.calibrate.kept_plays import load_play, play_path
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.page import calibration_page
@@ -118,16 +118,6 @@ def test_what_a_play_depends_on_has_a_place_of_its_own(measured):
         play_path(GelTouch(Sphere(radius=0.003), touch.touch.poses), PAD.digest, "linear", 0.47, 0.7),
     }
     assert len(paths) == 8
-
-
-def test_words_about_a_program_leave_its_plays_valid():
-    """Docstrings, comments and blank lines are no part of the digest; numbers, defaults and texts in use are."""
-    inside = '    """Return a share."""\n    return a / b if a else "none"\n'
-    program = 'LIMIT = 2\n"""A limit."""\n\n\ndef share(a, b=1):\n' + inside
-    words = 'LIMIT = 2\n# a comment\ndef share(a, b=1):\n    return a / b if a else "none"\n'
-    assert statements(program) == statements(words)
-    changed = [("LIMIT = 2", "LIMIT = 3"), ("b=1", "b=2"), ('"none"', '"nothing"'), ("a / b", "a * b")]
-    assert len({statements(program), *(statements(program.replace(*pair)) for pair in changed)}) == 5
 
 
 def test_another_engine_is_named_in_every_output(measured, monkeypatch, tmp_path):

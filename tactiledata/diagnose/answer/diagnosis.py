@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import Explanation
+from tactiledata.diagnose.full_plays import FullPlay
 from tactiledata.diagnose.naming.decide import claim_verdict
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
@@ -43,6 +44,8 @@ class StoreDiagnosis:
         What the force sensor's zero follows in free air.
     simulated : SimulatedCount
         How many of the played trajectories are of simulated recordings.
+    full_plays : tuple of FullPlay
+        Effects that were played in full after an estimate, and how far the estimate was off.
     """
 
     store: str
@@ -55,6 +58,7 @@ class StoreDiagnosis:
     limits: list[str]
     zeros: list[ZeroCause]
     simulated: SimulatedCount = NOTHING_STATED
+    full_plays: tuple[FullPlay, ...] = ()
 
     @property
     def answer(self) -> Answer:

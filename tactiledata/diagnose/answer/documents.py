@@ -257,6 +257,10 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "zeros": [cause.document for cause in done.zeros],
         "simulated_recordings": done.simulated.document(),
         "frames": asdict(done.played.frames),
+        "full_plays": [
+            {name: _number(value) if name != "effect" else value for name, value in asdict(one).items()}
+            for one in done.full_plays
+        ],
         "notes": notes_of(done),
         "provenance": provenance("diagnose", {"store": done.store}, done.options.document()),
         **naming_document(done.naming, done.shown.located, done.shown),

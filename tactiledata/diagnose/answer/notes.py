@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.residuals.wording import percent
 from tactiledata.effects import EFFECTS
@@ -32,6 +34,13 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
         notes.append(
             f"{frames.estimated} frames could not be solved at some parameters of the gel and are interpolated there"
         )
+    # effects that were looked at closely
+    for one in done.full_plays:
+        notes.append(
+            f"{EFFECTS[one.effect]().title}: the gel was played in full after an estimate, which was off by"
+            f" {percent(one.error)} of what the effect changes; the evidence was {_number(one.estimated_evidence)} and"
+            f" is {_number(one.evidence)}"
+        )
     # effects that were not tried, by reason
     by_reason: dict[str, list[str]] = {}
     chosen = done.options.effects
@@ -43,3 +52,8 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
         needed = " and ".join(_NEEDS.get(need, need) for need in EFFECTS[name].needs)
         by_reason.setdefault(f"the recordings do not state {needed}", []).append(EFFECTS[name]().title)
     return notes + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
+
+
+def _number(evidence: float) -> str:
+    """Evidence in words, where the effect was refitted."""
+    return f"{evidence:.1f}" if math.isfinite(evidence) else "too small for a refit"

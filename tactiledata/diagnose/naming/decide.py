@@ -136,17 +136,21 @@ def decide(
     is_left = left.is_structure(thresholds)
     chances = _probabilities(singles, pairs, thresholds, is_left)
     ranked = sorted(singles, key=lambda single: -single.evidence)
-    # the single without objections that has most evidence, unless another one that is objected to has far more
+    # the single without objections that has most evidence, unless another one that is objected to has far more beyond
+    # what errors of the simulation can bring
     best = next((single for single in ranked if not single.objections(thresholds)), None)
-    if best is not None and ranked[0].evidence - best.evidence > thresholds.tie_margin(ranked[0].evidence):
-        best = None
+    if best is not None:
+        most = max(ranked, key=lambda single: single.beyond(thresholds))
+        if most.beyond(thresholds) - best.beyond(thresholds) > thresholds.tie_margin(most.evidence):
+            best = None
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
     # an effect that removes the smaller part of what is beyond the noise may stand in for something else, above all
     # one that resembles errors of the simulation
     is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
-    if best is not None and is_more_than_noise and best.excess_share < thresholds.cause_share(best.names):
+    is_small = best is not None and best.excess_share < thresholds.cause_share(best.names)
+    if best is not None and is_more_than_noise and is_small and not best.is_decisive(thresholds):
         return Decision(
             Verdict.NOT_EXPLAINED, best, (), chances,
             (
@@ -317,7 +321,7 @@ def _probabilities(
     ]
     candidates = [*singles, *pairs]
     shares = thresholds.shares(
-        np.array([candidate.evidence - thresholds.needed(candidate.names) for candidate in candidates]),
+        np.array([candidate.beyond(thresholds) for candidate in candidates]),
         np.array(objected, dtype=bool),
         is_left,
     )

@@ -203,6 +203,22 @@ class ScoredCandidate:
             self.has_certain_gain(thresholds) and self.evidence_without_best_two >= thresholds.needed(self.names)
         )
 
+    def beyond(self, thresholds: DecisionThresholds) -> float:
+        """Return the evidence beyond that which a claim needs."""
+        return self.evidence - thresholds.needed(self.names)
+
+    def is_decisive(self, thresholds: DecisionThresholds) -> bool:
+        """Whether trajectories agree on the effect as they do on no error of the simulation.
+
+        The signature statistic of the plain fit's residual reaches ``decisive_signature``, and the evidence that a
+        claim needs remains without the two trajectories that contribute most. Other errors that are left beside such
+        an effect do not speak against it.
+        """
+        return (
+            self.signature_before >= thresholds.decisive_signature
+            and self.evidence_without_best_two >= thresholds.needed(self.names)
+        )
+
     @property
     def is_worse_on_indenters(self) -> bool:
         """Whether indenters that were held out are predicted worse than by the plain simulation, beyond chance."""
@@ -242,7 +258,7 @@ class ScoredCandidate:
             )
         if self.is_worse_on_indenters:
             reasons.append("held-out indenters are predicted worse with it than without")
-        if self.excess_share < thresholds.least_excess_share:
+        if self.excess_share < thresholds.least_excess_share and not self.is_decisive(thresholds):
             reasons.append(
                 f"only {100 * self.excess_share:.0f} % of the excess over the noise is gone in data that were not"
                 " fitted"

@@ -71,6 +71,9 @@ class DecisionThresholds:
     signature_threshold : float
         Signature statistic from which trajectories agree on an effect before the refit. After the refit, a larger
         absolute value says that the effect has not removed what it should.
+    decisive_signature : float
+        Signature statistic from which the share of the excess no longer counts: what else the simulation lacks leaves
+        an excess of its own.
     least_excess_share : float
         Share of the excess that a claim must remove on indenters held out.
     main_cause_share : float
@@ -121,6 +124,7 @@ class DecisionThresholds:
     gain_sigmas: float = 2.0
     certain_signature: float = 4.0
     signature_threshold: float = 3.0
+    decisive_signature: float = 8.0
     least_excess_share: float = 0.05
     main_cause_share: float = 0.5
     part_share: float = 0.15

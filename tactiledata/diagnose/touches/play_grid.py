@@ -5,8 +5,8 @@ Every play is kept on disk and not made again.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -14,10 +14,11 @@ import numpy as np
 
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds
+from tactiledata.calibrate.estimated_plays import estimated_change
 from tactiledata.calibrate.kept_plays import Play, play_path
 from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.play_progress import PlayProgress
-from tactiledata.calibrate.player import play_nodes, played_or_kept
+from tactiledata.calibrate.player import play_plan, played_or_kept
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.progress import Progress, no_progress
@@ -115,8 +116,13 @@ def play_touches(
     workers: int = 1,
     progress: Progress = no_progress,
     variants: Sequence[GelVariant] = (),
+    estimate: bool = True,
+    full: Collection[GelVariant] = (),
 ) -> list[TouchPlays]:
     """Return the plays of each touch.
+
+    At finite strain most of them are estimated from a few and from those of the linear engine
+    (`tactiledata.calibrate.estimated_plays`); variants of the elastic law are played, as the linear engine has none.
 
     Frames that the middle play could not solve are not numbers. Frames that another play could not solve are
     interpolated from those that it could (`missing_frames`). Plays without shift and variant are those of the
@@ -139,6 +145,10 @@ def play_touches(
     variants : sequence of GelVariant
         Variants that are played at the middle nu and mu. A variant that fails in more than ``MOST_LOST`` of the frames
         is left out.
+    estimate : bool
+        Whether plays at finite strain may be estimated; otherwise all are played.
+    full : collection of GelVariant
+        Variants that are played in any case.
     """
     # batches: paths moved along the gel, then variants
     plan = ResponsePlan.of(bounds)
@@ -148,19 +158,26 @@ def play_touches(
         tuple(_moved(touch.touch, axis, side * SHIFT) for touch in touches) for axis in range(2) for side in (-1.0, 1.0)
     ]
     plain = tuple(touch.touch for touch in touches)
-    batches = [VariantBatch(mesh, fidelity, *pair, GelVariant(), group) for group in moved]
-    batches += [VariantBatch(mesh, fidelity, *pair, variant, plain) for variant in variants]
-    plan_nodes = list(plan.nodes())
-    of_nodes, of_batches = len(plan_nodes) * len(touches), len(batches) * len(touches)
+    is_estimated = estimate and fidelity == "finite-strain"
+    quick: Fidelity = "linear" if is_estimated else fidelity
+    exact = {variant for variant in variants if variant in full or has_own_law(variant)}
+    batches = [VariantBatch(mesh, quick, *pair, GelVariant(), group) for group in moved]
+    batches += [
+        VariantBatch(mesh, fidelity if variant in exact else quick, *pair, variant, plain) for variant in variants
+    ]
+    of_batches = len(batches) * len(touches)
+    of_nodes = 0
 
-    def nodes_played(done: int, _: int, what: str = "") -> None:
-        progress(done, of_nodes + of_batches, what)
+    def nodes_played(done: int, total: int, what: str = "") -> None:
+        nonlocal of_nodes
+        of_nodes = total
+        progress(done, total + of_batches, what)
 
     def batches_played(done: int, _: int, what: str = "") -> None:
         progress(of_nodes + done, of_nodes + of_batches, what)
 
     # plays, each kept on disk as soon as it is finished
-    nodes = play_nodes(mesh, fidelity, touches, plan_nodes, workers, nodes_played)
+    grid = play_plan(mesh, fidelity, touches, plan, workers, nodes_played, estimate)
     others: list[list[Play]] = []
     paths = [path for batch in batches for path in variant_paths(batch)]
     with PlayProgress(paths, batches_played) as play_progress:
@@ -169,18 +186,33 @@ def play_touches(
                 raise outcome.error
             others.append(outcome.result or [])
             play_progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
-    # the plays of each touch side by side
-    shifted, varied = others[: len(moved)], dict(zip(variants, others[len(moved) :], strict=True))
-    middle = nodes[Node(*pair, 0.0)]
-    kept = solvable(varied, middle)
+    # what a play has not solved is taken from the others; then the plays that were not made are estimated
     heights = [np.nan_to_num(touch.touch.poses[:, 2, 3]) for touch in touches]
-    all_nodes = {node: complete(plays, middle, heights) for node, plays in nodes.items()}
-    all_shifted = [complete(plays, middle, heights) for plays in shifted]
-    all_kept = {variant: complete(plays, middle, heights) for variant, plays in kept.items()}
-    solved_by_all = [
-        np.all([solved(plays[k]) for plays in (*nodes.values(), *shifted, *kept.values())], axis=0)
-        for k in range(len(touches))
-    ]
+    at_middle = Node(*pair, 0.0)
+    middle = grid.played[at_middle]
+    of_quick = grid.linear[at_middle] if is_estimated else middle
+    every = [*grid.played.values(), *grid.linear.values(), *others]
+    solved_by_all = [np.all([solved(plays[k]) for plays in every], axis=0) for k in range(len(touches))]
+    all_nodes = replace(
+        grid,
+        played={node: complete(plays, middle, heights) for node, plays in grid.played.items()},
+        linear={node: complete(plays, of_quick, heights) for node, plays in grid.linear.items()},
+    ).by_node()
+
+    def completed(plays: Sequence[Play], was_quick: bool) -> list[Play]:
+        if not (is_estimated and was_quick):
+            return complete(plays, middle, heights)
+        whole = complete(plays, of_quick, heights)
+        return [estimated_change(*three) for three in zip(middle, of_quick, whole, strict=True)]
+
+    all_shifted = [completed(plays, True) for plays in others[: len(moved)]]
+    varied = dict(zip(variants, others[len(moved) :], strict=True))
+    kept = {
+        variant: plays
+        for variant, plays in varied.items()
+        if is_solvable(plays, middle if variant in exact else of_quick)
+    }
+    all_kept = {variant: completed(plays, variant not in exact) for variant, plays in kept.items()}
     join = partial(_touch_plays, plan, mesh)
     return [
         join(
@@ -206,23 +238,24 @@ def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
     return GelTouch(touch.indenter, poses)
 
 
-def solvable(varied: Mapping[GelVariant, list[Play]], plain: Sequence[Play]) -> dict[GelVariant, list[Play]]:
-    """Return the variants that solve nearly all frames which the nominal gel solves; see ``MOST_LOST``.
+def has_own_law(variant: GelVariant) -> bool:
+    """Return whether a variant has another elastic law, which the linear engine does not know."""
+    return (variant.c20, variant.c30) != (0.0, 0.0)
+
+
+def is_solvable(varied: Sequence[Play], plain: Sequence[Play]) -> bool:
+    """Return whether a variant solves nearly all frames which the nominal gel solves; see ``MOST_LOST``.
 
     Parameters
     ----------
-    varied : dict, GelVariant -> list of Play
-        Plays of each variant, one for each touch.
+    varied : sequence of Play
+        Plays of the variant, one for each touch.
     plain : sequence of Play
-        Plays of the nominal gel at the same nu and mu, in the same order.
+        Plays of the nominal gel by the same engine at the same nu and mu, in the same order.
     """
     known = np.concatenate([solved(play) for play in plain])
-    kept = {}
-    for variant, plays in varied.items():
-        lost = known & ~np.concatenate([solved(play) for play in plays])
-        if lost.sum() <= MOST_LOST * known.sum():
-            kept[variant] = plays
-    return kept
+    lost = known & ~np.concatenate([solved(play) for play in varied])
+    return bool(lost.sum() <= MOST_LOST * known.sum())
 
 
 def _touch_plays(

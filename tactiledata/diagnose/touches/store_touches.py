@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from tactiledata.diagnose.touches.play_grid import design_variants, play_touches
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, TouchCase, TouchSet
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import TactileDataError
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -98,6 +99,8 @@ class StoreTouches:
         Geometry of the gel.
     uids : tuple of str
         Unique identifiers of the used trajectories, in order.
+    plays : sequence of TouchPlays
+        Plays of the used trajectories, in order.
     """
 
     touch_set: TouchSet
@@ -108,9 +111,15 @@ class StoreTouches:
     frames: FrameUse
     geometry: GelGeometry
     uids: tuple[str, ...]
+    plays: Sequence[TouchPlays]
 
 
-def store_touches(opened: OpenedStore, options: CalibrationOptions, progress: Progress = no_progress) -> StoreTouches:
+def store_touches(
+    opened: OpenedStore,
+    options: CalibrationOptions,
+    progress: Progress = no_progress,
+    full: Collection[GelVariant] = (),
+) -> StoreTouches:
     """Return the chosen trajectories of a store, played by the gel.
 
     Parameters
@@ -121,6 +130,8 @@ def store_touches(opened: OpenedStore, options: CalibrationOptions, progress: Pr
         Which trajectories are drawn, and how the gel plays them.
     progress : Progress
         Called with how many plays of touches are finished, how many there are, and what was played last.
+    full : collection of GelVariant
+        Variants of the gel that are played at finite strain even where they could be estimated.
 
     Raises
     ------
@@ -137,7 +148,7 @@ def store_touches(opened: OpenedStore, options: CalibrationOptions, progress: Pr
     # plays; variants of the gel exist at finite strain only
     variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
     plays = play_touches(
-        measured.mesh, options.fidelity, measured.touches, box, options.workers, progress, variants=variants
+        measured.mesh, options.fidelity, measured.touches, box, options.workers, progress, variants, full=full
     )
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
     # trajectories with covariates; those without usable frames are left out
@@ -162,7 +173,7 @@ def store_touches(opened: OpenedStore, options: CalibrationOptions, progress: Pr
     # an effect may move E far: if E were held at a durometer's bound, errors of the simulation would absorb what is
     # missing
     touch_set = TouchSet(cases, family, box.with_free_modulus)
-    return StoreTouches(touch_set, start, effects, not_played, dict(left_out), frames, geometry, tuple(uids))
+    return StoreTouches(touch_set, start, effects, not_played, dict(left_out), frames, geometry, tuple(uids), kept)
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import RealArray
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.program import statements
 from tactiledata.rig.contact.contact import TouchSetup
 from tactiledata.rig.motion.motion import Path
 from tactiledata.rig.scenario.scenario import Gel, Material
@@ -70,13 +71,13 @@ def key_of(pitch: float, gel: Gel, setup: TouchSetup, material: Material, path: 
 
 @cache
 def _solver_digest() -> str:
-    """Return the digest of the source files that a solution depends on: a changed solver gives new solutions."""
+    """Return the digest of the program that a solution depends on: a changed solver gives new solutions."""
     whole = hashlib.sha256()
     layer = sorted(resources.files("tactiledata.rig.layer").iterdir(), key=lambda entry: entry.name)
     contact = resources.files("tactiledata.rig.contact")
     for source in [*layer, contact / "by_layer.py", contact / "closed_form.py", contact / "layer_picture.py"]:
         if source.name.endswith(".py"):
-            whole.update(source.name.encode() + source.read_bytes())
+            whole.update(source.name.encode() + statements(source.read_text("utf-8")))
     return whole.hexdigest()
 
 

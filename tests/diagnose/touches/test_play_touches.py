@@ -6,7 +6,7 @@ import pytest
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.diagnose.touches.play_grid import play_touches, solvable, variants_of
+from tactiledata.diagnose.touches.play_grid import is_solvable, play_touches, variants_of
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.touch import Touch
@@ -106,14 +106,47 @@ def test_a_variant_that_cannot_be_solved_costs_no_frames():
         status[:unsolved] = FrameStatus.NOT_CONVERGED
         return Play(np.zeros((20, 6)), status, np.zeros(20))
 
-    varied = {
-        GelVariant(thickness=0.5): [play(5)],
-        GelVariant(thickness=0.9): [play(2)],
-        GelVariant(skin=1e-4): [play(3)],
-    }
-    assert list(solvable(varied, [play(0)])) == [GelVariant(thickness=0.9)]
+    plain = [play(0)]
+    assert [is_solvable([play(unsolved)], plain) for unsolved in (0, 2, 3, 5)] == [True, True, False, False]
     # what the nominal gel cannot solve either does not count
-    assert len(solvable(varied, [play(5)])) == 3
+    assert is_solvable([play(5)], [play(5)])
+
+
+@pytest.fixture(scope="module")
+def at_finite_strain(tmp_path_factory):
+    """Two touches, every node and two variants played at finite strain, and the same estimated."""
+    variants = (GelVariant(thickness=0.9), GelVariant(c20=0.2))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTILEDATA_CACHE", str(tmp_path_factory.mktemp("cache")))
+        touches = [measured((0.0, 0.0)), measured((1e-3, -2e-3))]
+        made = [
+            play_touches(PAD, "finite-strain", touches, find_bounds("paper"), variants=variants, **how)
+            for how in ({"estimate": False}, {}, {"full": variants[:1]})
+        ]
+    return variants, made
+
+
+def test_estimated_plays_are_near_full_ones(at_finite_strain):
+    """Forces within 1 % of the largest one at every node, slopes over the offset within 10 % of the largest slope."""
+    _, (all_played, estimated, _) = at_finite_strain
+    for full, quick in zip(all_played, estimated, strict=True):
+        force = full.level[..., :3]
+        assert np.abs(quick.level[..., :3] - force).max() < 0.01 * np.abs(force).max()
+        assert not np.array_equal(quick.level, full.level)
+        for name in ("by_ratio", "by_friction"):
+            slope, near = (getattr(plays, name)[:, 0, :, :3] for plays in (full, quick))
+            assert np.abs(near - slope).max() < 0.1 * np.abs(slope).max()
+
+
+def test_what_is_asked_for_and_what_the_linear_engine_does_not_know_is_played_in_full(at_finite_strain):
+    """A stiffening law always, a thickness where it is asked for; estimated, the thickness is off by some per cent."""
+    (thinner, stiffening), (all_played, estimated, asked) = at_finite_strain
+    for full, quick, closer in zip(all_played, estimated, asked, strict=True):
+        for plays, variant in ((quick, stiffening), (closer, stiffening), (closer, thinner)):
+            assert np.array_equal(plays.variants[variant], full.variants[variant], equal_nan=True)
+        change = np.linalg.norm(full.variants[thinner][:, :3])
+        off = np.linalg.norm((quick.variants[thinner] - full.variants[thinner])[:, :3])
+        assert 0.0 < off < 0.3 * change
 
 
 def test_a_part_is_the_same_frames(played):

@@ -1,0 +1,127 @@
+"""Plays at finite strain that are estimated from a few others and from the linear engine.
+
+The linear engine is some ten times faster, and its forces are 5 to 20 % off, but most of that cancels in differences
+between its plays. With F the wrenches at finite strain and L those of the linear engine, each over Young's modulus, and
+R the ratio of the sizes of their forces at the middle of the plan, frame by frame:
+
+- where one thing differs from the middle, F = F0 + R (L - L0);
+- where two things differ, each of which was played alone at finite strain, F = F1 + F2 - F0 + R (L - L1 - L2 + L0).
+
+Source: control variates, as in Peherstorfer, Willcox and Gunzburger, SIAM Review 60 (2018). docs/results.md has the
+errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from tactiledata.arrays import Array
+from tactiledata.calibrate.experiment import KNOWN
+from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.plan import Node, ResponsePlan
+from tactiledata.gel.contact.history import FrameStatus
+
+SMALLEST_RATIO, LARGEST_RATIO = 1.0 / 3.0, 3.0
+"""Bounds of the ratio of the forces of the two engines."""
+
+
+def is_played(plan: ResponsePlan, node: Node) -> bool:
+    """Return whether a node is played at finite strain: at most one of nu, mu and offset is not in the middle."""
+    return len(_departures(plan, node)) < 2
+
+
+def estimated_node(
+    plan: ResponsePlan, node: Node, played: Mapping[Node, Sequence[Play]], linear: Mapping[Node, Sequence[Play]]
+) -> list[Play]:
+    """Return the plays of all touches at a node of which two of nu, mu and offset are not in the middle.
+
+    Frames that one of the three plays at finite strain lacks are missing; the linear plays are left out of frames that
+    one of them lacks.
+
+    Parameters
+    ----------
+    plan : ResponsePlan
+        Nodes over nu, mu and offset.
+    node : Node
+        The node.
+    played : dict, Node -> plays of t touches
+        At finite strain, at every node for which `is_played` holds.
+    linear : dict, Node -> plays of t touches
+        By the linear engine, at these nodes and at the node.
+    """
+    middle = _middle(plan)
+    first, second = (replace(middle, **{name: getattr(node, name)}) for name in _departures(plan, node))
+    estimates = []
+    for touch in range(len(played[middle])):
+        full = [played[one][touch] for one in (first, second, middle)]
+        slow = [linear[one][touch] for one in (node, first, second, middle)]
+        change = _rows(slow[0]) - _rows(slow[1]) - _rows(slow[2]) + _rows(slow[3])
+        more = _ratio(full[2], slow[3]) * np.where(np.isfinite(change), change, 0.0)
+        estimates.append(_play(full, _rows(full[0]) + _rows(full[1]) - _rows(full[2]) + more))
+    return estimates
+
+
+def estimated_change(middle: Play, linear_middle: Play, linear: Play) -> Play:
+    """Return the play at finite strain of a touch of which one thing differs from the middle of the plan.
+
+    Frames that the middle play lacks, or the linear play, are missing.
+
+    Parameters
+    ----------
+    middle, linear_middle : Play
+        The middle of the plan at finite strain, and by the linear engine.
+    linear : Play
+        What differs, by the linear engine.
+    """
+    change = _rows(linear) - _rows(linear_middle)
+    return _play([middle, linear], _rows(middle) + _ratio(middle, linear_middle) * change)
+
+
+def _middle(plan: ResponsePlan) -> Node:
+    """The node of the middle nu and mu, without offset."""
+    nu, mu = plan.middle
+    return Node(plan.ratios[nu], plan.frictions[mu], 0.0)
+
+
+def _departures(plan: ResponsePlan, node: Node) -> list[str]:
+    """Names of the numbers of a node that are not in the middle of the plan."""
+    middle = _middle(plan)
+    return [name for name in ("poisson_ratio", "friction", "offset") if getattr(node, name) != getattr(middle, name)]
+
+
+def _rows(play: Play) -> Array:
+    """Wrench over Young's modulus and contact area (n, 7) of a play; not a number where it is unknown."""
+    rows = np.column_stack([play.wrench, play.area])
+    rows[~np.isin(play.status, KNOWN)] = np.nan
+    return rows
+
+
+def _ratio(play: Play, linear: Play) -> Array:
+    """Ratio (n, 1) of the sizes of the forces of two plays, within bounds; 1 where either has none."""
+    size, of_linear = (np.linalg.norm(np.nan_to_num(one.wrench[:, :3]), axis=1) for one in (play, linear))
+    is_known = (size > 0) & (of_linear > 0)
+    ratio = np.divide(size, of_linear, out=np.ones_like(size), where=is_known)
+    return np.clip(ratio, SMALLEST_RATIO, LARGEST_RATIO)[:, None]
+
+
+def _play(sources: Sequence[Play], rows: Array) -> Play:
+    """A play of estimated rows (n, 7) whose missing frames are those of its sources; without load there is no contact.
+
+    Parameters
+    ----------
+    sources : sequence of Play
+        Plays from which it was estimated.
+    """
+    status = sources[0].status.copy()
+    for source in sources[1:]:
+        status = np.where(np.isin(status, KNOWN), source.status, status)
+    is_known = np.isin(status, KNOWN)
+    touches = is_known & (rows[:, 2] > 0)
+    wrench = np.where(touches[:, None], rows[:, :6], 0.0)
+    wrench[~is_known] = np.nan
+    area = np.where(touches, np.maximum(np.nan_to_num(rows[:, 6]), 0.0), 0.0)
+    contact = np.where(touches, FrameStatus.SOLVED, FrameStatus.NO_CONTACT)
+    return Play(wrench, np.where(is_known, contact, status).astype(np.int8), area)

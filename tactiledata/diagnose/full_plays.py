@@ -1,0 +1,125 @@
+"""Effects named with gels that are played in full, wherever an answer could rest on an estimated play.
+
+A first diagnosis estimates how most other gels would respond (`tactiledata.calibrate.estimated_plays`). That is good
+enough to see which effects are worth a closer look. The gels of these are then played at finite strain, and the effects
+are named again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
+from tactiledata.diagnose.touches.grid_answer import TouchPlays
+from tactiledata.diagnose.touches.play_grid import design_variants, has_own_law
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.touch.response import GelVariant
+
+MOST_ROUNDS = 3
+"""Largest number of times that gels are played in full and effects named again."""
+
+
+class Played(Protocol):
+    """Trajectories with the plays by which they are simulated."""
+
+    @property
+    def plays(self) -> Sequence[TouchPlays]:
+        """Plays of each trajectory."""
+
+
+AnyPlayed = TypeVar("AnyPlayed", bound=Played)
+
+
+@dataclass(frozen=True)
+class FullPlay:
+    """How far the estimate of an effect was off that has since been played in full.
+
+    Parameters
+    ----------
+    effect : str
+        Name of the effect.
+    error : float
+        Root mean square of the difference in force between estimated and full play, over that of the change in force
+        in the full play.
+    estimated_evidence, evidence : float
+        Evidence of the effect with estimated and with full plays; not a number where it was not refitted.
+    """
+
+    effect: str
+    error: float
+    estimated_evidence: float
+    evidence: float
+
+
+def named_with_full_plays(
+    play: Callable[[frozenset[GelVariant]], AnyPlayed],
+    name: Callable[[AnyPlayed], NamingResult],
+    thresholds: DecisionThresholds,
+) -> tuple[AnyPlayed, NamingResult, tuple[FullPlay, ...]]:
+    """Return touches, the effects that their simulation lacks, and how far estimates were off.
+
+    Parameters
+    ----------
+    play : callable
+        Plays the touches, some variants of the gel in full.
+    name : callable
+        Names the effects that the simulation of touches lacks.
+    thresholds : DecisionThresholds
+        An effect is looked at closely where its evidence is enough for a trace.
+    """
+    full: frozenset[GelVariant] = frozenset()
+    played = play(full)
+    naming = name(played)
+    first, first_naming = played, naming
+    for _ in range(MOST_ROUNDS):
+        wanted = frozenset(variant for effect in promising(naming, thresholds) for variant in estimated(effect))
+        if wanted <= full:
+            break
+        full |= wanted
+        played = play(full)
+        naming = name(played)
+    effects = [effect for effect in EFFECTS if estimated(effect) and full.issuperset(estimated(effect))]
+    closer = tuple(
+        FullPlay(
+            effect,
+            _error(first.plays, played.plays, estimated(effect)),
+            _evidence(first_naming, effect),
+            _evidence(naming, effect),
+        )
+        for effect in effects
+    )
+    return played, naming, closer
+
+
+def estimated(effect: str) -> tuple[GelVariant, ...]:
+    """Return the variants of the gel that an effect needs and that a first diagnosis estimates."""
+    return tuple(variant for variant in design_variants(EFFECTS[effect]()) if not has_own_law(variant))
+
+
+def promising(naming: NamingResult, thresholds: DecisionThresholds) -> set[str]:
+    """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties."""
+    trace = thresholds.for_traces
+    found = {effect for one in naming.scored if one.beyond(trace) >= 0 for effect in one.names}
+    return found | set(naming.decision.claimed) | {tie.name for tie in naming.decision.ties}
+
+
+def _error(before: Sequence[TouchPlays], after: Sequence[TouchPlays], variants: Sequence[GelVariant]) -> float:
+    """Relative root mean square by which the forces of variants differ between plays of the same frames."""
+    off = size = 0.0
+    for one, other in zip(before, after, strict=True):
+        for variant in variants:
+            if variant in one.variants and variant in other.variants:
+                change = other.variants[variant][:, :3]
+                off += float(np.nansum((one.variants[variant][:, :3] - change) ** 2))
+                size += float(np.nansum(change**2))
+    return float(np.sqrt(off / size)) if size > 0 else float("nan")
+
+
+def _evidence(naming: NamingResult, effect: str) -> float:
+    """Evidence of an effect alone; not a number where it was not refitted."""
+    return next((one.evidence for one in naming.scored if one.names == (effect,)), float("nan"))
