@@ -88,6 +88,33 @@ def test_a_name_that_explains_too_small_a_part_is_not_given(name, least):
     assert decided([less], left=IN_FEW).verdict is Verdict.PARTLY_EXPLAINED
 
 
+@pytest.mark.parametrize("name", [EASY, HARD])
+def test_an_effect_on_which_trajectories_agree_decisively_is_named_beside_what_else_is_left(name):
+    """Its share of the excess no longer counts: below the signature it does, and so it does if two touches bring it."""
+    certain = {"signature_before": T.decisive_signature, "excess_share": 0.0}
+    decisive = candidate(name, 5.0, **certain)
+    assert decided([decisive], left=MORE_THAN_NOISE).claimed == (name,)
+    assert decided([decisive], left=STRUCTURE).verdict is Verdict.PARTLY_EXPLAINED
+    less = candidate(name, 5.0, excess_share=0.0, signature_before=0.99 * T.decisive_signature)
+    assert decided([less], left=MORE_THAN_NOISE).claimed == ()
+    # nine tenths of what is needed without the two trajectories that contribute most
+    each = np.full(25, 0.9 * T.needed((name,)) / 23)
+    each[:2] = 0.5 * (decisive.evidence - 0.9 * T.needed((name,)))
+    by_two = candidate(name, 5.0, evidence_per_trajectory=each, **certain)
+    assert decided([by_two], left=MORE_THAN_NOISE).claimed == ()
+
+
+def test_evidence_that_errors_of_the_simulation_can_bring_takes_no_claim_away():
+    """An effect that needs much speaks for something else only as far as its evidence is beyond that."""
+    best = with_evidence(EASY, 3.0 * T.needed((EASY,)))
+    usual = with_evidence(HARD, 0.99 * T.needed((HARD,)))
+    assert usual.evidence > best.evidence + T.tie_margin(usual.evidence)
+    assert decided([best, usual]).claimed == (EASY,)
+    beyond = best.evidence - T.needed((EASY,)) + T.needed((HARD,))
+    far_more = with_evidence(HARD, beyond + 1.1 * T.tie_margin(1.2 * beyond), implausible=("x = 3 s",))
+    assert decided([best, far_more]).claimed == ()
+
+
 def test_an_effect_that_errors_resemble_must_be_more_of_the_cause():
     """Between the two shares, the one is named beside what is left and the other is not."""
     share = 0.5 * (T.part_share + T.main_cause_share)
