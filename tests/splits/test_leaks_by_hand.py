@@ -122,6 +122,22 @@ def test_images_of_one_byte_and_large_ones_are_compared():
     assert found.message.endswith("frame 0 (train) and frame 3 (test)")
 
 
+@pytest.mark.parametrize(
+    ("lengths", "crcs"),
+    [
+        ((1, 1), (0, 2**31)),  # the upper bit of a CRC is no bit of a length
+        ((2, 3), (2**31, 2**31)),
+        ((2, 3), (2**31, 0)),
+        ((2**31 - 1, 2**30 - 1), (5, 5)),  # the upper bit of a length is not lost
+    ],
+)
+def test_bits_of_length_and_crc_are_not_mixed(lengths, crcs):
+    """Images that differ in length or in CRC are other images, whatever bits the two numbers have."""
+    table = trajectories([{}, {}])
+    columns = {"length": np.array(lengths), "crc32c": np.array(crcs)}
+    assert identical_payloads(frames(table, 1, **columns), np.ones(2, bool), codes("train", "test")) == []
+
+
 def test_what_stands_elsewhere_than_drawn():
     """Moved trajectories are named with both parts; units that a table names otherwise are counted by kind."""
     table = trajectories([{"source": k} for k in range(6)])
