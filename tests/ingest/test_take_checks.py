@@ -123,11 +123,66 @@ def test_swapped_channels_are_judged_by_a_stated_background():
         [finding] = channels([BGR] * 3, stated, model)
         assert "against the sensor's background" in finding.message
         assert channels([DIGIT] * 3, stated, model) == []
-    assert channels([BGR] * 3, Reference(BGR, "a file")) == []
+    assert channels([BGR] * 3, Reference(BGR, "a file"), "gelsight_mini") == []
     assert len(channels([BGR] * 3, mean)) == 1
     assert channels([BGR] * 3, mean, "gelsight_mini") == channels([BGR] * 3, None, "gelsight_mini") == []
     assert channels([BGR[::2]] * 3, stated) == []
     assert len(channels([BGR, DIGIT[::2], DIGIT[::2]], stated)) == 1
+
+
+def test_known_colours_tell_which_picture_of_a_digit_is_swapped():
+    """The images, the picture without contact, or both; neither where both are RGB, or where it lies on its side."""
+    said_of = {
+        name: [one.message.partition(" look like")[0] for one in channels([images] * 3, Reference(stated, "a file"))]
+        for name, images, stated in (
+            ("neither", DIGIT, DIGIT),
+            ("images", BGR, DIGIT),
+            ("background", DIGIT, BGR),
+            ("both", BGR, BGR),
+            ("on its side", BGR.swapaxes(0, 1), BGR.swapaxes(0, 1)),
+        )
+    }
+    assert said_of == {
+        "neither": [],
+        "images": ["images of 'D1'"],
+        "background": ["the picture without contact of 'D1'"],
+        "both": ["images of 'D1' and its picture without contact"],
+        "on its side": [],
+    }
+
+
+PRESSED = DIGIT.copy()
+PRESSED[140:180, 100:140] //= 2
+
+
+@pytest.mark.parametrize(
+    ("stated", "shown", "force", "is_said"),
+    [
+        (PRESSED, DIGIT, 0.1, True),
+        (DIGIT, DIGIT, 0.1, False),
+        (DIGIT, PRESSED, 5.0, False),
+        (PRESSED, DIGIT, 0.2, False),
+        (PRESSED, DIGIT, np.nan, False),
+    ],
+)
+def test_a_background_that_shows_a_touch_is_said(stated, shown, force, is_said):
+    """Against frames in free air alone: pressed frames, and frames whose force is not known, prove nothing."""
+    rows, columns = SENSORS["digit"].camera.shape
+    table = frames(4, height=rows, width=columns, contact_force=force)
+    for reference, expected in ((Reference(stated, "a file"), is_said), (Reference(stated, "mean of 3 frames"), False)):
+        made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": reference})
+        found = [one for one in said(made, lambda rows: [shown] * len(rows)) if one.code == "background-touched"]
+        assert [one.severity for one in found] == ["warning"] * expected
+        assert not found or "differs from 4 of its frames in free air" in found[0].message
+
+
+def test_three_frames_in_free_air_are_needed_to_judge_a_background():
+    """Two, or frames of another size, say nothing."""
+    rows, columns = SENSORS["digit"].camera.shape
+    for force, shown in (([0, 0, 9, 9], DIGIT), ([0, 0, 0, 0], DIGIT[::2])):
+        table = frames(4, height=rows, width=columns, contact_force=force)
+        made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": Reference(PRESSED, "a file")})
+        assert "background-touched" not in {one.code for one in said(made, lambda rows, shown=shown: [shown] * len(rows))}
 
 
 def stuck(crc, force, **columns):

@@ -15,13 +15,14 @@ from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE, FrameFlag, Take
 from tactiledata.ingest.checks.apart import apart_findings
+from tactiledata.ingest.checks.background_seen import channel_findings, touched_findings
 from tactiledata.ingest.checks.image_sizes import size_counts
 from tactiledata.ingest.checks.plausible import description_findings, mesh_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.units_seen import unit_findings
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import Sensor
-from tactiledata.sensors.image_checks import channel_order, size_orientation
+from tactiledata.sensors.image_checks import size_orientation
 
 TRAILERS = {"jpeg": b"\xff\xd9", "png": b"IEND"}
 """What a whole file of an encoding ends with (ITU T.81 B.1.1.3: end of image; PNG 11.2.5: the IEND chunk)."""
@@ -118,7 +119,9 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
         known = SENSORS.get(model)
         if known is not None and known.camera is not None and images:
             found.extend(_size_findings(sensor, sizes[sensor], known, known.camera.shape))
-        found.extend(_channel_findings(sensor, images, take, model))
+        swapped = channel_findings(sensor, images, take, model)
+        # pictures whose channels are swapped differ everywhere
+        found.extend(swapped or touched_findings(sensor, take, decode))
     return found
 
 
@@ -137,26 +140,6 @@ def _size_findings(sensor: str, counts: Counter[Size], known: Sensor, shape: tup
         else:
             found.append(Finding("image-size", "info", f"{text}{shape[0]} rows x {shape[1]} columns"))
     return found
-
-
-def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, model: str) -> list[Finding]:
-    """BGR taken for RGB, judged against a background that does not come from the same images."""
-    reference = take.references.get(sensor)
-    stated = reference is not None and not reference.origin.startswith("mean of")
-    if not stated and model != "digit":
-        return []
-    background = reference.image if stated and reference is not None else None
-    verdicts: list[str] = [
-        channel_order(image, background).verdict
-        for image in images
-        if background is None or image.shape == background.shape
-    ]
-    if not verdicts or verdicts.count("bgr") <= len(verdicts) / 2:
-        return []
-    against = "the sensor's background" if background is not None else "known DIGIT sensors"
-    text = f"images of {sensor!r} look like BGR against {against}: blue and red are swapped. "
-    text += "State channel_order in a mapping and ingest with --replace"
-    return [Finding("channels-swapped", "warning", text)]
 
 
 def _stuck_camera(take: Take) -> list[Finding]:
