@@ -30,7 +30,7 @@ from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
-from tactiledata.ingest.sources.discover import find_sources
+from tactiledata.ingest.sources.discover import find_sources, undescribed_logs
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
@@ -124,6 +124,7 @@ def ingest(
     if pointers:
         message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
         findings.append(Finding("not-fetched", "warning", message, count=len(pointers)))
+    findings += undescribed_logs(unclaimed)
     left = tuple(str(path) for path in unclaimed if path not in pointers)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))
     return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
