@@ -12,7 +12,6 @@ from typer.core import TyperCommand
 
 from tactiledata.errors import UsageError
 
-
 OUTPUT = "out"
 """Name of the parameter that says where a command writes what is no store; one that writes a store has another name."""
 

@@ -38,7 +38,8 @@ def remarks_on(header: ImageHeader, payload: bytes) -> list[Remark]:
     """What is said of an encoded picture that is not 8-bit RGB within the limit of size; empty for one that is.
 
     A picture whose meaning would be lost as 8-bit RGB gives one remark that `is_lost`: four inks, two or five
-    channels, or 12 bits in a JPEG, 16-bit grey (a depth map as a rule), 16-bit colours of which only the lower bits are used.
+    channels, or 12 bits in a JPEG, 16-bit grey (a depth map as a rule), 16-bit colours of which only the lower bits
+    are used.
     """
     if fault := size_fault(header.height, header.width):
         return [Remark("image-too-large", "damage", f"is not taken: its {fault}; crop it to the gel or scale it down")]

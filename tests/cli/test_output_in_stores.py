@@ -7,9 +7,8 @@ from bench import command
 from tactiledata.cli.main import app
 
 COMMANDS = typer.main.get_command(app).commands
-WITH_OUT = sorted(
-    name for name, one in COMMANDS.items() if any(parameter.name == "out" for parameter in one.params)
-)
+WITH_OUT = sorted(name for name, one in COMMANDS.items() if any(parameter.name == "out" for parameter in one.params))
+
 
 def content(folder):
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if not path.name.endswith(".lock"))

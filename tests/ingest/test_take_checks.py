@@ -182,7 +182,9 @@ def test_three_frames_in_free_air_are_needed_to_judge_a_background():
     for force, shown in (([0, 0, 9, 9], DIGIT), ([0, 0, 0, 0], DIGIT[::2])):
         table = frames(4, height=rows, width=columns, contact_force=force)
         made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": Reference(PRESSED, "a file")})
-        assert "background-touched" not in {one.code for one in said(made, lambda rows, shown=shown: [shown] * len(rows))}
+        assert "background-touched" not in {
+            one.code for one in said(made, lambda rows, shown=shown: [shown] * len(rows))
+        }
 
 
 def stuck(crc, force, **columns):

@@ -82,7 +82,7 @@ def test_a_copy_is_tried_as_it_is_and_with_the_fitted_brightness(monkeypatch):
 
 
 def test_three_rounds_of_ever_finer_steps(monkeypatch):
-    """Gains differ by 0.002, 0.001 and 0.0005 about the best so far, offsets by a hundred times that; the middle stays."""
+    """Gains differ by 0.002, 0.001, 0.0005 about the best so far, offsets by a hundred times that; the middle stays."""
     made = []
 
     def left(_, __, gain, offset, ___):

@@ -183,8 +183,8 @@ def files_of(path: Path) -> Bag:
         files = sorted(filter(_is_mcap, path.iterdir()), key=lambda file: natural_key(file.name))
         damage = _metadata_damage(path)
         text = (
-            f"{damage}: all {len(files)} MCAP files beside it were read as one recording, by their names. Copy it again "
-            "or run `ros2 bag reindex`; move it away if they are recordings of their own"
+            f"{damage}: all {len(files)} MCAP files beside it were read as one recording, by their names. Copy it "
+            "again or run `ros2 bag reindex`; move it away if they are recordings of their own"
         )
         return Bag(tuple(files), (Finding("bag-metadata", "damage", text),) if damage else ())
     if metadata.get("storage_identifier") != "mcap":

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE, Take
-from tactiledata.ingest.trajectories.reference import FREE_AIR, MIN_FRAMES
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.image_checks import channel_order, shows_contact, size_orientation
+from tactiledata.store.read.free_air import FREE_AIR, LEAST_FRAMES
 
 MOST_FRAMES = 8
 """Frames in free air that a picture without contact is compared with."""
@@ -21,7 +21,7 @@ Decode = Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]]
 
 
 def stated_background(take: Take, sensor: str) -> PictureArray | None:
-    """The picture without contact that a recording brings; ``None`` where there is none but a mean of its own images."""
+    """The picture without contact that a recording brings; ``None`` for none, or a mean of its own images."""
     reference = take.references.get(sensor)
     return None if reference is None or reference.origin.startswith("mean of") else reference.image
 
@@ -29,8 +29,18 @@ def stated_background(take: Take, sensor: str) -> PictureArray | None:
 def channel_findings(sensor: str, images: Sequence[PictureArray], take: Take, model: str) -> list[Finding]:
     """BGR taken for RGB, in the images, in the picture without contact, or in both.
 
-    Images are held against the sensor's own picture, whatever its model. Only pictures of DIGITs have known colours: they
-    tell which of the two is swapped, and whether both are.
+    Images are held against the sensor's own picture, whatever its model. Only pictures of DIGITs have known
+    colours: they tell which of the two is swapped, and whether both are.
+
+    Parameters
+    ----------
+    sensor : str
+    images : list of (H, W, 3) uint8 RGB
+        Some of the sensor's images.
+    take : Take
+        Its reference of the sensor is the picture without contact.
+    model : str
+        The sensor's model.
     """
     background = stated_background(take, sensor)
     if background is None and model != "digit":
@@ -62,6 +72,13 @@ def touched_findings(sensor: str, take: Take, decode: Decode) -> list[Finding]:
     """A warning where a recording's own picture without contact differs from its frames in free air as by a touch.
 
     Only forces tell which frames are in free air: without them, or with fewer than three such frames, nothing is said.
+
+    Parameters
+    ----------
+    sensor : str
+    take : Take
+    decode : callable
+        Images of rows of ``take.frames``.
     """
     background = stated_background(take, sensor)
     if background is None:
@@ -69,19 +86,19 @@ def touched_findings(sensor: str, take: Take, decode: Decode) -> list[Finding]:
     names = np.array(take.frames["sensor"].to_pylist(), dtype=object)
     free = (take.frames["contact_force"].to_numpy() < FREE_AIR) & ((take.frames["flags"].to_numpy() & UNUSABLE) == 0)
     rows = np.flatnonzero((names == sensor) & free)
-    if len(rows) < MIN_FRAMES:
+    if len(rows) < LEAST_FRAMES:
         return []
     chosen = rows[np.unique(np.linspace(0, len(rows) - 1, MOST_FRAMES).astype(int))]
     seen = [image for image in decode(chosen) if image is not None and image.shape == background.shape]
-    if len(seen) < MIN_FRAMES:
+    if len(seen) < LEAST_FRAMES:
         return []
     contact = shows_contact(np.rint(np.median(seen, axis=0)).astype(np.uint8), background)
     if not contact.is_contact:
         return []
     text = (
-        f"the picture without contact of {sensor!r} differs from {len(seen)} of its frames in free air as a touch makes it "
-        f"differ ({contact.score:.0f} grey levels and more over part of it): it shows a touch, or the light, the camera or "
-        "the gel was changed since. Take it again with nothing touching"
+        f"the picture without contact of {sensor!r} differs from {len(seen)} of its frames in free air as a touch "
+        f"makes it differ ({contact.score:.0f} grey levels and more over part of it): it shows a touch, or the light, the "
+        "camera or the gel was changed since. Take it again with nothing touching"
     )
     return [Finding("background-touched", "warning", text)]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding
-from tactiledata.contract.take import UNUSABLE, FrameFlag, Take
+from tactiledata.contract.take import UNUSABLE, Take
 from tactiledata.ingest.checks.apart import apart_findings
 from tactiledata.ingest.checks.background_seen import channel_findings, touched_findings
 from tactiledata.ingest.checks.image_sizes import size_counts
@@ -173,8 +173,8 @@ def _force_findings(take: Take) -> list[Finding]:
         beyond = int((np.abs(wrench.values[:, columns]) > limit).any(axis=1).sum())
         if beyond:
             text = (
-                f"wrench: {beyond} samples are beyond {limit:.0f} {unit}, the range of a Robotiq FT 300-S; another unit, "
-                "an offset that nobody zeroed, or a fault of the sensor"
+                f"wrench: {beyond} samples are beyond {limit:.0f} {unit}, the range of a Robotiq FT 300-S; another "
+                "unit, an offset that nobody zeroed, or a fault of the sensor"
             )
             found.append(Finding(code, "warning", text, "wrench", count=beyond))
     return found

@@ -69,14 +69,14 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
 
 
 def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
-    """A warning for each folder with two or more tables of a folder log that no format claims: its log.yaml is missing."""
+    """A warning for each folder with two tables or more of a folder log, and no log.yaml that makes it a recording."""
     tables = Counter(path.parent for path in unclaimed if path.name in TABLES)
     return [
         Finding(
             "log-undescribed",
             "warning",
-            f"{folder} holds {count} tables of a folder log and no {DESCRIPTION} that can be read: it was not taken. Copy "
-            f"{DESCRIPTION} into it, or write one (docs/formats-folder.md)",
+            f"{folder} holds {count} tables of a folder log and no {DESCRIPTION} that can be read: it was not taken. "
+            f"Copy {DESCRIPTION} into it, or write one (docs/formats-folder.md)",
             count=count,
         )
         for folder, count in tables.items()

@@ -55,8 +55,10 @@ def name_sensors(
             continue
         parted.append(trajectory.name)
         taken = {each.name for each in (*trajectories, *named)}
-        named += [replace(trajectory, name=_free_name(part_name(trajectory.name, sensor), taken), sensor=sensor)
-                  for sensor in inside]
+        named += [
+            replace(trajectory, name=_free_name(part_name(trajectory.name, sensor), taken), sensor=sensor)
+            for sensor in inside
+        ]
     if parted:
         text = (
             f"{len(parted)} trajectories name no sensor and hold images of several "

@@ -51,7 +51,9 @@ def create(store_path: Path | str, settings: Settings | None = None) -> Manifest
     folder = Path(store_path)
     if (outer := store_around(folder.resolve().parent)) is not None:
         raise UsageError(
-            f"{folder} lies in the store {outer}", "a place outside any store", "Choose another name; nothing was changed."
+            f"{folder} lies in the store {outer}",
+            "a place outside any store",
+            "Choose another name; nothing was changed.",
         )
     try:
         if folder.exists() and not (folder / MANIFEST).exists():

@@ -195,7 +195,7 @@ def test_folders_that_cannot_be_read(tmp_path, metadata, error, match):
 )
 @pytest.mark.parametrize("names", [("bag_0.mcap", "bag_1.mcap"), ("b.mcap", "a.mcap")])
 def test_damaged_metadata_of_a_bag_is_said(tmp_path, content, words, names):
-    """All files are read as one recording, by their names, with damage; of a stranger's metadata.yaml nothing is said."""
+    """All files are read as one recording, by their names, with damage; a stranger's metadata.yaml is left alone."""
     folder = tmp_path / "bag"
     folder.mkdir()
     for name in names:
