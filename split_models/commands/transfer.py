@@ -39,7 +39,7 @@ def transfer(
     sources: str = typer.Option(
         None, "--from", help="Comma-separated sensors whose frames are transferred [default: all]."
     ),
-    out: Path = OUT,
+    out_store: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Give the touches of a store the style of another sensor.
@@ -60,7 +60,7 @@ def transfer(
         opened = Store.open(location)
         target = find_target(to, opened)
         way = transfer_method(method, model)
-        written = out if out is not None else _default_out(location, to, way.name)
+        written = out_store if out_store is not None else _default_out(location, to, way.name)
         named = None if sources is None else listed_names(sources, "--from")
         with progress("transferring", quiet=as_json) as tell:
             report = transfer_store(opened, target, way, written, named, tell)

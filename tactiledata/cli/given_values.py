@@ -1,4 +1,7 @@
-"""Texts that were typed after an option: blank ones are wrong usage in every command, and lists name something."""
+"""Texts that were typed after an option, held to one rule in every command.
+
+Blank ones are wrong usage, lists name something, and no page or picture is written into a store.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,12 @@ from typer.core import TyperCommand
 
 from tactiledata.errors import UsageError
 
+OUTPUT = "out"
+"""Name of the parameter that says where a command writes what is no store; one that writes a store has another name."""
+
 
 class CheckedCommand(TyperCommand):
-    """A command that refuses blank texts before it does anything."""
+    """A command that refuses blank texts, and output into a store, before it does anything."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read what was typed.
@@ -19,7 +25,8 @@ class CheckedCommand(TyperCommand):
         Raises
         ------
         UsageError
-            An option or an argument was given as a blank text. Where blank is the default it says "none", typed or not.
+            An option or an argument was given as a blank text (where blank is the default it says "none", typed or
+            not); or output would be written into a store.
         """
         # as it was typed: of a path, "" would be the working folder
         typed, _, _ = self.make_parser(ctx).parse_args(args=list(args))
@@ -31,6 +38,9 @@ class CheckedCommand(TyperCommand):
                 raise UsageError(
                     f"{name} is given a blank text", "a text that says something", f"Leave {name} out, or name a value."
                 )
+        for parameter in self.params:
+            if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
+                _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
         return super().parse_args(ctx, args)
 
 
@@ -40,6 +50,17 @@ class CheckedApp(typer.Typer):
     def command(self, *words: Any, **options: Any) -> Any:
         """A decorator that adds a command; as in typer, with another class by default."""
         return super().command(*words, **{"cls": CheckedCommand, **options})
+
+
+def _refuse_store(path: str, option: str) -> None:
+    from tactiledata.store.layout.places import store_around
+
+    if (store := store_around(path)) is not None:
+        raise UsageError(
+            f"{option} {path!r} lies in the store {store}",
+            "a place outside any store",
+            "Name another place: what is no part of a store would be damage in it.",
+        )
 
 
 def _is_blank(text: Any) -> bool:

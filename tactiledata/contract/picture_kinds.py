@@ -37,8 +37,9 @@ class Remark:
 def remarks_on(header: ImageHeader, payload: bytes) -> list[Remark]:
     """What is said of an encoded picture that is not 8-bit RGB within the limit of size; empty for one that is.
 
-    A picture whose meaning would be lost as 8-bit RGB gives one remark that `is_lost`: four inks or 12 bits in a JPEG,
-    16-bit grey (a depth map as a rule), 16-bit colours of which only the lower bits are used.
+    A picture whose meaning would be lost as 8-bit RGB gives one remark that `is_lost`: four inks, two or five
+    channels, or 12 bits in a JPEG, 16-bit grey (a depth map as a rule), 16-bit colours of which only the lower bits
+    are used.
     """
     if fault := size_fault(header.height, header.width):
         return [Remark("image-too-large", "damage", f"is not taken: its {fault}; crop it to the gel or scale it down")]
@@ -77,6 +78,8 @@ def _refusal(header: ImageHeader, payload: bytes) -> str:
     if header.encoding == "jpeg":
         if header.channels == 4:
             return "is a JPEG of four inks (CMYK), no RGB picture"
+        if header.channels not in (1, 3):
+            return f"is a JPEG of {header.channels} channels, where grey has one and RGB three"
         return f"is a JPEG of {header.bits} bits a channel, no 8-bit picture" if header.bits != 8 else ""
     if header.bits == 16 and header.channels < 3:
         return "holds 16-bit grey, no colour picture: 8 bits cannot hold its values"

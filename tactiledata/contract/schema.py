@@ -98,7 +98,7 @@ def _path(fault: jsonschema.ValidationError) -> str:
 
 def _words(fault: jsonschema.ValidationError) -> str:
     """What a fault says: the schema's own ``refusal`` of a value that it excludes, else the checker's sentence."""
-    if fault.validator == "not" and isinstance(fault.schema, Mapping) and "refusal" in fault.schema:
+    if fault.validator in ("not", "pattern") and isinstance(fault.schema, Mapping) and "refusal" in fault.schema:
         return f"{fault.instance!r} {fault.schema['refusal']}"
     return fault.message
 

@@ -160,10 +160,12 @@ class FrameFlag:
     GAP = 4  # an aligned value lies in a gap longer than allowed
     OUTSIDE = 8  # outside any trajectory
     STRAY_SIZE = 16  # another size than nearly all images of its sensor in the recording; kept as it came
+    BLANK = 32  # of one colour throughout, such as black; kept as it came
 
 
-UNUSABLE = FrameFlag.MISSING | FrameFlag.BROKEN | FrameFlag.STRAY_SIZE
-"""Bits of frames that nothing learns from or compares with: no image, one that does not decode, one of another size."""
+UNUSABLE = FrameFlag.MISSING | FrameFlag.BROKEN | FrameFlag.STRAY_SIZE | FrameFlag.BLANK
+"""Bits of frames that nothing learns from or compares with: no image, one that does not decode, one of another size, or
+of one colour."""
 
 
 @dataclass(frozen=True)

@@ -21,15 +21,16 @@ from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
 from tactiledata.contract.schema import check_document
-from tactiledata.contract.take import Take, findings_of, findings_table
+from tactiledata.contract.take import FrameFlag, Take, findings_of, findings_table
 from tactiledata.errors import BrokenLog, MissingFile
 from tactiledata.formats import FORMATS
-from tactiledata.ingest.checks.checks import broken_images, check_take, flag_broken
+from tactiledata.ingest.checks.blank_images import blank_images
+from tactiledata.ingest.checks.checks import broken_images, check_take, flag_images
 from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
-from tactiledata.ingest.sources.discover import find_sources
+from tactiledata.ingest.sources.discover import find_sources, undescribed_logs
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
@@ -123,6 +124,7 @@ def ingest(
     if pointers:
         message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
         findings.append(Finding("not-fetched", "warning", message, count=len(pointers)))
+    findings += undescribed_logs(unclaimed)
     left = tuple(str(path) for path in unclaimed if path not in pointers)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))
     return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
@@ -224,10 +226,19 @@ def _read_and_stage(task: _Task, sha256: str) -> StagedTake:
 def _checked_take(recording: Recording, images: SpooledImages, sha256: str, options: IngestOptions) -> Take:
     """The take of a recording, with what the checks of its images found."""
     broken, cut = broken_images(images)
+    blank, dark = blank_images(images)
+    unseen = set(blank.tolist())
     known = {finding.code for finding in recording.findings}
-    said = [finding for finding in cut if finding.code not in known]
-    assembled = assemble(recording, images.columns, images.decode, sha256, options)
-    take = dataclasses.replace(assembled.take, frames=flag_broken(assembled.take.frames, assembled.order, broken))
+    said = [finding for finding in (*cut, *dark) if finding.code not in known]
+
+    def shown(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
+        """Images of rows of the sink; none for those of one colour, which are no picture without contact either."""
+        return [None if row in unseen else images.decode(np.array([row]))[0] for row in rows.tolist()]
+
+    assembled = assemble(recording, images.columns, shown, sha256, options)
+    frames = flag_images(assembled.take.frames, assembled.order, broken, FrameFlag.BROKEN)
+    frames = flag_images(frames, assembled.order, blank, FrameFlag.BLANK)
+    take = dataclasses.replace(assembled.take, frames=frames)
 
     def decode(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
         return images.decode(assembled.order[rows])

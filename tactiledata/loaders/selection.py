@@ -123,7 +123,9 @@ def select(
         "of another camera": ~of_camera,
         "no image recorded": of_camera & ((flags & FrameFlag.MISSING) != 0),
         "image does not decode": of_camera & ((flags & (FrameFlag.MISSING | FrameFlag.BROKEN)) == FrameFlag.BROKEN),
-        "another size than its sensor's images": of_camera & ((flags & UNUSABLE) == FrameFlag.STRAY_SIZE),
+        "another size than its sensor's images": of_camera
+        & ((flags & (UNUSABLE - FrameFlag.BLANK)) == FrameFlag.STRAY_SIZE),
+        "an image of one colour": of_camera & ((flags & UNUSABLE) == FrameFlag.BLANK),
     }
     left_out = {reason: int((belongs & mask).sum()) for reason, mask in reasons.items()}
     left_out[FILTERED] = int((belongs & ~kept).sum()) - sum(left_out.values())

@@ -185,10 +185,14 @@ def unlike_drawn(
     row_of = pc.index_in(trajectories["uid"], value_set=table["uid"].combine_chunks())
     for kind in UNIT_KINDS:
         said = table[kind].combine_chunks().take(row_of.combine_chunks())
-        wrong = pc.sum(pc.not_equal(said, trajectories[kind].combine_chunks()), min_count=0).as_py()
-        found += leak(
-            "unit-renamed", f"the split's table names another {kind} than the store", [f"column {kind}"], wrong
+        own = trajectories[kind].combine_chunks()
+        # where the table has no such trajectory the comparison is null, which counts as no difference
+        wrong = np.flatnonzero(pc.fill_null(pc.not_equal(said, own), False).to_numpy(zero_copy_only=False))
+        cases = (
+            f"{uids[row].as_py()} of {kind} {own[row].as_py()!r} in the store, {said[row].as_py()!r} in the table"
+            for row in wrong.tolist()
         )
+        found += leak("unit-renamed", f"the split's table names another {kind} than the store", cases, len(wrong))
     return found
 
 

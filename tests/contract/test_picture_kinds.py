@@ -66,6 +66,8 @@ def test_grey_and_transparency_are_said_one_by_one(channels, has_alpha, codes):
     ("header", "words"),
     [
         ({"encoding": "jpeg", "channels": 4}, "is a JPEG of four inks (CMYK), no RGB picture; save it as 8-bit RGB"),
+        ({"encoding": "jpeg", "channels": 5}, "is a JPEG of 5 channels, where grey has one and RGB three; save it"),
+        ({"encoding": "jpeg", "channels": 2}, "is a JPEG of 2 channels, where grey has one and RGB three; save it"),
         ({"encoding": "jpeg", "bits": 12}, "is a JPEG of 12 bits a channel, no 8-bit picture; save it as 8-bit RGB"),
         ({"encoding": "jpeg", "bits": 7}, "is a JPEG of 7 bits a channel, no 8-bit picture; save it as 8-bit RGB"),
         ({"channels": 1, "bits": 16}, "holds 16-bit grey, no colour picture: 8 bits cannot hold its values"),

@@ -29,7 +29,7 @@ def test_an_interval_lends_its_sensor_half_open():
     touches = [Trajectory("a", 0, 2), Trajectory("b", 1, 3, "D1"), Trajectory("c", 2, 5, "D2")]
     found, _, said = named(["", "", "", "", "", ""], touches)
     assert found == ["unknown-01234567", "D1", "D1", "D2", "D2", "unknown-01234567"]
-    assert [(one.code, one.count) for one in said] == [("sensor-unknown", 2)]
+    assert [(one.code, one.count) for one in said] == [("sensor-unknown", 2), ("trajectory-of-several-sensors", 1)]
 
 
 def test_a_trajectory_that_is_named_lends_its_sensor():
@@ -50,10 +50,28 @@ def test_images_of_nobody_are_counted_and_their_names_said():
     assert named(["D1"])[2] == []
 
 
-def test_a_trajectory_is_called_after_the_sensors_inside_it():
-    """Half-open, several joined, none where there are no images inside; its own name stays."""
+def test_a_trajectory_is_called_after_the_sensor_inside_it():
+    """Half-open, none where there are no images inside; its own name stays."""
     touches = [Trajectory("a", 0, 2), Trajectory("b", 2, 3), Trajectory("c", 3, 9), Trajectory("d", 0, 9, "D9")]
-    assert named(["D2", "D1", "D3"], touches)[1] == ["D1+D2", "D3", "", "D9"]
+    assert named(["D2", "D2", "D3"], touches)[1] == ["D2", "D3", "", "D9"]
+
+
+def test_a_trajectory_of_several_sensors_is_one_for_each():
+    """No unit is made up of two serials: each sensor has a trajectory of the same span, under a name of its own."""
+    touches = [Trajectory("a", 0, 2), Trajectory("a-D2", 4, 5), Trajectory("b", 2, 3)]
+    recording = Recording(Source("p", "k", "folder", ()), LogDescription())
+    table = pa.table({"camera": ["x", "y", "y"], "trajectory": ["", "", ""]})
+    said = []
+    captured = CapturedFrames(table, np.arange(3), ["D2", "D1", "D3"], {}, [])
+    _, found = name_sensors(recording, captured, tuple(touches), SHA, said.append)
+    assert [(one.name, one.sensor, one.start_ns, one.end_ns) for one in found] == [
+        ("a-D1", "D1", 0, 2),
+        ("a-D2~2", "D2", 0, 2),
+        ("a-D2", "", 4, 5),
+        ("b", "D3", 2, 3),
+    ]
+    assert [(one.code, one.severity, one.count) for one in said] == [("trajectory-of-several-sensors", "warning", 1)]
+    assert "(a): each is kept once a sensor, as 'a-<serial>'" in said[0].message
 
 
 def test_without_images_the_only_sensor_is_that_of_all_trajectories():

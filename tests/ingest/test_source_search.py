@@ -9,7 +9,7 @@ from tactiledata.contract.lfs_pointer import START
 from tactiledata.contract.records import Source
 from tactiledata.errors import BrokenLog, MissingFile, NotFetched
 from tactiledata.ingest.sources import discover
-from tactiledata.ingest.sources.discover import MAX_DEPTH, find_sources, format_of
+from tactiledata.ingest.sources.discover import MAX_DEPTH, find_sources, format_of, undescribed_logs
 
 
 def by_suffix(suffix, count=1):
@@ -134,3 +134,14 @@ def test_links_that_lead_back_up_end_no_search(tmp_path):
     tree(tmp_path, "in/b.log")
     (tmp_path / "in" / "a").symlink_to("..")
     assert found(tmp_path / "in") == ([("b.log", "log", "")], ["a"])
+
+
+def test_tables_without_their_description_are_said(tmp_path):
+    """Two tables of a folder log that nothing claims are a log that lost its log.yaml; one may be anybody's."""
+    for folder, names in {"log": ("wrench.csv", "frames.csv"), "other": ("wrench.csv", "notes.csv")}.items():
+        (tmp_path / folder).mkdir()
+        for name in names:
+            (tmp_path / folder / name).write_text("t_ns\n")
+    (found,) = undescribed_logs(sorted(tmp_path.rglob("*.csv")))
+    assert (found.code, found.severity, found.count) == ("log-undescribed", "warning", 2)
+    assert found.message.startswith(f"{tmp_path / 'log'} holds 2 tables of a folder log and no log.yaml")

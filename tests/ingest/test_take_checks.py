@@ -1,10 +1,13 @@
 """What is said of the images and forces of a take, just below and just above each rule."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from tactiledata.contract.records import Source
 from tactiledata.contract.take import FrameFlag, Reference
-from tactiledata.ingest.checks.checks import FT_RANGE, broken_images, check_take, flag_broken
+from tactiledata.ingest.checks.checks import FT_RANGE, broken_images, check_take, flag_images
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
@@ -47,10 +50,10 @@ def test_rows_of_broken_images_are_in_order(tmp_path):
 def test_the_flag_of_broken_images_is_set_in_the_stores_order():
     """Flags that were set before stay; nothing broken changes nothing."""
     table = frames(4, flags=[0, FrameFlag.OUTSIDE, 0, 0])
-    flagged = flag_broken(table, np.array([3, 1, 0, 2]), np.array([1, 2]))
+    flagged = flag_images(table, np.array([3, 1, 0, 2]), np.array([1, 2]), FrameFlag.BROKEN)
     assert flagged["flags"].to_pylist() == [0, FrameFlag.OUTSIDE | FrameFlag.BROKEN, 0, FrameFlag.BROKEN]
     assert flagged.schema == table.schema
-    assert flag_broken(table, np.arange(4), np.zeros(0, np.int64)) is table
+    assert flag_images(table, np.arange(4), np.zeros(0, np.int64), FrameFlag.BROKEN) is table
 
 
 def sized(sizes, model="digit", **parts):
@@ -120,11 +123,68 @@ def test_swapped_channels_are_judged_by_a_stated_background():
         [finding] = channels([BGR] * 3, stated, model)
         assert "against the sensor's background" in finding.message
         assert channels([DIGIT] * 3, stated, model) == []
-    assert channels([BGR] * 3, Reference(BGR, "a file")) == []
+    assert channels([BGR] * 3, Reference(BGR, "a file"), "gelsight_mini") == []
     assert len(channels([BGR] * 3, mean)) == 1
     assert channels([BGR] * 3, mean, "gelsight_mini") == channels([BGR] * 3, None, "gelsight_mini") == []
     assert channels([BGR[::2]] * 3, stated) == []
     assert len(channels([BGR, DIGIT[::2], DIGIT[::2]], stated)) == 1
+
+
+def test_known_colours_tell_which_picture_of_a_digit_is_swapped():
+    """The images, the picture without contact, or both; neither where both are RGB, or where it lies on its side."""
+    said_of = {
+        name: [one.message.partition(" look like")[0] for one in channels([images] * 3, Reference(stated, "a file"))]
+        for name, images, stated in (
+            ("neither", DIGIT, DIGIT),
+            ("images", BGR, DIGIT),
+            ("background", DIGIT, BGR),
+            ("both", BGR, BGR),
+            ("on its side", BGR.swapaxes(0, 1), BGR.swapaxes(0, 1)),
+        )
+    }
+    assert said_of == {
+        "neither": [],
+        "images": ["images of 'D1'"],
+        "background": ["the picture without contact of 'D1'"],
+        "both": ["images of 'D1' and its picture without contact"],
+        "on its side": [],
+    }
+
+
+PRESSED = DIGIT.copy()
+PRESSED[140:180, 100:140] //= 2
+
+
+@pytest.mark.parametrize(
+    ("stated", "shown", "force", "is_said"),
+    [
+        (PRESSED, DIGIT, 0.1, True),
+        (DIGIT, DIGIT, 0.1, False),
+        (DIGIT, PRESSED, 5.0, False),
+        (PRESSED, DIGIT, 0.2, False),
+        (PRESSED, DIGIT, np.nan, False),
+    ],
+)
+def test_a_background_that_shows_a_touch_is_said(stated, shown, force, is_said):
+    """Against frames in free air alone: pressed frames, and frames whose force is not known, prove nothing."""
+    rows, columns = SENSORS["digit"].camera.shape
+    table = frames(4, height=rows, width=columns, contact_force=force)
+    for reference, expected in ((Reference(stated, "a file"), is_said), (Reference(stated, "mean of 3 frames"), False)):
+        made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": reference})
+        found = [one for one in said(made, lambda rows: [shown] * len(rows)) if one.code == "background-touched"]
+        assert [one.severity for one in found] == ["warning"] * expected
+        assert not found or "differs from 4 of its frames in free air" in found[0].message
+
+
+def test_three_frames_in_free_air_are_needed_to_judge_a_background():
+    """Two, or frames of another size, say nothing."""
+    rows, columns = SENSORS["digit"].camera.shape
+    for force, shown in (([0, 0, 9, 9], DIGIT), ([0, 0, 0, 0], DIGIT[::2])):
+        table = frames(4, height=rows, width=columns, contact_force=force)
+        made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": Reference(PRESSED, "a file")})
+        assert "background-touched" not in {
+            one.code for one in said(made, lambda rows, shown=shown: [shown] * len(rows))
+        }
 
 
 def stuck(crc, force, **columns):
@@ -156,16 +216,57 @@ def test_what_is_no_repeat_of_an_image():
 
 
 def test_forces_beyond_the_range_of_the_sensor():
-    """300 N are a force, more is none; torques do not count."""
+    """300 N are a force, more is none; torques have a range of their own."""
     values = np.zeros((4, 6))
-    values[0, 0], values[1, 2], values[2, 1], values[3, 3] = FT_RANGE, -np.nextafter(FT_RANGE, 400), 1e5, 1e5
-    found = said(take(signals={"wrench": signal("wrench", range(4), values)}))
-    assert [one for one in told(found) if one[0] == "force-out-of-range"] == [
-        ("force-out-of-range", "warning", "wrench", 2)
-    ]
+    values[0, 0], values[1, 2], values[2, 1] = FT_RANGE, -np.nextafter(FT_RANGE, 400), 1e5
+    (found,) = said(take(signals={"wrench": signal("wrench", range(4), values)}))
+    assert told([found]) == [("force-out-of-range", "warning", "wrench", 2)]
     assert FT_RANGE == 300.0
-    assert "2 samples are beyond 300 N" in next(one.message for one in found if one.code == "force-out-of-range")
+    assert "2 samples are beyond 300 N" in found.message
     assert said(take(signals={"wrench": signal("wrench", range(1), values[:1])})) == []
+
+
+@pytest.mark.parametrize("column", [3, 4, 5])
+def test_torques_beyond_the_range_of_the_sensor(column):
+    """30 N m are a torque; an offset of 50 N m in every sample is none, although it would be taken off as a zero."""
+    values = np.zeros((4, 6))
+    values[:, column] = 30.0
+    assert "torque-out-of-range" not in codes_of(values)
+    values[:, column] = -50.0
+    found = said(take(signals={"wrench": signal("wrench", range(4), values)}))
+    assert ("torque-out-of-range", "warning", "wrench", 4) in told(found)
+    text = next(one.message for one in found if one.code == "torque-out-of-range")
+    assert "4 samples are beyond 30 N m, the range of" in text
+
+
+def codes_of(values):
+    found = said(take(signals={"wrench": signal("wrench", range(len(values)), values)}))
+    return {one.code for one in found}
+
+
+def test_a_mesh_that_is_not_there_is_named(tmp_path):
+    """Of an indenter and of a gel, for a file and a folder of a recording; one that is there says nothing."""
+    (tmp_path / "run").mkdir()
+    document = {
+        "indenters": {"part": {"mesh": "solids/part.stl", "unit": "mm"}, "ball": {"shape": "sphere", "radius": 0.002}},
+        "sensors": {"D1": {"gel": {"mesh": "gel.msh"}}},
+    }
+
+    def missing(path):
+        one = dataclasses.replace(take(description=document), source=Source(str(path), "run", "mcap", ()))
+        return [finding for finding in said(one) if finding.code == "mesh-missing"]
+
+    for place in (tmp_path / "run", tmp_path / "run.mcap"):
+        found = missing(place)
+        assert [one.severity for one in found] == ["warning"] * 2
+        assert "indenters.part names the mesh 'solids/part.stl'" in found[0].message
+        assert "sensors.D1.gel names the mesh 'gel.msh'" in found[1].message
+        assert "--indenters FOLDER" in found[0].message
+    (tmp_path / "solids").mkdir()
+    (tmp_path / "solids" / "part.stl").write_bytes(b"solid")
+    (tmp_path / "run" / "gel.msh").write_bytes(b"")
+    assert missing(tmp_path / "run") == []
+    assert [one.message.split(" ")[0] for one in missing(tmp_path / "run.mcap")] == ["sensors.D1.gel"]
 
 
 def empty_of(count, table=None):

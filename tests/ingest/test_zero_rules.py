@@ -129,6 +129,30 @@ def test_a_start_more_than_five_newtons_off_is_in_contact(begin, is_free):
     assert ("no-free-air" in said) == (not is_free)
 
 
+def test_a_single_touch_far_from_the_zero_is_warned_of_with_its_distance():
+    """Not refused: a touch that begins pressed is sound data, and one alone cannot tell it from a zero that was moved.
+
+    What it would be off by is said, and what to state.
+    """
+    bias, said = zeroed([(0, 300), (12.5, 50), (20, 50), (12.5, 50), (0, 300)], [(300, 450)])
+    assert bias[350] == 0.0
+    assert said["no-free-air"].severity == "warning"
+    assert "They begin up to 12.50 N off it" in said["no-free-air"].message
+    assert "wrench.tare_ns" in said["no-free-air"].message
+
+
+@pytest.mark.parametrize(("level", "is_said"), [(4.9, False), (8.0, True), (-8.0, True)])
+def test_two_touches_at_one_level_far_from_the_zero_are_said(level, is_said):
+    """Their level counts as free air (decision 0042); beyond 5 N from the usual reading a person is asked to look."""
+    levels = [(0, 600), (level, 50), (level + 9, 50), (level, 100), (level + 9, 50), (level, 50), (0, 600)]
+    bias, said = zeroed(levels, [(600, 750), (750, 900)])
+    assert (bias[650], bias[800]) == (level, level)
+    assert ("zero-far" in said) == is_said
+    if is_said:
+        assert (said["zero-far"].severity, said["zero-far"].count) == ("warning", 2)
+        assert "(t0, t1) begin up to 8.00 N from what the sensor reads most of the time" in said["zero-far"].message
+
+
 def test_samples_that_are_not_known_are_no_free_air():
     """A sample that lacks one component counts neither for the ten nor for the median."""
 

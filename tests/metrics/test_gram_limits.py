@@ -169,3 +169,16 @@ def test_a_file_of_the_official_name_must_have_its_digest(monkeypatch, tmp_path)
         path.write_bytes(content)
         with pytest.raises(SchemaError, match=words):
             module.vgg19_features(path)
+
+
+@pytest.mark.parametrize("name", ["other.pth", "zzz.pth", "vgg19-dcbb9e9e.pth"])
+def test_only_a_file_of_the_published_name_must_have_the_published_digest(name, tmp_path, monkeypatch):
+    """A file of another name is read by what it holds; one of torchvision's name with other bytes is refused."""
+    monkeypatch.setattr(module, "build_features", lambda: torch.nn.Sequential(torch.nn.Linear(1, 1)))
+    module.vgg19_features.cache_clear()
+    held = {"features.0.weight": torch.full((1, 1), 7.0), "features.0.bias": torch.zeros(1)}
+    torch.save(held, tmp_path / name)
+    torch.save(held, tmp_path / module.WEIGHTS)
+    assert module.vgg19_features(tmp_path / name)[0].weight.item() == 7.0
+    with pytest.raises(SchemaError, match="as it was published"):
+        module.vgg19_features(tmp_path / module.WEIGHTS)

@@ -122,6 +122,22 @@ def test_images_of_one_byte_and_large_ones_are_compared():
     assert found.message.endswith("frame 0 (train) and frame 3 (test)")
 
 
+@pytest.mark.parametrize(
+    ("lengths", "crcs"),
+    [
+        ((1, 1), (0, 2**31)),  # the upper bit of a CRC is no bit of a length
+        ((2, 3), (2**31, 2**31)),
+        ((2, 3), (2**31, 0)),
+        ((2**31 - 1, 2**30 - 1), (5, 5)),  # the upper bit of a length is not lost
+    ],
+)
+def test_bits_of_length_and_crc_are_not_mixed(lengths, crcs):
+    """Images that differ in length or in CRC are other images, whatever bits the two numbers have."""
+    table = trajectories([{}, {}])
+    columns = {"length": np.array(lengths), "crc32c": np.array(crcs)}
+    assert identical_payloads(frames(table, 1, **columns), np.ones(2, bool), codes("train", "test")) == []
+
+
 def test_what_stands_elsewhere_than_drawn():
     """Moved trajectories are named with both parts; units that a table names otherwise are counted by kind."""
     table = trajectories([{"source": k} for k in range(6)])
@@ -136,8 +152,23 @@ def test_what_stands_elsewhere_than_drawn():
     renamed = trajectories([{"source": k, "sensor": "B" if k < 2 else "A", "indenter": "x"} for k in range(6)])
     found = unlike_drawn(renamed, drawn, says, NONE, {})
     assert [(finding.code, finding.count) for finding in found] == [("unit-renamed", 2), ("unit-renamed", 6)]
-    assert "store: column sensor" in found[0].message
-    assert "store: column indenter" in found[1].message
+    both = [f"{row:016x} of sensor 'B' in the store, 'A' in the table" for row in (0, 1)]
+    assert found[0].message == f"the split's table names another sensor than the store: {'; '.join(both)}"
+    # six trajectories: three are named, three are counted
+    assert found[1].message.count("in the store") == 3
+    assert found[1].message.endswith(" and 3 more")
+
+
+def test_a_trajectory_that_the_table_lacks_is_not_renamed():
+    """Only trajectories that stand in the split's table can be named otherwise there."""
+    table = trajectories([{"source": k} for k in range(4)])
+    drawn = assign(table, NONE, {})
+    says = np.asarray(drawn["partition"].to_pylist(), object)
+    renamed = trajectories([{"source": k, "sensor": "B"} for k in range(4)])
+    (found,) = [
+        finding for finding in unlike_drawn(renamed, drawn.slice(1), says, NONE, {}) if finding.code == "unit-renamed"
+    ]
+    assert (found.count, f"{0:016x}" in found.message) == (3, False)
 
 
 def test_nine_september_2001_divides_clocks():

@@ -16,6 +16,8 @@ from tactiledata.formats.reading.links import leads_back_up
 from tactiledata.formats.reading.natural_order import natural_key
 
 METADATA = "metadata.yaml"
+INFORMATION = "rosbag2_bagfile_information"
+"""The one name that a rosbag2's metadata.yaml holds; everything is below it."""
 INSIDE_DESCRIPTION = "tactiledata.yaml"
 IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg"}
 UNREADABLE = {
@@ -58,7 +60,7 @@ def is_bag_file(path: Path) -> bool:
 def is_bag_folder(folder: Path) -> bool:
     """Whether a folder is a rosbag2 recording, or holds MCAP recordings and nothing that another format would read."""
     try:
-        if bag_metadata(folder) is not None:
+        if bag_metadata(folder) is not None or (_metadata_damage(folder) and any(map(_is_mcap, folder.iterdir()))):
             return True
         children = [child for child in folder.iterdir() if not child.name.startswith(".")]
         if (folder / "log.yaml").exists() or not any(_is_mcap(child) for child in children):
@@ -84,26 +86,39 @@ def _is_company(path: Path) -> bool:
 
 
 def bag_metadata(folder: Path) -> dict[str, Any] | None:
-    """The content of a rosbag2 folder's metadata.yaml; ``None`` where there is none.
-
-    Raises
-    ------
-    SchemaError
-        It is there and is no YAML.
-    """
+    """The content of a rosbag2 folder's metadata.yaml; ``None`` where there is none, or none that can be used."""
     path = folder / METADATA
     if not path.is_file():
         return None
-    document = read_document(path)
-    found = document.get("rosbag2_bagfile_information") if isinstance(document, dict) else None
+    try:
+        document = read_document(path)
+    except SchemaError:
+        return None
+    found = document.get(INFORMATION) if isinstance(document, dict) else None
     return found if isinstance(found, dict) else None
+
+
+def _metadata_damage(folder: Path) -> str:
+    """Why metadata.yaml cannot be used; empty where it can, where there is none, and where it is no rosbag2's."""
+    path = folder / METADATA
+    if not path.is_file():
+        return ""
+    try:
+        document = read_document(path)
+    except SchemaError as error:
+        return error.found
+    if document is None:
+        return f"{path} is empty"
+    if isinstance(document, dict) and INFORMATION in document and not isinstance(document[INFORMATION], dict):
+        return f"{path} holds nothing below {INFORMATION}"
+    return "" if isinstance(document, dict) else f"{path} holds no names and values"
 
 
 def bag_sources(path: Path, name: str) -> list[Source]:
     """The recordings in a file or folder, in natural order."""
     if path.is_file():
         return [_file_source(path, path.name, name)]
-    if bag_metadata(path) is not None or _is_split(path):
+    if bag_metadata(path) is not None or _is_split(path) or _metadata_damage(path):
         return [_folder_source(path, path.name, name)]
     found: list[Source] = []
     for child in sorted(path.iterdir(), key=lambda child: natural_key(child.name)):
@@ -165,7 +180,13 @@ def files_of(path: Path) -> Bag:
         return Bag((path,))
     metadata = bag_metadata(path)
     if metadata is None:
-        return Bag(tuple(sorted(filter(_is_mcap, path.iterdir()), key=lambda file: natural_key(file.name))))
+        files = sorted(filter(_is_mcap, path.iterdir()), key=lambda file: natural_key(file.name))
+        damage = _metadata_damage(path)
+        text = (
+            f"{damage}: all {len(files)} MCAP files beside it were read as one recording, by their names. Copy it "
+            "again or run `ros2 bag reindex`; move it away if they are recordings of their own"
+        )
+        return Bag(tuple(files), (Finding("bag-metadata", "damage", text),) if damage else ())
     if metadata.get("storage_identifier") != "mcap":
         _refuse_neighbours(path / "bag.db3" if metadata.get("storage_identifier") == "sqlite3" else path)
         raise BrokenLog(

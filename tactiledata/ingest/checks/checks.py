@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -12,15 +13,16 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding
-from tactiledata.contract.take import UNUSABLE, FrameFlag, Take
+from tactiledata.contract.take import UNUSABLE, Take
 from tactiledata.ingest.checks.apart import apart_findings
+from tactiledata.ingest.checks.background_seen import channel_findings, touched_findings
 from tactiledata.ingest.checks.image_sizes import size_counts
-from tactiledata.ingest.checks.plausible import description_findings
+from tactiledata.ingest.checks.plausible import description_findings, mesh_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.units_seen import unit_findings
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.base import Sensor
-from tactiledata.sensors.image_checks import channel_order, size_orientation
+from tactiledata.sensors.image_checks import size_orientation
 
 TRAILERS = {"jpeg": b"\xff\xd9", "png": b"IEND"}
 """What a whole file of an encoding ends with (ITU T.81 B.1.1.3: end of image; PNG 11.2.5: the IEND chunk)."""
@@ -33,6 +35,9 @@ MOST_SIZES = 3
 
 FT_RANGE = 300.0
 """N. The Robotiq FT 300-S measures up to this; more is a fault, not a force."""
+
+TORQUE_RANGE = 30.0
+"""N m, likewise. An offset beyond it leaves nothing of the sensor's range, although it is taken off as a zero."""
 
 Decode = Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]]
 
@@ -55,12 +60,24 @@ def broken_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Findin
     return np.array(sorted(broken)), [Finding("image-truncated", "damage", text, count=len(broken))]
 
 
-def flag_broken(frames: pa.Table, order: NDArray[np.int64], broken: NDArray[np.int64]) -> pa.Table:
-    """The frames table with the broken images' flag set."""
-    if not len(broken):
+def flag_images(frames: pa.Table, order: NDArray[np.int64], rows: NDArray[np.int64], flag: int) -> pa.Table:
+    """The frames table with a flag set for some images.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        ``FRAME_SCHEMA``, n rows.
+    order : (n,)
+        Row in the sink of each frame.
+    rows : (k,)
+        Rows in the sink.
+    flag : int
+        One of `FrameFlag`.
+    """
+    if not len(rows):
         return frames
     flags = frames["flags"].to_numpy().copy()
-    flags[np.isin(order, broken)] |= FrameFlag.BROKEN
+    flags[np.isin(order, rows)] |= flag
     return frames.set_column(frames.schema.get_field_index("flags"), frames.schema.field("flags"), pa.array(flags))
 
 
@@ -73,8 +90,10 @@ def check_take(take: Take, decode: Decode) -> list[Finding]:
     decode : callable
         Images of rows of ``take.frames``.
     """
+    description = LogDescription(take.description)
     return [
-        *description_findings(LogDescription(take.description)),
+        *description_findings(description),
+        *mesh_findings(description, Path(take.source.path)),
         *unit_findings(take),
         *_picture_findings(take, decode),
         *_stuck_camera(take),
@@ -100,7 +119,9 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
         known = SENSORS.get(model)
         if known is not None and known.camera is not None and images:
             found.extend(_size_findings(sensor, sizes[sensor], known, known.camera.shape))
-        found.extend(_channel_findings(sensor, images, take, model))
+        swapped = channel_findings(sensor, images, take, model)
+        # pictures whose channels are swapped differ everywhere
+        found.extend(swapped or touched_findings(sensor, take, decode))
     return found
 
 
@@ -119,26 +140,6 @@ def _size_findings(sensor: str, counts: Counter[Size], known: Sensor, shape: tup
         else:
             found.append(Finding("image-size", "info", f"{text}{shape[0]} rows x {shape[1]} columns"))
     return found
-
-
-def _channel_findings(sensor: str, images: list[NDArray[np.uint8]], take: Take, model: str) -> list[Finding]:
-    """BGR taken for RGB, judged against a background that does not come from the same images."""
-    reference = take.references.get(sensor)
-    stated = reference is not None and not reference.origin.startswith("mean of")
-    if not stated and model != "digit":
-        return []
-    background = reference.image if stated and reference is not None else None
-    verdicts: list[str] = [
-        channel_order(image, background).verdict
-        for image in images
-        if background is None or image.shape == background.shape
-    ]
-    if not verdicts or verdicts.count("bgr") <= len(verdicts) / 2:
-        return []
-    against = "the sensor's background" if background is not None else "known DIGIT sensors"
-    text = f"images of {sensor!r} look like BGR against {against}: blue and red are swapped. "
-    text += "State channel_order in a mapping and ingest with --replace"
-    return [Finding("channels-swapped", "warning", text)]
 
 
 def _stuck_camera(take: Take) -> list[Finding]:
@@ -164,11 +165,19 @@ def _force_findings(take: Take) -> list[Finding]:
     wrench = take.signals.get("wrench")
     if wrench is None:
         return []
-    beyond = int((np.abs(wrench.values[:, :3]) > FT_RANGE).any(axis=1).sum())
-    if not beyond:
-        return []
-    text = f"wrench: {beyond} samples are beyond {FT_RANGE:.0f} N; a unit other than newtons, or a fault of the sensor"
-    return [Finding("force-out-of-range", "warning", text, "wrench", count=beyond)]
+    found = []
+    for code, columns, limit, unit in (
+        ("force-out-of-range", slice(0, 3), FT_RANGE, "N"),
+        ("torque-out-of-range", slice(3, 6), TORQUE_RANGE, "N m"),
+    ):
+        beyond = int((np.abs(wrench.values[:, columns]) > limit).any(axis=1).sum())
+        if beyond:
+            text = (
+                f"wrench: {beyond} samples are beyond {limit:.0f} {unit}, the range of a Robotiq FT 300-S; another "
+                "unit, an offset that nobody zeroed, or a fault of the sensor"
+            )
+            found.append(Finding(code, "warning", text, "wrench", count=beyond))
+    return found
 
 
 def _empty_trajectories(take: Take) -> list[Finding]:

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
 
 from tactiledata.contract.description import PLACEHOLDER, LogDescription
+from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding
-from tactiledata.errors import TactileDataError
+from tactiledata.errors import TactileDataError, UnsafeContent
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.sensors import SENSORS
 
@@ -68,8 +69,7 @@ def _is_placeholder(name: str) -> bool:
 def _indenter_findings(name: str, entry: Mapping[str, Any]) -> list[Finding]:
     """Whether the shape can be made; of a mesh only its place, its content is looked at by whoever uses it."""
     if (mesh := entry.get("mesh")) is not None:
-        path = PurePosixPath(str(mesh).replace("\\", "/"))
-        if not path.is_absolute() and ".." not in path.parts:
+        if not _leads_out(str(mesh)):
             return []
         text = (
             f"indenters.{name} names the mesh {mesh!r}, which leads out of the recording and is never read; expected a "
@@ -85,6 +85,39 @@ def _indenter_findings(name: str, entry: Mapping[str, Any]) -> list[Finding]:
             hint = f" Names are written in small letters: {shape}."
         return [Finding("indenter-unusable", "warning", f"{error}{hint}")]
     return []
+
+
+def mesh_findings(description: LogDescription, recording: Path) -> list[Finding]:
+    """Findings on mesh files that a recording, or the mapping that it is read by, names and that are not beside it.
+
+    They are looked for in the recording's folder and, where the recording is a folder, beside that too.
+    """
+    folders = (recording, recording.parent) if recording.is_dir() else (recording.parent,)
+    named = {f"indenters.{name}": entry.get("mesh") for name, entry in description.indenters.items()}
+    named |= {f"sensors.{name}.gel": facts.get("gel", {}).get("mesh") for name, facts in description.sensors.items()}
+    found = []
+    for place, mesh in named.items():
+        if mesh is None or _leads_out(str(mesh)) or any(_is_file(folder, str(mesh)) for folder in folders):
+            continue
+        text = (
+            f"{place} names the mesh {str(mesh)!r}, and there is no such file in {folders[0]}: nothing can be computed "
+            "with it. Correct the name or copy the file there; for files elsewhere, give their folder to commands that "
+            "compute as --indenters FOLDER"
+        )
+        found.append(Finding("mesh-missing", "warning", text))
+    return found
+
+
+def _leads_out(mesh: str) -> bool:
+    path = PurePosixPath(mesh.replace("\\", "/"))
+    return path.is_absolute() or ".." in path.parts
+
+
+def _is_file(folder: Path, name: str) -> bool:
+    try:
+        return path_inside(folder, name, "a mesh").is_file()
+    except (UnsafeContent, OSError):
+        return False
 
 
 def _model_findings(serial: str, model: str) -> list[Finding]:

@@ -148,6 +148,7 @@ def find_zero(
     if not spans:
         return Zero(bias, "between tare events: the stated zero, or the mode of the recording", noise, tuple(findings))
     missed: list[tuple[str, int, int]] = []
+    trusted: list[tuple[str, float]] = []
     zeros: list[np.ndarray] = []
     known: list[tuple[int, np.ndarray]] = [(tare.row, bias[tare.row]) for tare in tares]
     ordered = sorted(spans, key=lambda span: span[1])
@@ -159,19 +160,24 @@ def find_zero(
         start, stop = (int(row) for row in np.searchsorted(t_ns, [start_ns, end_ns]))
         if start == stop:  # without samples nobody knows where it begins
             continue
+        general = bias[start].copy()
         pieces = (
             [] if name in pressed else _piece_zeros(load, tares, (start, stop), bias[start], noise, name in surely_free)
         )
         if not pieces:
             missed.append((name, start, stop))
             continue
+        if name in surely_free and (away := _newtons(pieces[0][1] - general)) > MAX_DRIFT:
+            trusted.append((name, away))
         zeros.append(pieces[-1][1])
         known.extend(pieces)
         for (row, zero), end in zip(pieces, [row for row, _ in pieces[1:]] + [stop], strict=True):
             bias[row:end] = zero
     for _, start, stop in missed:
         _take_nearest(bias, known, tares, start, stop)
-    findings.extend(_drift_findings(zeros, [name for name, _, _ in missed]))
+    findings.extend(_drift_findings(zeros))
+    findings.extend(_pressed_findings([(name, _begins_off(load, bias, start, stop)) for name, start, stop in missed]))
+    findings.extend(_trusted_findings(trusted))
     return Zero(bias, "median of each trajectory's free air before the first touch", noise, tuple(findings))
 
 
@@ -286,7 +292,47 @@ def _tare_findings(
     return [Finding("tare-in-trajectory", "info", text, "wrench", count=len(inside))]
 
 
-def _drift_findings(zeros: list[np.ndarray], missed: list[str]) -> list[Finding]:
+def _newtons(difference: np.ndarray) -> float:
+    return float(np.linalg.norm(difference[:3]))
+
+
+def _begins_off(load: Values, bias: Values, start: int, stop: int) -> float:
+    """N. How far the first sound samples of a trajectory are from the zero that it was given; NaN without any."""
+    rows = start + np.flatnonzero(np.isfinite(load[start:stop]).all(axis=1))[:MIN_FREE_AIR]
+    return _newtons(np.median(load[rows] - bias[rows], axis=0)) if len(rows) else np.nan
+
+
+def _names(off: list[tuple[str, float]]) -> str:
+    return ", ".join(name for name, _ in off[:5]) + (" …" if len(off) > 5 else "")
+
+
+def _pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
+    """A warning, not damage: a touch that begins pressed is sound, and one touch alone cannot tell it from a zero that
+    somebody moved. By how much it would be off is said, so that a person can tell.
+    """
+    if not missed:
+        return []
+    largest = np.nanmax([0.0, *(away for _, away in missed)])
+    text = (
+        f"wrench: {len(missed)} trajectories do not begin in free air ({_names(missed)}); the nearest zero that is "
+        f"known was taken. They begin up to {largest:.2f} N off it: if nothing was touched then, their forces are off by as "
+        "much. State tares in wrench.tare_ns, or begin in free air"
+    )
+    return [Finding("no-free-air", "warning", text, "wrench", count=len(missed))]
+
+
+def _trusted_findings(trusted: list[tuple[str, float]]) -> list[Finding]:
+    if not trusted:
+        return []
+    text = (
+        f"wrench: {len(trusted)} trajectories ({_names(trusted)}) begin up to {max(away for _, away in trusted):.2f} N "
+        "from what the sensor reads most of the time, and end there: taken as free air after a tare that nobody "
+        "stated. If they were pressed all the time, their forces are too small by as much. State tares in wrench.tare_ns"
+    )
+    return [Finding("zero-far", "warning", text, "wrench", count=len(trusted))]
+
+
+def _drift_findings(zeros: list[np.ndarray]) -> list[Finding]:
     findings: list[Finding] = []
     if len(zeros) > 1:
         stack = np.stack(zeros)[:, :3]
@@ -294,10 +340,4 @@ def _drift_findings(zeros: list[np.ndarray], missed: list[str]) -> list[Finding]
         if drift > DRIFT_WORTH_SAYING:
             text = f"wrench: its zero moves by {drift:.2f} N over {len(zeros)} trajectories; each has its own zero"
             findings.append(Finding("zero-drift", "info", text, "wrench", count=len(zeros)))
-    if missed:
-        text = (
-            f"wrench: {len(missed)} trajectories do not begin in free air ({', '.join(missed[:5])}"
-            f"{' …' if len(missed) > 5 else ''}); the nearest zero that is known was taken"
-        )
-        findings.append(Finding("no-free-air", "warning", text, "wrench", count=len(missed)))
     return findings

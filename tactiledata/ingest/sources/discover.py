@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
-from tactiledata.contract.records import Source
+from tactiledata.contract.records import Finding, Source
 from tactiledata.errors import BrokenLog, MissingFile, TactileDataError
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
+from tactiledata.formats.folder.files import DESCRIPTION, TABLES
 from tactiledata.formats.reading.links import leads_back_up
 from tactiledata.formats.reading.natural_order import natural_key
 
@@ -64,6 +66,22 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         unclaimed.extend(left)
     used = {name for source in sources for name in source.files}
     return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
+
+
+def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
+    """A warning for each folder with two tables or more of a folder log, and no log.yaml that makes it a recording."""
+    tables = Counter(path.parent for path in unclaimed if path.name in TABLES)
+    return [
+        Finding(
+            "log-undescribed",
+            "warning",
+            f"{folder} holds {count} tables of a folder log and no {DESCRIPTION} that can be read: it was not taken. "
+            f"Copy {DESCRIPTION} into it, or write one (docs/formats-folder.md)",
+            count=count,
+        )
+        for folder, count in tables.items()
+        if count > 1
+    ]
 
 
 def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:

@@ -122,7 +122,7 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
     frames = frame_tables.frames_table(captured, order, owner[order], ordered_sensors, force, flags)
     frames, sizes = mark_strays(frames, [trajectory.name for trajectory in trajectories])
     said.add(*sizes)
-    spans = [(trajectory.start_ns, trajectory.end_ns) for trajectory in trajectories]
+    spans = sorted({(trajectory.start_ns, trajectory.end_ns) for trajectory in trajectories})
     for name, signal in timed.signals.items():
         said.add(*gap_findings(name, signal.t_ns, spans))
     said.add(*lost_spans_hit(trajectories, said.items))

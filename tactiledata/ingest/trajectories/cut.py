@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Times, Trajectory
 from tactiledata.contract.take import TRAJECTORY_SCHEMA, StoredSignal
+from tactiledata.ingest.trajectories.identity import part_name
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,9 @@ def assign_frames(
             inside &= (frame_sensors == trajectory.sensor) | (frame_sensors == "")
         rows[inside] = row
     for frame, name in enumerate(named):
-        if name in by_name:
-            rows[frame] = by_name[name]
+        row = by_name.get(name, by_name.get(part_name(name, sensors[frame])))
+        if row is not None:
+            rows[frame] = row
     return rows
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Container
 from dataclasses import replace
 from typing import Any
 
@@ -26,7 +27,8 @@ def name_sensors(
 
     An image's serial comes from the recording, else from the trajectory that it lies in. What stays unknown is called
     ``unknown-<digest>``, so that two recordings of unknown sensors are never taken for one sensor; where several
-    cameras of a recording are unknown, the name of the camera is added.
+    cameras of a recording are unknown, the name of the camera is added. A trajectory without a sensor in which several
+    sensors recorded becomes one trajectory a sensor.
     """
     sensors = list(captured.sensors)
     cameras = captured.images["camera"].to_pylist()
@@ -44,15 +46,27 @@ def name_sensors(
         say(Finding("sensor-unknown", "warning", text, count=lost))
     sensors = [sensor or unknown[camera] for camera, sensor in zip(cameras, sensors, strict=True)]
     alone = known[0] if len(known) == 1 and not lost else ""
-    named = tuple(
-        trajectory
-        if trajectory.sensor
-        else replace(trajectory, sensor=_sensor_inside(trajectory, captured, sensors))
-        if len(sensors)
-        else replace(trajectory, sensor=alone)
-        for trajectory in trajectories
-    )
-    return sensors, named
+    named: list[Trajectory] = []
+    parted: list[str] = []
+    for trajectory in trajectories:
+        inside = _sensors_inside(trajectory, captured, sensors) if len(sensors) else [alone]
+        if trajectory.sensor or len(inside) < 2:
+            named.append(trajectory if trajectory.sensor or not inside else replace(trajectory, sensor=inside[0]))
+            continue
+        parted.append(trajectory.name)
+        taken = {each.name for each in (*trajectories, *named)}
+        named += [
+            replace(trajectory, name=_free_name(part_name(trajectory.name, sensor), taken), sensor=sensor)
+            for sensor in inside
+        ]
+    if parted:
+        text = (
+            f"{len(parted)} trajectories name no sensor and hold images of several "
+            f"({', '.join(parted[:3])}{' …' if len(parted) > 3 else ''}): each is kept once a sensor, as "
+            f"{part_name(parted[0], '<serial>')!r}. Name the sensor of each trajectory if only one was touched"
+        )
+        say(Finding("trajectory-of-several-sensors", "warning", text, count=len(parted)))
+    return sensors, tuple(named)
 
 
 def _unknown_names(cameras: set[str], sha256: str) -> dict[str, str]:
@@ -75,10 +89,21 @@ def _fill_from_trajectories(sensors: list[str], captured: CapturedFrames, trajec
             sensors[row] = sensors[row] or trajectory.sensor
 
 
-def _sensor_inside(trajectory: Trajectory, captured: CapturedFrames, sensors: list[str]) -> str:
-    """The sensor of the images inside a trajectory that names none; several are joined by ``+``."""
+def part_name(trajectory: str, sensor: str) -> str:
+    """The name of the part of a trajectory that one of several sensors recorded."""
+    return f"{trajectory}-{sensor}"
+
+
+def _free_name(name: str, taken: Container[str]) -> str:
+    """The name, or the first of ``name~2``, ``name~3``… that no other trajectory has."""
+    names = itertools.chain([name], (f"{name}~{number}" for number in itertools.count(2)))
+    return next(free for free in names if free not in taken)
+
+
+def _sensors_inside(trajectory: Trajectory, captured: CapturedFrames, sensors: list[str]) -> list[str]:
+    """The sensors of the images inside the half-open interval of a trajectory, in the order of the alphabet."""
     inside = (captured.t_ns >= trajectory.start_ns) & (captured.t_ns < trajectory.end_ns)
-    return "+".join(sorted({sensors[row] for row in np.flatnonzero(inside)}))
+    return sorted({sensors[row] for row in np.flatnonzero(inside)})
 
 
 def _one_camera_per_serial(sensors: list[str], cameras: list[str], say: Say) -> None:

@@ -17,6 +17,8 @@ FORMAT_VERSION = 1
 FORMAT = f"{FORMAT_NAME}/{FORMAT_VERSION}"
 
 MANIFEST = "manifest.json"
+ROOT_GROUP = "zarr.json"
+"""Beside the manifest in every store: Zarr's document of the root."""
 CARD = "README.md"
 SENSORS = "sensors.json"
 MADE_SPLITS = "splits.json"
@@ -156,3 +158,10 @@ def staging_folder(store_path: Path | str, sha256: str) -> Path:
     if len(sha256) != 64 or set(sha256) - set("0123456789abcdef"):
         raise UsageError(f"source digest {sha256!r}", "a SHA-256 in 64 lower-case hex digits")
     return Path(store_path) / STAGING / sha256
+
+
+def store_around(path: Path | str) -> Path | None:
+    """The innermost store that a local path is, or lies in; ``None`` where there is none. The path need not exist."""
+    place = Path(path).resolve()
+    folders = (folder for folder in (place, *place.parents) if (folder / MANIFEST).is_file())
+    return next((folder for folder in folders if (folder / ROOT_GROUP).is_file()), None)

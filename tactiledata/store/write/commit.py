@@ -20,7 +20,7 @@ from tactiledata.store.layout.manifest import (
     settings_of,
     write_manifest,
 )
-from tactiledata.store.layout.places import CARD, COMMITTING, MANIFEST, STAGING, Settings
+from tactiledata.store.layout.places import CARD, COMMITTING, MANIFEST, STAGING, Settings, store_around
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.appender import Appender
 from tactiledata.store.write.card import card_bytes, write_card
@@ -46,9 +46,15 @@ def create(store_path: Path | str, settings: Settings | None = None) -> Manifest
     StoreError
         The folder holds something else, cannot be written, or is a store of a newer version.
     UsageError
-        The store exists with other settings.
+        The store exists with other settings, or the place lies in another store.
     """
     folder = Path(store_path)
+    if (outer := store_around(folder.resolve().parent)) is not None:
+        raise UsageError(
+            f"{folder} lies in the store {outer}",
+            "a place outside any store",
+            "Choose another name; nothing was changed.",
+        )
     try:
         if folder.exists() and not (folder / MANIFEST).exists():
             _refuse_foreign(folder)

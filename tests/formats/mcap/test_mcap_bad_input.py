@@ -180,6 +180,41 @@ def test_folders_that_cannot_be_read(tmp_path, metadata, error, match):
         read(FORMAT, folder)
 
 
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"rosbag2_bagfile_information:\n", "holds nothing below"),
+        (b"rosbag2_bagfile_information: 5\n", "holds nothing below"),
+        (b"rosbag2_bagfile_information:\n  relative_file_paths: [a.mcap\n  version: 5", "not valid YAML"),
+        (b"", "is empty"),
+        (b"\0" * 40, "metadata.yaml"),
+        (b"\xff\xfe rosbag2", "not UTF-8"),
+        (b"- a\n- b\n", "holds no names"),
+    ],
+    ids=["no content", "a number", "cut", "empty", "zeros", "other bytes", "a list"],
+)
+@pytest.mark.parametrize("names", [("bag_0.mcap", "bag_1.mcap"), ("b.mcap", "a.mcap")])
+def test_damaged_metadata_of_a_bag_is_said(tmp_path, content, words, names):
+    """All files are read as one recording, by their names, with damage; a stranger's metadata.yaml is left alone."""
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    for name in names:
+        touch(folder / name, count=4)
+    (folder / "metadata.yaml").write_bytes(content)
+    [source] = FORMAT.sources(folder)
+    assert [Path(name).name for name in source.files] == [*sorted(names), "metadata.yaml"]
+    [(recording, _)] = read(FORMAT, folder)
+    said = [(one.code, one.severity) for one in recording.findings if one.code == "bag-metadata"]
+    assert said == [("bag-metadata", "damage")]
+    text = next(one.message for one in recording.findings if one.code == "bag-metadata")
+    assert words in text
+    assert "all 2 MCAP files" in text
+    (folder / "metadata.yaml").write_text("operator: me\n")
+    assert len(FORMAT.sources(folder)) == (1 if names[0] == "bag_0.mcap" else 2)
+    for one in FORMAT.sources(folder):
+        assert all("bag-metadata" not in codes(recording) for recording, _ in read(FORMAT, Path(one.path)))
+
+
 def test_a_linked_file_outside_the_folder_is_refused(tmp_path):
     """A link is followed no farther than the folder."""
     touch(tmp_path / "outside.mcap", count=4)
