@@ -5,7 +5,8 @@ in the target's style out. Each other module is one such method and has one line
 to the most elaborate they are ``no_contact``, ``background_swap``, ``background_ratio``, ``relit``, ``reinhard``,
 ``histogram_matching`` and ``fourier``. ``relight_change`` holds what ``relit`` shares with methods by a model.
 
-A method imports ``base`` and ``relight_change``, and never another method. None of them needs PyTorch, a store or a file of weights.
+A method imports ``base`` and ``relight_change``, and never another method. None of them needs PyTorch, a
+store or a file of weights.
 """
 
 from tactiledata.registry import Registry

@@ -16,7 +16,7 @@ varies slowly over the gel; dust and camera noise do not."""
 LEAST_LIGHT = 32.0
 """Grey levels that are added to both backgrounds before their ratio, so that no dark place of the source makes noise
 bright."""
-LEVEL_SPAN = 0.12
+LEVEL_SPAN = 0.1
 """Largest relative change of a touch's strength by the light of the target: a target that is darker as a whole does not
 make the touch vanish, one that is brighter does not exaggerate it."""
 GRAIN = 1 / 120
