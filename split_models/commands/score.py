@@ -81,7 +81,7 @@ def score(
         encode = vectors_by_model(model) if model is not None else picture_vectors
         # score, and draw t-SNE where it was requested
         with progress("scoring", quiet=as_json) as tell:
-            pair_scores = list(score_pairs(opened, scores, sets, named, encode, tell))
+            pair_scores = list(score_pairs(opened, scores, sets, named, encode, tell)) if scores else []
         if targets and scores:
             pair_scores += score_backgrounds(opened, scores, sets, targets)
         kept, unknown = kept_scores(opened, sets)

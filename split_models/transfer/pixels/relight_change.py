@@ -16,12 +16,12 @@ varies slowly over the gel; dust and camera noise do not."""
 LEAST_LIGHT = 32.0
 """Grey levels that are added to both backgrounds before their ratio, so that no dark place of the source makes noise
 bright."""
-LEVEL_SPAN = 0.1
+LEVEL_SPAN = 0.08
 """Largest relative change of a touch's strength by the light of the target: a target that is darker as a whole does not
 make the touch vanish, one that is brighter does not exaggerate it."""
-GRAIN = 1 / 120
-"""Width of the neighbourhood in which noise is told from a touch, as a share of a picture's width: 2 px on a DIGIT."""
-NOISE_SHARE = 8.0
+GRAIN = 1 / 80
+"""Width of the neighbourhood in which noise is told from a touch, as a share of a picture's width: 3 px on a DIGIT."""
+NOISE_SHARE = 16.0
 """Variance, in variances of the camera's noise, up to which a neighbourhood's detail counts as noise."""
 SECOND_DIFFERENCE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
 """Filter that keeps the standard deviation of independent noise and removes what is smooth in rows or in columns."""
