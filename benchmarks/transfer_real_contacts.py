@@ -4,9 +4,10 @@
         [--out docs/images/transfer-real-contacts.jpg]
 
 Contacts are two of a DIGIT (AUROVA-LAB) and presses of a GelSight R1.5 (ObjectFolder), which are rotated and scaled to
-a DIGIT's picture. Nothing was trained on them. The rule of `relit` was chosen on the GelSight presses of even number, on
-the second DIGIT contact and on the backgrounds `CHOSEN_ON`; the tables show presses of odd number and the first DIGIT
-contact on the other backgrounds. Cells are medians over contacts and backgrounds, with the 10 % and 90 % quantiles.
+a DIGIT's picture. Nothing was trained on them. The rule of `relit` was chosen on the GelSight presses of even number,
+on the second DIGIT contact and on the backgrounds `CHOSEN_ON`; the tables show presses of odd number and the first
+DIGIT contact on the other backgrounds. Cells are medians over contacts and backgrounds, with the 10 % and 90 %
+quantiles.
 
 The DIGIT contacts' authors published no picture of their sensor without contact. It is filled in here: what their mask
 of the first contact covers, widened, from its surroundings. What is inside is a guess, and the same for both contacts.
