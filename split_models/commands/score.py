@@ -152,5 +152,5 @@ def _print_scores(scores: Sequence[PairScore], heading: str) -> None:
 
 
 def _direction(score: Score) -> str:
-    """Which values of a score are closer, in words."""
+    """The values of a score that are closer, in words."""
     return f"nearer to {score.best:g}" if score.better == "nearest" else score.better
