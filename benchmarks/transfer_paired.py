@@ -1,7 +1,7 @@
 """Transfers against paired truth: the rig makes the same touches on several units, so that each has its right answer.
 
     python benchmarks/transfer_paired.py [--touches 12] [--model CHECKPOINT] [--style] [--seed 5]
-        [--backgrounds digit-bg-1,digit-bg-16]
+        [--frames 3] [--backgrounds digit-bg-1,digit-bg-16]
 
 Every touch goes from every unit to every other one. Scores look at the whole frame and at where the true picture shows
 the touch; geometry is the overlap of that region with where the transferred picture differs from the target's
@@ -54,6 +54,7 @@ def main() -> None:
     parser.add_argument("--model", type=Path, help="an image VAE: adds the methods that need one")
     parser.add_argument("--style", action="store_true", help="the style distance as well: slow on two cores")
     parser.add_argument("--seed", type=int, default=WORLD["seed"])
+    parser.add_argument("--frames", type=int, help="largest number of frames of each touch [default: all]")
     parser.add_argument("--backgrounds", help="comma-separated: another unit for each")
     given = parser.parse_args()
     if given.backgrounds:
@@ -73,6 +74,9 @@ def main() -> None:
             if not len(images):
                 continue
             truth, goal = frames(store, touch, target), store.reference(target).image
+            if given.frames:
+                chosen = np.unique(np.linspace(0, len(images) - 1, given.frames).astype(int))
+                images, truth = images[chosen], truth[chosen]
             for score, values in kept_values(truth, goal, images, base).items():
                 found.setdefault((TRUTH, score), []).append(values)
             for name in (AS_IT_IS, *methods):

@@ -60,7 +60,11 @@ def main() -> None:
     parser.add_argument("--pack", type=Path, default=Path("tests/data/gelsight_r15/dataPack.npz"))
     parser.add_argument("--model", type=Path, help="an image VAE [default: the bundled one]")
     parser.add_argument("--presses", type=int, default=6, help="number of GelSight presses in the tables")
-    parser.add_argument("--style", action="store_true", help="the style distance as well: slow on two cores")
+    parser.add_argument(
+        "--style",
+        action="store_true",
+        help="the style distance outside the contact as well, in the tables of the backgrounds that the model never saw",
+    )
     parser.add_argument("--out", type=Path, default=Path("docs/images/transfer-real-contacts.jpg"))
     given = parser.parse_args()
     methods = [transfer_method(name, given.model) for name in LATENT]
@@ -76,7 +80,7 @@ def main() -> None:
     for title, contacts in sets.items():
         for words, targets in ((f"{len(others)} backgrounds", others), ("2 that the model never saw", UNSEEN)):
             print(f"\n{title} ({len(contacts[0])}) on {words}")
-            table(methods, contacts, targets, given.style)
+            table(methods, contacts, targets, given.style and targets == UNSEEN)
     shown = [(f"contact {n + 1}", digit[n], background) for n in range(len(digit))]
     draw([*shown, ("GelSight press", odd[len(odd) // 2], untouched)], methods, given.out)
 
