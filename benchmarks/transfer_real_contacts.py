@@ -63,7 +63,7 @@ def main() -> None:
     parser.add_argument(
         "--style",
         action="store_true",
-        help="the style distance outside the contact as well, in the tables of the backgrounds that the model never saw",
+        help="the style distance outside the contact as well, on backgrounds that the model never saw",
     )
     parser.add_argument("--out", type=Path, default=Path("docs/images/transfer-real-contacts.jpg"))
     given = parser.parse_args()
