@@ -1,10 +1,14 @@
 """Transfers against paired truth: the rig makes the same touches on several units, so that each has its right answer.
 
-    python benchmarks/transfer_paired.py [--touches 12] [--model CHECKPOINT] [--style]
+    python benchmarks/transfer_paired.py [--touches 12] [--model CHECKPOINT] [--style] [--seed 5]
+        [--frames 3] [--backgrounds digit-bg-1,digit-bg-16]
 
 Every touch goes from every unit to every other one. Scores look at the whole frame and at where the true picture shows
 the touch; geometry is the overlap of that region with where the transferred picture differs from the target's
-background, and from what the method makes of no touch. Intervals draw touches.
+background, and from what the method makes of no touch. Intervals draw touches. A second table has medians over frames
+with the 10 % and 90 % quantiles, and how much of the recorded touch is kept; its last row is the true picture itself.
+
+The units' optics follow from the seed and their names. With `--backgrounds` the units are others, named U1, U2, ….
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from split_models.tables.paired_truth import paired_values
+from split_models.tables.paired_truth import kept_values, paired_values
 from split_models.transfer.methods import LATENT, transfer_method
 from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.ingest.pipeline import ingest
@@ -28,6 +32,8 @@ from tactiledata.rig.record import record
 from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.store.read.reader import Store
 
+QUANTILES = ("ssim_contact", "l1_contact", "strength_kept", "change_correlation", "mask_overlap")
+TRUTH = "true picture"
 UNITS = {"D1": "digit-bg-0", "D2": "digit-bg-4", "D3": "digit-bg-6", "D4": "digit-bg-9"}
 WORLD = {
     "format": "tactiledata-scenario/1",
@@ -47,7 +53,15 @@ def main() -> None:
     parser.add_argument("--touches", type=int, default=12)
     parser.add_argument("--model", type=Path, help="an image VAE: adds the methods that need one")
     parser.add_argument("--style", action="store_true", help="the style distance as well: slow on two cores")
+    parser.add_argument("--seed", type=int, default=WORLD["seed"])
+    parser.add_argument("--frames", type=int, help="largest number of frames of each touch [default: all]")
+    parser.add_argument("--backgrounds", help="comma-separated: another unit for each")
     given = parser.parse_args()
+    if given.backgrounds:
+        UNITS.clear()
+        UNITS.update({f"U{n}": name for n, name in enumerate(given.backgrounds.split(","), start=1)})
+        WORLD["sensors"] = {unit: {"background": background} for unit, background in UNITS.items()}
+    WORLD["seed"] = given.seed
     methods = {name: PIXEL_TRANSFERS[name] for name in PIXEL_TRANSFERS}
     methods |= {name: transfer_method(name, given.model) for name in LATENT if given.model}
     style = METRICS["gram_style"].scores["gram_style_random"] if given.style else None
@@ -60,6 +74,11 @@ def main() -> None:
             if not len(images):
                 continue
             truth, goal = frames(store, touch, target), store.reference(target).image
+            if given.frames:
+                chosen = np.unique(np.linspace(0, len(images) - 1, given.frames).astype(int))
+                images, truth = images[chosen], truth[chosen]
+            for score, values in kept_values(truth, goal, images, base).items():
+                found.setdefault((TRUTH, score), []).append(values)
             for name in (AS_IT_IS, *methods):
                 pictures, untouched = (
                     some if name == AS_IT_IS else methods[name].transfer(some, base, goal)
@@ -67,13 +86,27 @@ def main() -> None:
                 )
                 for score, values in paired_values(pictures, truth, goal, untouched[0], style).items():
                     found.setdefault((name, score), []).append(values)
+                if name != AS_IT_IS:
+                    for score, values in kept_values(pictures, goal, images, base).items():
+                        found.setdefault((name, score), []).append(values)
             touches += [touch] * len(images)
-    names = list(dict.fromkeys(score for _, score in found))
+    names = list(dict.fromkeys(score for name, score in found if name == AS_IT_IS))
     print(f"{given.touches} touches on {len(UNITS)} units, {len(touches)} transferred frames")
     print(f"| method | {' | '.join(names)} |\n|---|{'---|' * len(names)}")
     for name in [AS_IT_IS, *methods]:
         cells = [str(bootstrap(np.concatenate(found[name, score]), touches)) for score in names]
         print(f"| {name} | {' | '.join(cells)} |")
+    print(f"\n| method, median [10 %, 90 %] | {' | '.join(QUANTILES)} |\n|---|{'---|' * len(QUANTILES)}")
+    for name in [AS_IT_IS, *methods, TRUTH]:
+        print(f"| {name} | {' | '.join(spread(found.get((name, score), [])) for score in QUANTILES)} |")
+
+
+def spread(values: list[np.ndarray]) -> str:
+    """Median of all values with the 10 % and 90 % quantiles; empty where there are none."""
+    if not values:
+        return ""
+    low, middle, high = np.nanquantile(np.concatenate(values), (0.1, 0.5, 0.9))
+    return f"{middle:.3g} [{low:.3g}, {high:.3g}]"
 
 
 def recorded(home: Path, count: int) -> Store:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -15,11 +15,14 @@ from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UnknownName
 
 if TYPE_CHECKING:
+    from tactiledata.metrics.base import Score
     from tactiledata.scoring.sensor_pairs import PairScore
     from tactiledata.scoring.sensor_sets import SensorSet
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.targets import Target
 
+KEPT = "kept_touch"
+"""Name of the metric that is scored for every synthetic set, whether it is asked for or not."""
 MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE, for t-SNE of its latent vectors.")
 WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
 OUT = typer.Option(Path("scores"), "--out", help="Folder for the picture of t-SNE.")
@@ -33,7 +36,7 @@ def register(app: typer.Typer) -> None:
 def score(
     store: str = STORE_ARGUMENT,
     metric: str = typer.Option(
-        ..., "--metric", help="Comma-separated metrics: histogram_intersection, gram_style, tsne, …"
+        ..., "--metric", help="Comma-separated metrics: histogram_intersection, gram_style, tsne, kept_touch, …"
     ),
     against: str = typer.Option(
         None,
@@ -50,7 +53,7 @@ def score(
     """Score pictures of sensors against each other, with intervals.
 
     Recorded and synthetic pictures are separate sets. A sensor of --against of which only a picture without contact
-    is known is compared outside the contact.
+    is known is compared outside the contact. Beside all metrics stands how much of the touch synthetic pictures keep.
 
     Example: tactiledata score both.zarr --metric histogram_intersection,gram_style,tsne --against ycb-sensorA
     """
@@ -58,6 +61,7 @@ def score(
     from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
     from tactiledata.scoring.chosen_scores import TSNE, chosen_scores
     from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
+    from tactiledata.scoring.kept_touches import kept_scores
     from tactiledata.scoring.sensor_pairs import score_pairs
     from tactiledata.scoring.sensor_sets import require_sets, sensor_sets, size_sentences
     from tactiledata.store.read.reader import Store
@@ -69,18 +73,19 @@ def score(
     with damage_explains(location):
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
-        scores = chosen_scores(names, weights)
+        scores = chosen_scores([name for name in names if name != KEPT], weights)
         sets = sensor_sets(opened, most, least=1)
         named, targets = (None, []) if against is None else _against(listed_names(against, "--against"), sets, opened)
-        if not targets:
+        if not targets and scores:
             require_sets(opened, sets, 2)
         encode = vectors_by_model(model) if model is not None else picture_vectors
         # score, and draw t-SNE where it was requested
         with progress("scoring", quiet=as_json) as tell:
-            pair_scores = list(score_pairs(opened, scores, sets, named, encode, tell))
-        if targets:
+            pair_scores = list(score_pairs(opened, scores, sets, named, encode, tell)) if scores else []
+        if targets and scores:
             pair_scores += score_backgrounds(opened, scores, sets, targets)
-        notes = [*size_sentences(sets), *sentences(targets, unlocated(opened, sets) if targets else [])]
+        kept, unknown = kept_scores(opened, sets)
+        notes = [*unknown, *size_sentences(sets), *sentences(targets, unlocated(opened, sets) if targets else [])]
         kinds = {pictures.name: pictures.kind for pictures in sets}
         heading = simulated.heading
         drawn = None
@@ -89,9 +94,12 @@ def score(
     if as_json:
         picture = str(drawn) if drawn else None
         facts = {"tsne": picture, "notes": notes, "simulated_recordings": simulated.document()}
-        emit({"store": location, "scores": [pair.document() for pair in pair_scores], **facts})
+        emit({"store": location, "scores": documents(pair_scores), "kept": documents(kept), **facts})
         return
-    _print_scores(pair_scores, notes, heading)
+    for part in (pair_scores, kept):
+        _print_scores(part, heading)
+    for note in notes:
+        say(note)
     if simulated.label:
         say(f"simulated recordings: those of {', '.join(simulated_sensors(opened))}")
     if drawn is not None:
@@ -125,14 +133,24 @@ def _against(names: Sequence[str], sets: Sequence[SensorSet], store: Store) -> t
     return touched, targets
 
 
-def _print_scores(scores: Sequence[PairScore], notes: Sequence[str], heading: str) -> None:
-    """Print the table under a heading, then the direction of each score and the notes."""
+def documents(scores: Sequence[PairScore]) -> list[dict[str, Any]]:
+    """Scores as values for JSON."""
+    return [score.document() for score in scores]
+
+
+def _print_scores(scores: Sequence[PairScore], heading: str) -> None:
+    """Print a table under a heading, then the direction of each score; nothing where there are no scores."""
+    if not scores:
+        return
     columns = ("score", "of", "which is", "against", "which is", "looked at", "mean and 95 % interval")
     rows = [
         (pair.score.title, pair.first, pair.first_kind, pair.second, pair.second_kind, pair.looked_at, pair.interval)
         for pair in scores
     ]
     table(heading, columns, rows)
-    say("; ".join(dict.fromkeys(f"{pair.score.title}: {pair.score.better} is closer" for pair in scores)))
-    for note in notes:
-        say(note)
+    say("; ".join(dict.fromkeys(f"{pair.score.title}: {_direction(pair.score)} is closer" for pair in scores)))
+
+
+def _direction(score: Score) -> str:
+    """The values of a score that are closer, in words."""
+    return f"nearer to {score.best:g}" if score.better == "nearest" else score.better

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,10 +31,11 @@ def transfer(
     store: str = STORE_ARGUMENT,
     to: str = typer.Option(..., "--to", help="The target sensor: a name that `tactiledata sensors` lists."),
     method: str = typer.Option(
-        "latent-on-background",
+        None,
         "--method",
-        help="latent-on-background, latent, latent-ratio-on-background, adain, background-swap, background-ratio, "
-        "histogram-matching, reinhard, fourier or no-contact.",
+        help="relit, latent-relit, latent-on-background, latent, latent-ratio-on-background, adain, background-swap, "
+        "background-ratio, histogram-matching, reinhard, fourier or no-contact [default: latent-relit where the model "
+        "draws the store's own touches, else relit].",
     ),
     model: Path = MODEL,
     sources: str = typer.Option(
@@ -44,13 +46,14 @@ def transfer(
 ) -> None:
     """Give the touches of a store the style of another sensor.
 
-    The result is a new store, whose trajectories name their parents.
+    The result is a new store, whose trajectories name their parents. How much of the touches is kept is printed.
 
     Example: tactiledata transfer --to ycb-sensorA
     """
-    from split_models.transfer.methods import transfer_method
+    from split_models.transfer.method_choice import choose_method, documents, kept_by, touch_samples
     from split_models.transfer.transfer_picture import write_transfer_picture
-    from split_models.transfer.transfer_store import transfer_store
+    from split_models.transfer.transfer_store import refuse_unfit, transfer_store
+    from tactiledata.scoring.kept_touches import touch_findings
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings
     from tactiledata.store.read.targets import find_target
@@ -59,19 +62,32 @@ def transfer(
     with damage_explains(location):
         opened = Store.open(location)
         target = find_target(to, opened)
-        way = transfer_method(method, model)
-        written = out_store if out_store is not None else _default_out(location, to, way.name)
         named = None if sources is None else listed_names(sources, "--from")
+        samples = touch_samples(opened, named)
+        choice = choose_method(method, model, samples)
+        way = choice.method
+        written = out_store if out_store is not None else _default_out(location, to, way.name)
+        refuse_unfit(opened, target, way, written, named)
+        kept = kept_by(way, samples, target.background)
+        measured = documents(choice.drawn, kept)
         with progress("transferring", quiet=as_json) as tell:
-            report = transfer_store(opened, target, way, written, named, tell)
+            report = transfer_store(opened, target, way, written, named, tell, measured)
+        lost = list(touch_findings(kept, way.name.replace("_", "-"), target.name))
+        report = replace(report, findings=(*report.findings, *lost))
         picture = write_transfer_picture(opened, Store.open(written), target.background, written.with_suffix(".png"))
     if as_json:
         hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
         simulated = {"simulated_recordings": simulated_recordings(opened).document()}
-        emit({**report.document(), **hashes, **simulated, "picture": str(picture)})
+        emit({**report.document(), **hashes, **measured, "reason": choice.reason, **simulated, "picture": str(picture)})
         return
     if sentence := simulated_recordings(opened).sentence:
         say(sentence)
+    for facts in choice.drawn:
+        say(facts.sentence("own touches drawn by the model"))
+    if choice.reason:
+        say(f"{choice.reason}: {way.name.replace('_', '-')}")
+    for facts in kept:
+        say(facts.sentence(f"touches kept by {way.name.replace('_', '-')}"))
     _print_report(report, to, way, location, picture)
 
 

@@ -20,7 +20,7 @@ from split_models.learning.contact_region import contact_region
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.alignment_pictures import AS_RECORDED, latent_rows, write_strips
 from split_models.tables.evaluate import MASKED, Values, summarised
-from split_models.tables.paired_truth import PAIRED_SCORES, paired_values
+from split_models.tables.paired_truth import KEPT_SCORES, PAIRED_SCORES, kept_values, paired_values
 from split_models.tables.recorded_title import recorded_row
 from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_evenly
 from split_models.transfer.methods import LATENT, TransferMethod, title_of, vae_transfer
@@ -88,6 +88,22 @@ class Alignment:
         if name == AS_RECORDED:
             return pictures
         return self.methods[name].transfer(pictures, self.units[source].background, self.units[target].background)
+
+    def kept(self, name: str, pictures: PictureArray, recorded: PictureArray, source: str, target: str) -> Values:
+        """Scores (n,) of how much of recorded touches a method keeps; nothing for `AS_RECORDED`, which keeps all.
+
+        Parameters
+        ----------
+        name : str
+            Name of the method, or `AS_RECORDED`.
+        pictures, recorded : (n, h, w, 3) uint8
+            Transferred pictures, and those of the source.
+        source, target : str
+            Sensors.
+        """
+        if name == AS_RECORDED:
+            return {}
+        return kept_values(pictures, self.units[target].background, recorded, self.units[source].background)
 
     @cached_property
     def recorded_row(self) -> str:
@@ -160,6 +176,7 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
     target = table.targets[letter]
     most, rounds = table.recipe_run.recipe.rows["frames"], table.recipe_run.recipe.rows["rounds"]
     real = _sample(table.units[target], most)
+    known = {**table.scores, **KEPT_SCORES}
     values: dict[str, list[Values]] = {}
     touches: list[NDArray[np.object_]] = []
     by_source: Rows = []
@@ -169,15 +186,16 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
         touches.append(sample.touches)
         moved = {n: table.moved(n, sample.pictures, source, target) for n in (AS_RECORDED, *table.methods)}
         for name, scored in _set_values(table, sample, moved, real).items():
+            scored |= table.kept(name, moved[name], sample.pictures, source, target)
             values.setdefault(name, []).append(scored)
-            scores = summarised(scored, sample.touches, rounds, table.scores)
+            scores = summarised(scored, sample.touches, rounds, known)
             by_source.append(_row(table, f"{table.titled(letter)}, by source", name, scores, letter, source))
     over_all = [
         _row(
             table,
             f"{table.titled(letter)}, mean over sources",
             name,
-            summarised(_joined(scored), np.concatenate(touches), rounds, table.scores),
+            summarised(_joined(scored), np.concatenate(touches), rounds, known),
             letter,
         )
         for name, scored in values.items()
@@ -237,6 +255,7 @@ def _paired_rows(table: Alignment, letter: str) -> Rows:
                 moved = table.moved(name, pictures, source, target)
                 untouched = table.moved(name, source_unit.background[None], source, target)[0]
                 scored = paired_values(moved, truth, target_unit.background, untouched, table.style)
+                scored |= table.kept(name, moved, pictures, source, target)
                 values.setdefault(name, []).append(scored)
     known = {**PAIRED_SCORES, table.style.name: table.style}
     return [

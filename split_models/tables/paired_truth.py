@@ -10,6 +10,7 @@ from split_models.tables.evaluate import MASKED, Values
 from tactiledata.arrays import PictureArray
 from tactiledata.metrics.base import Score
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
+from tactiledata.metrics.kept_touch import KEPT_TOUCH, change_of
 
 Masks = NDArray[np.bool_]
 
@@ -21,10 +22,13 @@ def overlap(ours: Masks, theirs: Masks) -> NDArray[np.float64]:
     return np.where(theirs.any(axis=(1, 2)), share, np.nan)
 
 
+KEPT_SCORES = KEPT_TOUCH.scores
+"""Scores of how much of the recorded touch is kept, by name."""
 PAIRED_SCORES = {
     **{name: IMAGE_SIMILARITY.scores[name] for name in ("ssim", "l1")},
     "overlap": Score("overlap", "overlap of the contact (IoU)", "", "higher", 1.0, overlap),
     "overlap_of_change": Score("overlap_of_change", "overlap of the change (IoU)", "", "higher", 1.0, overlap),
+    **KEPT_SCORES,
 }
 """Scores of paired pictures by name; callers may add a style distance."""
 
@@ -68,3 +72,19 @@ def paired_values(
     values_of["overlap"] = overlap(contact_region(pictures, background), region)
     values_of["overlap_of_change"] = overlap(contact_region(pictures, untouched), region)
     return values_of
+
+
+def kept_values(
+    pictures: PictureArray, background: PictureArray, recorded: PictureArray, recorded_background: PictureArray
+) -> Values:
+    """Scores (n,) of how much of recorded touches transferred pictures keep, by name.
+
+    Parameters
+    ----------
+    pictures, recorded : (n, H, W, 3) uint8
+        Transferred pictures, and those that they were made of.
+    background, recorded_background : (H, W, 3) uint8
+        Target and source without contact.
+    """
+    ours, theirs = change_of(pictures, background), change_of(recorded, recorded_background)
+    return {name: score(ours, theirs) for name, score in KEPT_SCORES.items()}

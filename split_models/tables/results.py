@@ -15,7 +15,7 @@ from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 
 RESULT = "table"
 """Stem of both files."""
-ARROWS = {"higher": "↑", "lower": "↓"}
+ARROWS = {"higher": "↑", "lower": "↓", "nearest": "→ 1"}
 
 
 def result_document(

@@ -13,13 +13,21 @@ from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent import add, decode_pictures, encode_pictures, subtract
 from split_models.networks.learned_backgrounds import Learned
 from split_models.transfer.picture_size import scaled
-from tactiledata.arrays import PictureArray
+from split_models.transfer.pixels.relight_change import relit_change
+from tactiledata.arrays import PictureArray, SingleArray
 from tactiledata.contract.provenance import file_digest
 from tactiledata.errors import CheckpointError
 
-Laid = Literal["", "change", "ratio"]
-LAID: dict[str, Laid] = {"latent": "", "latent_on_background": "change", "latent_ratio_on_background": "ratio"}
+Laid = Literal["", "change", "ratio", "relit"]
+LAID: dict[str, Laid] = {
+    "latent": "",
+    "latent_on_background": "change",
+    "latent_ratio_on_background": "ratio",
+    "latent_relit": "relit",
+}
 """How each method uses the target's recorded background; empty: not at all, the picture is the decoder's."""
+DECODED_SHARE = 0.25
+"""Share of the decoded change in ``relit``; the rest is the recorded change in the target's light (decision 0042)."""
 DARKEST = 8.0
 """Least grey level in a ratio of light; darker pixels count as this level, because their ratio is mostly noise."""
 
@@ -34,10 +42,11 @@ class LatentTransfer:
         Name of the method.
     vae : ImageVae
         Pictures are scaled to its size, and back to the target background's.
-    laid : "", "change" or "ratio"
+    laid : "", "change", "ratio" or "relit"
         How the decoded picture is combined with the target's recorded background. ``change`` adds its difference to the
-        decoded background, ``ratio`` multiplies by its ratio to it; both keep the details that decoding loses. Empty
-        gives the decoded picture itself.
+        decoded background, ``ratio`` multiplies by its ratio to it; both keep the background's details, which decoding
+        loses. ``relit`` adds a weighted mean of that difference and of the recorded touch in the target's light, which
+        keeps the touch's details as well. Empty gives the decoded picture itself.
     model, recipe : str
         SHA-256 of the checkpoint's file, and of the recipe that it was trained by.
     scales : bool
@@ -79,7 +88,31 @@ class LatentTransfer:
         drawn = scaled(decode_pictures(self.vae, add(subtract(touched, source), target)), size)
         if not self.laid:
             return drawn
-        return laid_on(target_background, drawn, scaled(decode_pictures(self.vae, target), size), self.laid)
+        untouched = scaled(decode_pictures(self.vae, target), size)
+        if self.laid == "relit":
+            base = scaled(source_background[None], size)[0].astype(np.float32)
+            recorded = scaled(images, size) - base
+            return mixed_on(target_background, drawn.astype(np.float32) - untouched, recorded, base)
+        return laid_on(target_background, drawn, untouched, self.laid)
+
+
+def mixed_on(
+    background: PictureArray, decoded: SingleArray, recorded: SingleArray, source_background: SingleArray
+) -> PictureArray:
+    """Pictures (n, H, W, 3), uint8: a mean of decoded and of relit changes on a recorded background.
+
+    Parameters
+    ----------
+    background : (H, W, 3) uint8
+        Recorded background of the target.
+    decoded, recorded : (n, H, W, 3) float32, grey levels
+        Changes by touches: as decoded for the target, and as recorded by the source.
+    source_background : (H, W, 3) float32, grey levels
+        Recorded background of the source.
+    """
+    goal = background.astype(np.float32)
+    change = DECODED_SHARE * decoded + (1 - DECODED_SHARE) * relit_change(recorded, source_background, goal)
+    return np.clip(np.rint(goal + change), 0, 255).astype(np.uint8)
 
 
 def laid_on(background: PictureArray, drawn: PictureArray, untouched: PictureArray, laid: Laid) -> PictureArray:

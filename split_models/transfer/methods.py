@@ -16,6 +16,7 @@ LATENT = {
     "latent": "latent arithmetic",
     "latent_on_background": "latent arithmetic, its change on the target background",
     "latent_ratio_on_background": "latent arithmetic, its ratio on the target background",
+    "latent_relit": "mean of latent arithmetic and of the touch in the target's light",
     "adain": "AdaIN in the VAE's feature space",
 }
 """Methods that need an image VAE, with titles for people."""

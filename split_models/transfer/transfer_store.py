@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -80,6 +80,7 @@ def transfer_store(
     out: Path,
     sensors: Sequence[str] | None = None,
     progress: Progress | None = None,
+    measured: Mapping[str, Any] | None = None,
 ) -> TransferReport:
     """Write a store with every touch of a store as the target sensor might have recorded it, and report on it.
 
@@ -101,6 +102,8 @@ def transfer_store(
         Sensors whose frames are transferred; all with frames unless given.
     progress : callable, optional
         Called with recordings done, recordings in all, and the name of the last one.
+    measured : dict, optional
+        Figures on how much of the touches is kept, as JSON values, which are stored with each recording.
 
     Raises
     ------
@@ -111,9 +114,8 @@ def transfer_store(
     StoreError
         A sensor has no picture without contact, or no frame can be transferred.
     """
-    _refuse_itself(store, out)
-    backgrounds = _backgrounds(store, target, method, sensors)
-    transfer = Transfer(target, method, backgrounds, _settings(target, method))
+    backgrounds = refuse_unfit(store, target, method, out, sensors)
+    transfer = Transfer(target, method, backgrounds, _settings(target, method), measured or {})
     pieces = list(pieces_of(Origin.of(store)))
     counts = [len(transfer.selected(piece)) for piece in pieces]
     chosen = [piece for piece, count in zip(pieces, counts, strict=True) if count]
@@ -175,6 +177,25 @@ def _settings(target: Target, method: TransferMethod) -> dict[str, Any]:
         "target_picture": target.resolved,
         "target_crc32c": crc_of(target.background),
     }
+
+
+def refuse_unfit(
+    store: Store, target: Target, method: TransferMethod, out: Path, sensors: Sequence[str] | None = None
+) -> dict[str, NDArray[np.uint8]]:
+    """Background of each sensor whose frames are transferred, or a refusal; nothing is written.
+
+    Parameters
+    ----------
+    store, target, method, out, sensors
+        As in `transfer_store`.
+
+    Raises
+    ------
+    UnknownName, UsageError, StoreError
+        As in `transfer_store`.
+    """
+    _refuse_itself(store, out)
+    return _backgrounds(store, target, method, sensors)
 
 
 def _backgrounds(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -45,12 +45,15 @@ class Transfer:
         Background of each sensor whose frames are transferred.
     settings : dict
         Values that shape the output, as JSON values.
+    measured : dict
+        Figures on how much of the touches is kept, as JSON values; they are kept in each recording's description.
     """
 
     target: Target
     method: TransferMethod
     backgrounds: Mapping[str, NDArray[np.uint8]]
     settings: Mapping[str, Any]
+    measured: Mapping[str, Any] = field(default_factory=dict)
 
     def digest(self, piece: Piece) -> str:
         """Digest of a recording's transfer, by which the output store recognises it."""
@@ -157,7 +160,7 @@ def _take(piece: Piece, transfer: Transfer, rows: NDArray[np.int64], sha256: str
         source=Source(key, key, piece.facts["format"], ()),
         sha256=sha256,
         status=whole.status,
-        description=_description(whole.description, target),
+        description=_description(whole.description, transfer),
         provenance=made,
         frames=frames,
         trajectories=trajectories,
@@ -242,7 +245,8 @@ def _replaced(table: pa.Table, columns: Mapping[str, Any]) -> pa.Table:
     return table
 
 
-def _description(description: Mapping[str, Any], target: Target) -> dict[str, Any]:
-    """The recording's description with the target sensor added to its sensors."""
-    sensors = {**description.get("sensors", {}), target.name: {"model": target.model}}
-    return {**description, "sensors": sensors}
+def _description(description: Mapping[str, Any], transfer: Transfer) -> dict[str, Any]:
+    """The recording's description with the target among its sensors, and with what was measured of the transfer."""
+    sensors = {**description.get("sensors", {}), transfer.target.name: {"model": transfer.target.model}}
+    measured = {"transfer": dict(transfer.measured)} if transfer.measured else {}
+    return {**description, "sensors": sensors, **measured}

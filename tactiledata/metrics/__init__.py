@@ -4,6 +4,7 @@ A metric is one file and one line in the table below. Read in this order:
 
 - ``base``: what a metric is, its scores with unit and best value, and the checks of what it takes.
 - ``image_similarity``, ``mesh_distance``, ``force_error``: pairs of a prediction and the truth.
+- ``kept_touch``: pairs of what a touch changes, before and after a transfer.
 - ``histogram``, ``gram_style``, ``embedding``: two sets without pairs.
 - ``bootstrap``: intervals of scores, over trajectories.
 
@@ -18,6 +19,7 @@ METRICS = Registry(
     "metric",
     {
         "image_similarity": "tactiledata.metrics.image_similarity:IMAGE_SIMILARITY",
+        "kept_touch": "tactiledata.metrics.kept_touch:KEPT_TOUCH",
         "mesh_distance": "tactiledata.metrics.mesh_distance:MESH_DISTANCE",
         "force_error": "tactiledata.metrics.force_error:FORCE_ERROR",
         "histogram": "tactiledata.metrics.histogram:HISTOGRAM",

@@ -13,7 +13,7 @@ from tactiledata.errors import UsageError
 
 Values = NDArray[np.float64]
 """Values (n,) of a score for n samples."""
-Subject = Literal["images", "meshes", "forces", "image sets", "latent sets"]
+Subject = Literal["images", "changes", "meshes", "forces", "image sets", "latent sets"]
 """What a metric takes; see `Metric`."""
 
 
@@ -29,8 +29,8 @@ class Score:
         Name for people, without the unit.
     unit : str
         Unit of the values; empty where they have none.
-    better : "higher" or "lower"
-        Which values are better.
+    better : "higher", "lower" or "nearest"
+        Which values are better; nearest are those that lie close to the best one, on either side.
     best : float
         Value of a prediction that equals the truth.
     compute : callable
@@ -42,7 +42,7 @@ class Score:
     name: str
     title: str
     unit: str
-    better: Literal["higher", "lower"]
+    better: Literal["higher", "lower", "nearest"]
     best: float
     compute: Callable[..., Values]
 
@@ -70,8 +70,9 @@ class Metric:
     title : str
         Description in a few words.
     takes : str
-        What the two batches are: ``images`` (n, H, W, 3) uint8, ``meshes`` (n, V, 3) m, ``forces`` (n, 3) N, or two
-        sets of any sizes, ``image sets`` (n, H, W, 3) uint8 and ``latent sets`` (n, d).
+        What the two batches are: ``images`` (n, H, W, 3) uint8, ``changes`` (n, H, W, 3) grey levels against a
+        background, ``meshes`` (n, V, 3) m, ``forces`` (n, 3) N, or two sets of any sizes, ``image sets``
+        (n, H, W, 3) uint8 and ``latent sets`` (n, d).
     scores : dict, name -> Score
         Scores by their names.
     """

@@ -125,7 +125,7 @@ def test_the_first_sample_that_is_not_finite_is_named(value):
 
 
 def test_best_values_of_every_score():
-    """What identical things get: 0, but for five likenesses."""
+    """What identical things get: 0, but for five likenesses and what is kept of a touch."""
     best = {f"{name}.{score.name}": score.best for name in METRICS for score in METRICS[name].scores.values()}
     high = {name: value for name, value in best.items() if value}
     assert high == {
@@ -134,5 +134,8 @@ def test_best_values_of_every_score():
         "histogram.histogram_intersection": 1.0,
         "histogram.histogram_correlation": 1.0,
         "embedding.knn_mixing": 1.0,
+        "kept_touch.strength_kept": 1.0,
+        "kept_touch.change_correlation": 1.0,
+        "kept_touch.mask_overlap": 1.0,
     }
     assert list(FORCE_ERROR.scores) == ["fx", "fy", "fz", "norm"]

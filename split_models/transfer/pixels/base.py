@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from split_models.transfer.picture_size import scaled
 from tactiledata.arrays import PictureArray
 from tactiledata.errors import UsageError
 
@@ -30,12 +31,16 @@ class PixelTransfer:
     change : callable
         ``change(images, source_background, target_background)`` of float32 arrays, grey levels, that gives the new
         pictures, not yet rounded.
+    scales : bool
+        Whether pictures and background of the source are first scaled to the target background's size; otherwise other
+        sizes are refused.
     """
 
     name: str
     title: str
     source: str
     change: Callable[[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]], NDArray[np.float32]]
+    scales: bool = False
 
     def transfer(
         self, images: PictureArray, source_background: PictureArray, target_background: PictureArray
@@ -58,6 +63,9 @@ class PixelTransfer:
         UsageError
             Shapes, types or sizes differ from these.
         """
+        if self.scales and images.ndim == 4 and source_background.shape == images.shape[1:]:
+            size = target_background.shape[:2]
+            images, source_background = scaled(images, size), scaled(source_background[None], size)[0]
         check_pictures(images, source_background, target_background)
         if not len(images):
             return images.copy()

@@ -67,12 +67,62 @@ def test_wrong_calls(folder, capsys, words, code, says):
 
 
 def test_latent_without_a_model_says_what_to_do(folder, capsys, monkeypatch):
-    """Where no model is bundled, the default method names both ways out."""
+    """Where no model is bundled, a method that needs one names both ways out."""
     monkeypatch.setattr("split_models.transfer.methods.BUNDLED_MODEL", folder / "none.ckpt")
-    code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorA")
+    code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorA", "--method", "latent-on-background")
     assert code == 2
     assert "tactiledata train RECIPE" in err
     assert "--method background-swap" in err
+
+
+def test_the_default_needs_no_model(folder, capsys, monkeypatch):
+    """Where no model is bundled, the default keeps the touch without one, and says so."""
+    monkeypatch.setattr("split_models.transfer.method_choice.BUNDLED_MODEL", folder / "none.ckpt")
+    code, out, err = run_command(capsys, "transfer", "--to", "ycb-sensorA")
+    assert code == 0, err
+    assert "no model of pictures is bundled" in " ".join(out.split())
+    assert (folder / "transferred" / "ds-ycb-sensorA-relit.zarr").is_dir()
+
+
+def test_the_default_measures_itself_and_keeps_the_touch(folder, capsys):
+    """What the model draws of the store's own touches and what is kept are printed, in JSON, and stored.
+
+    The bundled model draws the touches of this simulated world: arithmetic has a part in the transfer.
+    """
+    code, out, err = run_command(capsys, "transfer", "--to", "ycb-sensorA")
+    assert code == 0, err
+    told = " ".join(out.split())
+    assert "own touches drawn by the model, D20001: strength" in told
+    assert "the model draws the touches of this store" in told
+    assert "touches kept by latent-relit, D20002: strength" in told
+    assert "touch-not-kept" not in told
+    code, out, _ = run_command(capsys, "transfer", "--to", "ycb-sensorA", "--json")
+    document = json.loads(out)
+    assert (code, document["method"], document["added"]) == (0, "latent_relit", 0)
+    for measured in ("kept_touch", "drawn_by_model"):
+        assert min(one[name] for one in document[measured] for name in ("strength", "correlation", "overlap")) > 0.8
+    stored = json.loads(Store.open(document["out"]).sources(["description"])["description"][0].as_py())
+    assert stored["transfer"] == {name: document[name] for name in ("drawn_by_model", "kept_touch")}
+
+
+def test_a_model_that_draws_no_touch_has_no_part(folder, capsys):
+    """Negative control: an untrained network draws none, which is said with its figures, and the touch is kept."""
+    save_checkpoint(folder / "vae.ckpt", Checkpoint.of(image_vae(), TrainedOn()))
+    code, out, err = run_command(capsys, "transfer", "--to", "ycb-sensorA", "--model", "vae.ckpt")
+    assert code == 0, err
+    told = " ".join(out.split())
+    assert "below 0.8" in told
+    assert "touches kept by relit, D20002: strength" in told
+    assert "touch-not-kept" not in told
+    assert (folder / "transferred" / "ds-ycb-sensorA-relit.zarr").is_dir()
+
+
+def test_a_named_method_is_used_and_what_it_loses_is_said(folder, capsys):
+    """A method that was asked for is taken whatever it loses; the warning names the one that keeps the touch."""
+    code, out, err = run_command(capsys, "transfer", "--to", "ycb-sensorA", "--method", "no-contact")
+    assert code == 0, err
+    assert "`--method relit` keeps them" in " ".join(out.split())
+    assert (folder / "transferred" / "ds-ycb-sensorA-no-contact.zarr").is_dir()
 
 
 def test_a_checkpoint_of_pictures_transfers(folder, capsys):
@@ -80,7 +130,7 @@ def test_a_checkpoint_of_pictures_transfers(folder, capsys):
     vae = image_vae()
     save_checkpoint(folder / "vae.ckpt", Checkpoint.of(vae, TrainedOn(recipe="5ec1be")))
     typed = ("transfer", "--to", "ycb-sensorB", "--model", "vae.ckpt")
-    code, out, _ = run_command(capsys, *typed, "--json")
+    code, out, _ = run_command(capsys, *typed, "--method", "latent-on-background", "--json")
     document = json.loads(out)
     assert code == 0
     assert document["recipe"] == "5ec1be"

@@ -62,15 +62,20 @@ def test_the_command_makes_table_and_pictures(touch_store, out, capsys):
     rows = {(row["part"], row["method"]): row["scores"] for row in document["rows"]}
     part = f"A: {UNSEEN}, mean over sources"
     real, synth = rows[part, "as recorded (simulated recordings)"], rows[part, "background swap (Synth.)"]
-    assert set(real) == {
+    compared = {
         f"{name}{where}"
         for name in ("histogram_intersection", "histogram_correlation", "gram_style_random")
         for where in ("", "_contact")
     }
+    assert set(real) == compared
+    assert set(synth) == compared | {"strength_kept", "change_correlation", "mask_overlap"}
+    assert synth["mask_overlap"]["value"] > 0.9
+    lost = rows[part, "target background without contact (Synth.)"]
+    assert lost["strength_kept"]["value"] == 0.0
     assert synth["histogram_intersection"]["value"] > real["histogram_intersection"]["value"]
     assert synth["gram_style_random"]["value"] < real["gram_style_random"]["value"]
     by_source = [row for row in document["rows"] if row["part"].endswith("by source")]
-    assert [row["source"] for row in by_source] == [name for name in SOURCES for _ in range(11)]
+    assert [row["source"] for row in by_source] == [name for name in SOURCES for _ in range(13)]
     kept = out / "alignment" / "small"
     assert (kept / "tsne.png").stat().st_size > 0
     assert (kept / f"strip-D20001-{UNSEEN}.png").stat().st_size > 0

@@ -1,0 +1,75 @@
+"""How much of a touch is kept, by hand: strength, correlation, mask overlap, and what must not count."""
+
+import numpy as np
+import pytest
+
+from tactiledata.errors import UsageError
+from tactiledata.metrics.kept_touch import change_of, correlation, overlap, strength, touched
+
+
+@pytest.fixture(scope="module")
+def square():
+    """A change of 40 grey levels in one channel inside a square of 40 px, (1, 160, 120, 3)."""
+    change = np.zeros((1, 160, 120, 3), np.float32)
+    change[0, 60:100, 40:80, 0] = 40.0
+    return change
+
+
+def test_a_touch_that_stays_is_kept_whole(square):
+    """The recorded change itself scores 1 in all three."""
+    for score in (strength, correlation, overlap):
+        assert score(square, square) == pytest.approx([1.0])
+
+
+@pytest.mark.parametrize("share", [0.5, 1.5])
+def test_strength_is_the_share_that_is_left(square, share):
+    """Half the change is half the strength, more is more; where it lies stays correlated."""
+    assert strength(share * square, square) == pytest.approx([share])
+    assert correlation(share * square, square) == pytest.approx([1.0])
+
+
+def test_a_vanished_touch_scores_zero(square):
+    """No change at all has strength, correlation and overlap 0: a vanished touch is the worst, and not left out."""
+    for score in (strength, correlation, overlap):
+        assert score(np.zeros_like(square), square).tolist() == [0.0]
+
+
+def test_a_touch_elsewhere_is_not_kept(square):
+    """The same square at another place overlaps nowhere and has no strength where the touch was."""
+    moved = np.roll(square, 60, axis=1)
+    assert strength(moved, square).tolist() == [0.0]
+    assert overlap(moved, square).tolist() == [0.0]
+    assert correlation(moved, square)[0] < 0.0
+
+
+def test_colours_may_follow_the_light(square):
+    """A change that goes to another channel is kept, since only magnitudes are compared."""
+    blue = square[..., ::-1]
+    for score in (strength, correlation, overlap):
+        assert score(blue, square) == pytest.approx([1.0])
+
+
+def test_noise_is_no_touch(square):
+    """Camera noise of 4 grey levels moves neither mask, and alone it is no touch: all three have no value."""
+    noise = np.random.default_rng(0).normal(0.0, 4.0, square.shape).astype(np.float32)
+    assert overlap(square + noise, square)[0] > 0.95
+    assert not touched(noise).any()
+    for score in (strength, correlation, overlap):
+        assert np.isnan(score(square, noise)).all()
+
+
+def test_masks_overlap_as_their_areas():
+    """Two squares of which one is half of the other have an overlap of half, to the width of the blur."""
+    whole = np.zeros((1, 160, 120, 3), np.float32)
+    whole[0, 40:120, 20:100] = 40.0
+    half = whole.copy()
+    half[0, 40:80] = 0.0
+    assert overlap(half, whole)[0] == pytest.approx(0.5, abs=0.03)
+
+
+def test_what_does_not_fit_is_refused(square):
+    """Other shapes are errors that say both."""
+    with pytest.raises(UsageError, match="beside"):
+        strength(square[:, :80], square)
+    with pytest.raises(UsageError, match="background"):
+        change_of(np.zeros((1, 8, 8, 3), np.uint8), np.zeros((8, 9, 3), np.uint8))
