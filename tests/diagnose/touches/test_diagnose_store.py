@@ -136,7 +136,7 @@ def test_bounds_are_those_of_what_is_played(bounds):
 
 @pytest.mark.slow
 def test_a_store_is_diagnosed_with_e_free(store):
-    """With the paper's bounds, a stiffness that no durometer reads is in reach."""
+    """A store is diagnosed within the paper's bounds of nu and mu, and with E free beyond what a durometer reads."""
     options = DiagnosisOptions(fidelity="linear", effects=("lag",), pairs=False)
     box = store_touches(
         OpenedStore.planned(Store.open(store), options.calibration().pads), options.calibration()
