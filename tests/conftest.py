@@ -8,6 +8,9 @@ from hypothesis import HealthCheck, settings
 
 # Collection makes a million objects that stay: searching them for garbage took a third of its time.
 gc.disable()
+GARBAGE = (20_000, 10, 10)
+"""Thresholds of the collector during the tests. Python's own, of 700 objects, spend a tenth of the time on searches that
+find little: what tests leave behind in cycles is small."""
 
 # shared machines stall: a slow example is no failure
 settings.register_profile("house", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -20,6 +23,7 @@ def pytest_collection_finish():
     """What imports and collection made stays to the end, so the collector need not look at it during the tests."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*GARBAGE)
     gc.enable()
 
 
