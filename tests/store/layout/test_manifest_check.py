@@ -83,7 +83,7 @@ def test_the_same_sound_bytes_elsewhere_are_not_checked_again(tmp_path, checks):
 
 
 def test_all_sources_are_checked_when_asked_for(checks):
-    """An opening looks at the first hundred sources, a check of the store at all of them, and neither stands for both."""
+    """An opening checks the first hundred sources, a check of the store all of them; neither counts as the other."""
     many = sound(sources=[f"{number:064x}" for number in range(CHECKED_ENTRIES)] + ["wrong"])
     content = json.dumps(many).encode()
     with pytest.raises(SchemaError, match=rf"sources\[{CHECKED_ENTRIES}\]"):
