@@ -160,6 +160,9 @@ def shown(cases: list[Case], histories: list[GelHistory], seconds: list[float]) 
     )
     frames = [(case, depth) for case in cases for depth in case.depths]
     whole = counted.sum()
+    if not whole:
+        print(f"{len(cases)} touches, of which no frame touches the gel")
+        return
     print(
         f"{len(cases)} touches, {whole} frames that touch: {failed.sum()} without equilibrium,"
         f" {1e3 * failed[counted].mean():.1f} per thousand; {int(resumed.sum())} after an interruption of the path"
@@ -193,8 +196,11 @@ def compared(path: Path, cases: list[Case], histories: list[GelHistory], seconds
     # only frames before the first failure of either have the same path behind them
     failed = (status == FrameStatus.NOT_CONVERGED) | (then == FrameStatus.NOT_CONVERGED)
     same = both & (np.cumsum(failed, axis=1) == 0)
-    moved = np.linalg.norm((now - before)[..., :3], axis=-1) / np.nanmax(np.abs(before[..., 2]), axis=1)[:, None]
-    changes = moved[same]
+    # of a touch that was solved in no frame that touches there is no force to compare with
+    largest = np.abs(np.nan_to_num(before[..., 2])).max(axis=1, initial=0.0)
+    same &= largest[:, None] > 0
+    moved = np.linalg.norm((now - before)[..., :3], axis=-1)
+    changes = moved[same] / np.broadcast_to(largest[:, None], moved.shape)[same]
     if not same.any():
         print(f"against {path.name}: no frame has the same path behind it")
         return
@@ -205,6 +211,9 @@ def compared(path: Path, cases: list[Case], histories: list[GelHistory], seconds
         f" {100 * changes.max():.2f} % at most; the same to 1e-9: {100 * (changes < 1e-9).mean():.1f} %"
     )
     whole = ~(then == FrameStatus.NOT_CONVERGED).any(axis=1)
+    if not whole.any():
+        print("every touch has a failure there: processor times are not compared")
+        return
     ratio = spent[whole] / its_seconds[whole]
     print(
         f"touches without failures there ({whole.sum()}): processor time {np.median(ratio):.2f} times as long in the"

@@ -8,6 +8,9 @@ from hypothesis import HealthCheck, settings
 
 # Collection makes a million objects that stay: searching them for garbage took a third of its time.
 gc.disable()
+GARBAGE = (20_000, 10, 10)
+"""Thresholds of the collector during the tests. With Python's own, of 700 objects, about a tenth of the time goes into
+searches that find little: tests leave few objects behind that refer to one another."""
 
 # shared machines stall: a slow example is no failure
 settings.register_profile("house", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -20,6 +23,7 @@ def pytest_collection_finish():
     """What imports and collection made stays to the end, so the collector need not look at it during the tests."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*GARBAGE)
     gc.enable()
 
 

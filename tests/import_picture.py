@@ -8,6 +8,7 @@ import textwrap
 from collections import defaultdict
 from pathlib import Path
 
+from parsed_sources import tree_of
 from test_layers import LAYERS, imported, place
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -34,7 +35,7 @@ def sources(package):
 
 def question(path):
     """First sentence of the docstring of a package or module."""
-    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    text = ast.get_docstring(tree_of(path)) or ""
     return " ".join(text.partition("\n\n")[0].split()).partition(". ")[0].rstrip(".")
 
 

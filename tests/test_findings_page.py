@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from parsed_sources import tree_of
 
 from tactiledata.contract.records import Severity
 
@@ -37,11 +38,6 @@ class Emission:
     code: str
     severity: str | None
     place: str
-
-
-@cache
-def tree_of(path):
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 @cache

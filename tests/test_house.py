@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from parsed_sources import tree_of
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("tactiledata", "split_models")
@@ -46,7 +47,7 @@ Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 @cache
 def trees():
     """The parsed source of every module, by its path; half a second and a million objects, so not at collection."""
-    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in SOURCES.items()}
+    return {name: tree_of(path) for name, path in SOURCES.items()}
 
 
 def definitions(tree, prefix=""):

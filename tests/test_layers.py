@@ -5,6 +5,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from parsed_sources import tree_of
 
 ROOT = Path(__file__).resolve().parents[1]
 LAYERS = [  # bottom first; packages of one row never import one another
@@ -66,7 +67,7 @@ def place(module):
 def imported(path):
     """Dotted names that a module imports; parsed once for all tests."""
     names = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -100,7 +101,7 @@ def members_of(family):
     module = importlib.import_module(FAMILIES[family])
     tables = [value for value in vars(module).values() if isinstance(value, Registry)]
     listed = {target.partition(":")[0] for table in tables for target in table._targets().values()}
-    tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
+    tree = tree_of(Path(module.__file__))
     inside = [node for function in tree.body if isinstance(function, ast.FunctionDef) for node in ast.walk(function)]
     imports = {node.module for node in inside if isinstance(node, ast.ImportFrom)}
     return listed | {name for name in imports if name.startswith(f"{family}.")}

@@ -47,7 +47,7 @@ def test_nulls_are_seldom_structured():
 
 
 def test_the_level_holds_over_many_nulls():
-    """Of 60 nulls at most 5 % and three standard errors are called structured."""
+    """At most 5 % and three standard errors of 60 nulls are called structured."""
     alarms = [located(World(), 24, seed, 499).is_structured for seed in range(9000, 9060)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 
@@ -99,7 +99,7 @@ def test_a_modulus_of_all_indenters_is_no_question(quiet):
 
 
 def test_errors_of_the_simulation_are_never_asked(quiet):
-    """Only E, nu and mu are, and not one that stands at its bound."""
+    """Drifts are sought of E, nu and mu alone, and not of one that stands at its bound."""
     residuals = case_residuals(*quiet)
     tested = [residuals.parameters[place].name for place in residuals.tested]
     assert set(tested) <= {"E", "nu", "mu"}
@@ -143,7 +143,7 @@ def test_phases_follow_the_path(quiet):
 
 
 def test_the_share_of_the_largest_depth_is_one_on_fresh_ground(quiet):
-    """On the way down at a fresh spot 1; less where a deeper touch went before, and on the way up."""
+    """The share is 1 on the way down at a fresh spot, and less after a deeper touch there and on the way up."""
     white, fit = quiet
     depth, share = (
         case_residuals(white, fit).covariates[name].values for name in ("depth", "share of the largest depth")

@@ -72,7 +72,7 @@ def test_only_what_a_setting_acts_on_is_played_again(quiet):
 
 
 def test_touches_that_do_not_tell_their_indenter_share_one_offset(quiet):
-    """Without names there is one number for all."""
+    """Touches without names of indenters share one number."""
     unnamed = [
         dataclasses.replace(case, touch=dataclasses.replace(case.touch, indenter_name="")) for case in quiet.touches
     ]

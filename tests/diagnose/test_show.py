@@ -55,7 +55,7 @@ def test_where_nothing_is_missing_nothing_is_shown(nothing):
 
 
 def test_a_planted_effect_closes_the_gap(relaxed):
-    """On unseen trajectories and unseen indenters; the interval excludes none of it; nothing is left."""
+    """The effect closes the gap on unseen trajectories and indenters, certainly, and nothing speaks against it."""
     _, shown = relaxed
     assert shown.names == ("relaxation",)
     assert [one.unseen for one in shown.errors] == ["trajectories", "indenters"]
@@ -148,7 +148,7 @@ def test_whitened_rows_return_as_newtons():
 
 
 def test_numbers_beside_one_another_have_the_same_digits():
-    """As many decimals as the smallest needs."""
+    """Both numbers get as many decimals as the smaller one needs."""
     assert same_digits(0.2134, 0.0931) == ("0.213", "0.093")
     assert same_digits(12.34, 3.21) == ("12.3", "3.2")
     assert same_digits(0.0, 0.0) == ("0.0", "0.0")

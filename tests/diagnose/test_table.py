@@ -371,7 +371,7 @@ def test_the_same_table_gives_the_same_document(tmp_path):
 
 @pytest.mark.slow
 def test_empty_tables_are_rarely_called_structured(tmp_path):
-    """At most one in twenty, of 100, without known noise."""
+    """At most one in twenty of 100 empty tables, without known noise, is called structured."""
     from tactiledata.diagnose.locate.locate import LocateOptions, locate
 
     alarms = [
@@ -382,14 +382,14 @@ def test_empty_tables_are_rarely_called_structured(tmp_path):
 
 
 def test_a_compressed_file_is_to_be_unpacked(tmp_path):
-    """Not to be saved as UTF-8."""
+    """The message about a compressed table says to unpack it, and not to save it as UTF-8."""
     (tmp_path / "presses.csv").write_bytes(gzip.compress(b"a,b\n1,2\n"))
     with pytest.raises(TactileDataError, match="It is compressed: unpack it"):
         read_table(tmp_path / "presses.csv")
 
 
 def test_a_partner_that_is_missing_is_not_taken_from_the_other_side():
-    """What is observed is no near name of what was predicted; a typing error is."""
+    """An observed column is not suggested as the near name of a predicted one; a typing error is."""
     table = presses(3, 4).drop(columns="fz_predicted_N")
     with pytest.raises(UnknownName, match="fz_observed_N has no partner") as told:
         residuals_of(table)

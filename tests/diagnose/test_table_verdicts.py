@@ -109,7 +109,7 @@ NOISES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("law", NOISES)
 def test_a_black_box_foresees_nothing_of_noise(law):
-    """At most 2 of 20 empty tables, whatever the law; 1 % is meant."""
+    """A black box foresees something in at most 2 of 20 empty tables, whatever the law; 1 % is meant."""
     alarms = 0
     for seed in range(20):
         table = presses(seed, 24, 12, noise=False)

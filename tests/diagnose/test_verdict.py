@@ -39,7 +39,7 @@ def test_schema_and_page_have_the_words_of_the_code():
 
 @pytest.mark.parametrize("verdict", [v for v in Verdict if "calib" not in v and "structured" not in v])
 def test_a_store_has_the_verdict_of_the_known_effects(verdict):
-    """Without causes of zeros and without a formula it is theirs."""
+    """Without causes of zeros and without a formula, a store's verdict is that of the known effects."""
     found = diagnosis(verdict)
     assert found.verdict is verdict
     assert found.is_missing == (verdict not in ("nothing found", "below detection"))

@@ -140,7 +140,7 @@ def test_a_mesh_of_an_indenter_is_pressed_or_says_why_not(what, log):
 
 
 def test_a_mesh_without_its_folder_names_the_option(log):
-    """What to do, and no word of documents; the other touch goes on."""
+    """The reason names the option to give and no document, and the other touch goes on."""
     document = yaml.safe_load((log / "log.yaml").read_text())
     unlike(mesh="ball.stl", unit="mm")(document)
     (log / "log.yaml").write_text(yaml.safe_dump(document))
@@ -151,7 +151,7 @@ def test_a_mesh_without_its_folder_names_the_option(log):
 
 
 def test_poses_that_are_missing_are_said_frame_by_frame(log):
-    """Half a second without poses, and a second of NaN: those frames alone are missing."""
+    """With a gap of half a second and a second of NaN in the poses, those frames alone are missing."""
     lines = (log / "tcp.csv").read_text().splitlines()
     times = np.array([int(line.partition(",")[0]) for line in lines[1:]])
     start = int((log / "trajectories.csv").read_text().splitlines()[1].split(",")[1])

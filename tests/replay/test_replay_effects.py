@@ -133,7 +133,7 @@ def test_what_recordings_do_not_tell_is_named(tiny_folders, tmp_path):
 
 
 def test_killed_and_resumed_is_the_same(copied, tmp_path, monkeypatch):
-    """With effects, too: killed after each commit, every file is that of a replay in one go."""
+    """A replay with effects that is killed after each commit leaves, once resumed, the files of a replay in one go."""
     monkeypatch.setattr(attach, "RUN_TOUCHES", 1)
     given = options(effects=(ARM, EffectSetting("lag", {"delay": 0.02})))
     whole = shutil.copytree(copied, tmp_path / "whole.zarr")

@@ -16,7 +16,7 @@ STREAMS = ["digit", "contact_wrench", "mesh", "mesh_wrench", "contact_mask"]
 
 
 def test_items_are_the_rows_of_the_mesh(replayed):
-    """In frame mode and, together, in trajectory mode."""
+    """Items hold the mesh's rows of their frames, one by one and as a whole trajectory."""
     mesh = Store.open(replayed).mesh("coarse")
     data = TactileArrays(replayed, "default/train", STREAMS, missing="keep")
     batch = data.batch(range(len(data)))
@@ -29,7 +29,7 @@ def test_items_are_the_rows_of_the_mesh(replayed):
 
 
 def test_tensors_and_batches_of_trajectories(replayed):
-    """With PyTorch: tensors of the same shape, padded by frames."""
+    """PyTorch gets tensors of the same shape, and batches of trajectories padded by frames."""
     torch = pytest.importorskip("torch")
     from tactiledata.loaders.torch import TactileDataset, collate
 

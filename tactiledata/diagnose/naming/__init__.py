@@ -3,18 +3,19 @@
 Read in this order:
 
 1. `strength`, `parameters`: the numbers of an effect; everything that one fit determines, as a vector.
-2. `metric`: in which sense two changes of the data are alike, beyond what a refit imitates.
+2. `metric`: how far two changes of the data are alike, once what a refit could imitate is taken out of both.
 3. `signatures`: what each effect would change. `screen`: how much of the residual it would explain, without a refit.
-4. `linearise`, `joint_fit`: the fit of material, effects and all nuisance parameters together. `refit`: which are made.
+4. `linearise`, `joint_fit`: the fit of material, effects and all nuisance parameters together. `refit`: which effects
+   and pairs of effects are fitted in this way.
    `error_sizes`: how large the errors of the simulation are, from the data at hand.
-5. `held_out`: what fits predict of data they have not seen. `remaining_structure`: whether the best leaves more than
-   noise.
+5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
+   than noise.
 6. `evidence`: gain, evidence and signature of a candidate, and the objections to it. `thresholds`: the numbers that a
    claim needs, and where they come from. `decide`: the answer and its ties.
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
-8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: what the answer leaves open.
+8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.
 
-Of the diagnosis, the room imports `touches`, `verdict` and, from `residuals`, names and words. It reads no store, draws
-no page, and knows nothing of locators or formulas.
+Of `diagnose`, this folder imports `touches`, `verdict` and, from `residuals`, names and words. It reads no store, draws
+no page, and uses neither locators nor formulas.
 """

@@ -18,13 +18,14 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 DOUBT = 0.7
 """Standard deviation of the logarithm of a size about 0: two solvers differ by 1 to 10 %, about 3 %."""
 INFLUENCE = 1e-14
-"""Share of the largest information on a number below which a number has no influence on the wrenches."""
+"""Information on a fitted number, as a share of the largest one, below which it counts as having no influence."""
 SMALLEST, LARGEST = 0.6, 4.0
-"""Bounds of a size: errors below two per cent are not believed, and more than a tenth is no solver of the same gel."""
+"""Bounds of a size. No two solvers agree better than to about 2 %; where they differ by far more than a tenth, one of
+them does not simulate this gel."""
 
 
 def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:
-    """Return the trajectories with the sizes of the simulation's errors that the residual of a fit asks for.
+    """Return the trajectories with the sizes of the simulation's errors that make the residual of a fit most likely.
 
     The sizes of the families maximise the marginal likelihood of the residual, to first order about the fit, times a
     log-normal prior (empirical Bayes). What is missing from the fitted model can only make them larger.
@@ -46,7 +47,7 @@ def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTo
 
 
 def size_penalty(whitened: WhitenedTouches, fit: JointFit, other: WhitenedTouches) -> float:
-    """Return by how much the logarithm of a fit's marginal likelihood falls with the sizes of others; at least 0.
+    """Return by how much the logarithm of a fit's marginal likelihood falls with other sizes of errors; at least 0.
 
     Parameters
     ----------
@@ -62,12 +63,12 @@ def size_penalty(whitened: WhitenedTouches, fit: JointFit, other: WhitenedTouche
 
 
 def with_errors_of(model: JointModel, before: WhitenedTouches, after: WhitenedTouches) -> JointModel:
-    """Return a model whose errors of the simulation are the same wrenches where their sizes have changed.
+    """Return a model with its errors of the simulation in new units, so that they remain the same wrenches.
 
     Parameters
     ----------
     model : JointModel
-        Errors in standard deviations of ``before``.
+        Its errors are in standard deviations of ``before``; those returned are in standard deviations of ``after``.
     before, after : WhitenedTouches
         The same trajectories with the sizes before and after the change.
     """
@@ -93,7 +94,7 @@ def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], fl
     about = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
     gram = about.products(fit.shared, fit.shared)
     toward = about.products(fit.shared, fit.residual_at_centre[:, :, None])[:, 0]
-    # a number without influence and prior, as the time of an effect that is absent, says nothing of the sizes
+    # a number with neither influence nor prior (the time constant of an absent effect) is no evidence on the sizes
     is_known = (np.diag(gram) > INFLUENCE * np.diag(gram).max()) | (fit.precision > 0)
     gram, toward, known_precision = gram[np.ix_(is_known, is_known)], toward[is_known], fit.precision[is_known]
     first -= int((~is_known[:first]).sum())

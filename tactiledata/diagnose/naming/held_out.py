@@ -1,4 +1,4 @@
-"""How well a fitted model predicts what it has not seen: whole trajectories and whole indenters that are held out."""
+"""How well a fitted model predicts data it was not fitted to: whole trajectories and whole indenters, held out."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FOLDS = 5
 
 @dataclass(frozen=True)
 class GroupedCosts:
-    """Squares of the whitened residual of groups that were held out, their contact offsets marginalised.
+    """Sums of squares of the whitened residual of held-out trajectories, their contact offsets marginalised.
 
     Parameters
     ----------
@@ -34,11 +34,11 @@ class GroupedCosts:
 
 
 def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> GroupedCosts:
-    """Return the squares that held-out trajectories and indenters leave under a fit to the others.
+    """Return the sums of squares that held-out trajectories and indenters have under a fit to the others.
 
-    The fit to the others is one step of the whole fit, in its linearisation. E, nu, mu, the effects' numbers and the
-    errors of the simulation move. The contact offset of a held-out trajectory, and the simulation's errors of a
-    held-out indenter, are left to their priors.
+    The fit to the others is not iterated: it is one step from the fit to all, in the linearisation about it. E, nu, mu,
+    the effects' numbers and the errors of the simulation move. The contact offset of a held-out trajectory, and the
+    simulation's errors of a held-out indenter, are marginalised under their priors.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class LinearRefits:
         return LinearRefits(whitened, fit, grams, gradients, residual)
 
     def change_without(self, out: Mask) -> Array:
-        """Return by how much the vector (q,) moves where some trajectories (t,) are not fitted, to first order."""
+        """Return by how much the vector (q,) moves if the trajectories marked in ``out`` (t,) are not fitted."""
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
         gram = self.grams[~out].sum(axis=0) + np.diag(fit.precision)
@@ -115,14 +115,15 @@ class LinearRefits:
         return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, low, high)
 
     def costs(self, out: Mask, together: bool) -> dict[int, float]:
-        """Return the squares that held-out trajectories leave, by the number of the trajectory.
+        """Return the sums of squares of held-out trajectories, by the number of the trajectory.
 
         Parameters
         ----------
         out : (t,) bool
             Trajectories that are held out.
         together : bool
-            Whether they are those of one indenter and count as one group, under the number of the first of them.
+            Whether they are all trajectories of one indenter. These are one group with one sum, which is filed under
+            the number of its first trajectory.
         """
         fit = self.fit
         left = self.residual - fit.shared @ self.change_without(out)

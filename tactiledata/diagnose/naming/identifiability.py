@@ -1,7 +1,7 @@
-"""Which effects trajectories could show at all: what a plain calibration hides, and which effects look alike; no data.
+"""Which effects trajectories could show at all: what a calibration hides, and which effects look alike.
 
-All numbers are of first order about the plain simulation. They say too little about limits and dead-bands, which begin
-all at once.
+Measured forces are not needed. All numbers are linearised about the plain simulation, and therefore too small for
+limits and dead bands, which have no influence up to a threshold.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Identifiability:
     reach : (k,)
         Signal-to-noise ratio in these trajectories, after concealment, at the far end of the plausible range.
     visible : (k,)
-        Signal-to-noise ratio, after all that a refit imitates, from which the effect of each strength can be claimed.
+        Signal-to-noise ratio, in the same sense as ``reach``, from which the effect of each strength can be claimed.
     not_told : tuple of str
         Effects that depend on covariates which the touches do not have.
     without_trace : tuple of str
@@ -135,8 +135,8 @@ def identifiability(
     Parameters
     ----------
     touch_set : TouchSet
-        Trajectories, and the simulation without effects. The measured wrenches only weigh the frames; those of a
-        simulation, or zeros, serve as well.
+        Trajectories, and the simulation without effects. Measured wrenches determine the weights of the frames only:
+        simulated ones, or zeros, can stand in their place.
     material : GelMaterial
         Material of the gel.
     effects : sequence of str, optional

@@ -52,7 +52,7 @@ def intervals(
     fit : JointFit
         Fit whose numbers are asked for; the plain fit has only the first three.
     dispersion : float
-        Factor by which the cost must rise more at an end, where more than noise is left; at least 1.
+        Factor, at least 1, on the rise of the cost at which an interval ends; above 1 where more than noise is left.
     profiled : bool
         Whether the ends are searched by refits; otherwise they follow from the curvature, without further plays.
     """
@@ -77,7 +77,7 @@ def intervals(
 def _profiled(
     whitened: WhitenedTouches, fit: JointFit, entry: int, side: float, reach: float, room: float, dispersion: float
 ) -> float:
-    """How far an entry of the vector goes until the cost has risen by ``RISE``, all other numbers fitted anew.
+    """How far an entry of the vector can move before the cost has risen by ``RISE``, all other numbers fitted anew.
 
     Each round scales the reach as if the cost were a parabola with its minimum at the fit.
 
@@ -108,7 +108,7 @@ def _profiled(
         ) / dispersion
         if reach >= room and rise < RISE:
             return room
-        # 15 % of the rise is 7 % of the reach
+        # the cost is about quadratic: within 15 % of the rise, the reach is within 7 %
         if abs(rise - RISE) < 0.15 * RISE:
             break
         reach *= float(np.clip(np.sqrt(RISE / max(rise, 1e-6)), 0.4, 2.5))

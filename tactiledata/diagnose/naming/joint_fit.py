@@ -23,13 +23,13 @@ from tactiledata.nuisance.offsets import PRIOR
 ROUNDS = 8
 """Largest number of rounds of a fit: each linearises once and takes one step."""
 STILL = 0.05
-"""Fall of the cost below which a fit ends; at 0.25, fits that zigzag end far from their minimum."""
+"""A fit ends when a round lowers the cost by less than this. With 0.25, slow fits would end far from their minimum."""
 MOST_DAMPING = 1e2
 """Relative damping of the normal equations at which a fit gives up looking for a step that lowers the cost."""
 HALVINGS = 3
 """Largest number of times that the motion of contact offsets is halved before the whole step is damped."""
 BEHIND = 100.0
-"""Cost above that of another explanation beyond which a fit ends early, unless its rounds so far could make it up."""
+"""A fit whose cost is above that of another explanation by more than this ends early if it is unlikely to catch up."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class JointFit:
 
     @property
     def metric(self) -> RandomEffects:
-        """Metric in which nothing counts that a refit of this model could imitate, linearised at the optimum.
+        """Metric in which changes that a refit of this model could imitate count as 0, linearised at the optimum.
 
         Entries that stand at a bound could not move in a refit, and are left out.
         """
@@ -114,7 +114,7 @@ class JointFit:
 
     @property
     def residual_beside(self) -> Array:
-        """`residual_at_centre` with the effects as fitted: what `beside` needs to say what is left of them."""
+        """`residual_at_centre`, but with the effects as fitted; in the metric `beside` it shows what they leave."""
         return self._moved_back(~self._is_of_effects)
 
     def _moved_back(self, chosen: Mask) -> Array:
@@ -134,7 +134,7 @@ class JointFit:
 
     @property
     def beside(self) -> RandomEffects:
-        """Metric in which nothing counts that E, nu, mu, offsets and errors of the simulation could imitate."""
+        """Metric in which changes that E, nu, mu, offsets and errors of the simulation could imitate count as 0."""
         others = ~self._is_of_effects
         return RandomEffects(self.own, self.shared[:, :, others], self.precision[others], self.starts)
 
@@ -172,8 +172,8 @@ def joint_fit(
 ) -> JointFit:
     """Return the fit with the least cost that is reached from a start.
 
-    It ends early when it is far behind another explanation, and would stay so if every round that is left brought as
-    much as the better of the last two: one round may stall on the way.
+    The fit ends early if its cost is far above that of another explanation and would remain so even if every round that
+    is left lowered it by as much as the better of the last two rounds did.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def joint_fit(
 def _better(
     work: Linearised, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float
 ) -> tuple[JointModel, Evaluation, float] | None:
-    """A model that costs no more, its evaluation and the next damping; ``None`` where no step promises or gives that.
+    """A model with a cost that is not higher, its evaluation and the next damping; ``None`` where no step leads to one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The metric in which whitened fields are compared: what offsets, numerical errors and refits imitate counts nothing.
+"""The metric in which whitened fields are compared: what offsets, numerical errors and refits can imitate counts as 0.
 
 A field is what something changes in the whitened wrenches of all frames, (N, 6). The product of two fields u and v is
 uᵀ M v with M the inverse of the covariance I + a aᵀ (one such term a trajectory) + C diag(1/p) Cᵀ. Directions C with a
@@ -28,7 +28,8 @@ class RandomEffects:
     shared : (N, 6, m)
         Change over one unit of each shared parameter.
     precision : (m,)
-        Inverse variance of each shared parameter's prior; 0 where there is no prior: its direction is no evidence.
+        Inverse variance of each shared parameter's prior; 0 where there is no prior, so that a change in its direction
+        counts as 0.
     starts : (t,)
         First row of each trajectory.
     """
@@ -66,7 +67,7 @@ class RandomEffects:
     def _inverse(self) -> Array:
         """Posterior covariance (m, m) of the shared parameters; directions without information and prior are 0."""
         gram = np.einsum("nkp,nkq->pq", self.shared, self._shared_without_own) + np.diag(self.precision)
-        # evened scales make the cut-off of the pseudo-inverse independent of the parameters' units
+        # with the diagonal scaled to 1, the cut-off of the pseudo-inverse does not depend on the parameters' units
         scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
         inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-10, hermitian=True)
         return inverse / np.outer(scale, scale)

@@ -29,7 +29,7 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 
 SMALLER = 0.85
-"""Ratio of a size of the simulation's errors beside the best effect to that without it below which all is refitted."""
+"""Everything is refitted if, with the best effect, some size of errors falls below this share of its value without."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def name_effects(
     if chosen.robust:
         whitened = whitened.with_trust(_huber(base.residual))
         base = plain_fit(whitened, base.model.material)
-    # errors of the simulation: as large as the data ask for, with fields where the plain fit ended
+    # errors of the simulation: sizes that suit the data, and fields about the material of the plain fit
     whitened = with_estimated_sizes(whitened, base)
     numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
     base = joint_fit(whitened, numerical, base.model)
@@ -112,7 +112,7 @@ def name_effects(
     # pairs and decision
     pairs = tried.refits.pairs(tried.screened, tried.singles) if chosen.pairs else []
     scored, decision = tried.refits.score_and_decide(tried.singles, pairs)
-    # intervals; a profile needs many plays and is taken of a claim alone
+    # intervals; the profile of the likelihood needs many plays, and is computed for a claim only
     progress("intervals")
     claimed = decision.best is not None and not decision.objections
     best = decision.best.fit if decision.best is not None else base
@@ -151,9 +151,10 @@ def _tried(refits: Refits, names: Sequence[str]) -> _Tried:
 
 
 def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
-    """Return the refits with the sizes of errors that suit the best effect, where these make it more likely.
+    """Return refits with smaller errors of the simulation, if the best effect makes the data more likely with these.
 
-    What is missing from a plain fit makes these errors look larger than they are, and larger ones hide what is missing.
+    Physics that the plain fit lacks makes the errors of the simulation look larger than they are, and errors that are
+    taken to be larger hide the missing physics.
     """
     refits, best = first.refits, first.best
     if best is None or first.evidence(best) < refits.options.thresholds.needed(best.names):

@@ -33,7 +33,7 @@ class Coordinate:
 
     @property
     def is_strength(self) -> bool:
-        """Whether the parameter has a null value, and with it a normal prior about the null."""
+        """Whether the parameter has a null value, at which the effect is absent, and a normal prior about it."""
         return self.parameter.null is not None
 
     @property
@@ -43,7 +43,11 @@ class Coordinate:
 
     @property
     def scale(self) -> float:
-        """Unit of the fit: the prior's standard deviation, a factor e, or a tenth of the width of the bounds."""
+        """Unit in which the fit counts the parameter.
+
+        It is the standard deviation of the prior of a strength, a factor e of a logarithmic parameter, and a tenth of
+        the width of the bounds of any other.
+        """
         if self.is_strength:
             return deviation_of(self.parameter)
         return 1.0 if self.is_logarithmic else (self.parameter.bounds[1] - self.parameter.bounds[0]) / 10.0

@@ -25,7 +25,7 @@ from tactiledata.errors import UsageError
 LAST_ROUNDS = 3
 """Rounds of a refit after the errors of the simulation were taken anew with the fitted effects."""
 COMPARABLE = 0.8
-"""Share of a named effect's score from which another effect is tried in its place."""
+"""Another effect is tried in place of a named one if its score is at least this share of the named one's."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Refits:
         Held-out squares of the plain simulation with the sizes of errors that suit it best; those of ``base`` where
         ``None``.
     size_penalty : float
-        By how much the plain simulation is less likely with the sizes of errors of these refits than with those that
-        suit it best: no candidate gets evidence for that.
+        By how much the logarithm of the plain simulation's likelihood is lower with the sizes of errors of these refits
+        than with those that suit it best. It is subtracted, so that candidates get no evidence from the sizes alone.
     """
 
     whitened: WhitenedTouches
@@ -190,7 +190,7 @@ class Refits:
             again = joint_fit(self.whitened, self._error_fields(fit.model), fit.model, rounds=LAST_ROUNDS)
         except UsageError:
             return None
-        # the errors of forces that an effect cuts off or rounds are not smooth: the better of the two is kept
+        # where an effect cuts forces off, errors are not smooth and the second fit may be worse: the better one is kept
         return min(fit, again, key=lambda either: either.cost)
 
     def _error_fields(self, model: JointModel) -> Array:

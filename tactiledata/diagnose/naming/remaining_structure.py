@@ -16,15 +16,15 @@ from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 class RemainingStructure:
     """Mean square that a fit leaves of held-out trajectories, over the mean square that noise alone would leave.
 
-    Missing physics shows wherever it acts. One or two bad touches (debris, a slide simulated one step short) must not
-    count as missing physics: the two worst trajectories are ignored, as no gain may depend on two trajectories either.
+    Missing physics shows in every touch in which it acts. One or two bad touches (debris, a slide simulated one step
+    short) must not count as missing physics: the two worst trajectories are therefore ignored.
 
     Parameters
     ----------
     dispersion : float
-        Of all trajectories; 1 where noise is all there is.
+        Ratio over all trajectories; 1 where noise is all that is left.
     without_worst_two : float
-        Without the two trajectories that exceed their noise most.
+        The same ratio without the two trajectories that exceed their noise most.
     worst_two : tuple of str
         Names of these two trajectories, the worst first.
     """

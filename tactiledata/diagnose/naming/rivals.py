@@ -16,7 +16,7 @@ from tactiledata.effects.simulate.setting import EffectSetting
 
 NOTHING = "nothing"
 HALF = 0.5
-"""Share of the first explanation's support below which another one is not itself taken to be true."""
+"""An explanation with less than this share of the first one's support is not considered as possibly true itself."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Pair:
     first, second : int
         Their indices among all explanations.
     both_ways : bool
-        Whether either may be true; only the first where the second hardly differs from nothing.
+        Whether either of them may be the true one; otherwise only the first may.
     known : float
         Upper limit of the squared distance, in noise, by which the recorded data separate the two: twice the
         difference of their supports; infinite where there is no such limit.
@@ -81,15 +81,15 @@ class Rivals:
     def around(members: Sequence[Rival], supports: Sequence[float]) -> Rivals:
         """Return the best supported explanation paired with each of the others.
 
-        An explanation with less than ``HALF`` of the first one's support is not itself taken to be true: it is only a
-        wrong name for the first. Nor is one whose effects are a part of the first one's.
+        Of a pair, the second may be the true one only if it has at least the share ``HALF`` of the first one's support,
+        and is not a part of the first (one effect of a pair of effects).
 
         Parameters
         ----------
         members : sequence of Rival
             The best supported first.
         supports : sequence of float
-            What each has gained in log-likelihood.
+            Rise of the log-likelihood by each, over the plain simulation.
         """
         whole = set(members[0].fit.names) if members else set()
         pairs = []
@@ -102,9 +102,11 @@ class Rivals:
 def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     """Return the explanations that an answer leaves open.
 
-    Where a set is the answer: the named effect and its ties. Where one name is: it and the candidate that comes nearest
-    in gain. Where none is: the strongest few. Where nothing is found: each effect that these data cannot show, at the
-    end of its plausible range, against nothing.
+    - If the answer is a set of effects: the named effect and its ties.
+    - If it is one effect: this effect, and the candidate that comes nearest in gain.
+    - If no effect is named: the few strongest candidates.
+    - If nothing is found: each effect that these data cannot show, at the end of its plausible range, beside the plain
+      simulation.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ class Screened:
     effect : str
         Name in the catalogue.
     score : float
-        Fall of twice the negative log-likelihood that the effect's strengths promise (a Lagrange multiplier test).
+        Expected fall of twice the negative log-likelihood by the effect, to first order (Lagrange multiplier test).
     evidence : float
         Logarithm of the Bayes factor against the plain simulation to first order: half of the score less the Occam
         penalties of the strengths, under the catalogue's priors, and of the choice among shapes.
@@ -73,7 +73,7 @@ def screen(metric: RandomEffects, residual: Array, signatures: Sequence[Signatur
         best = tried[0]
         starts = [signature.at(strengths) for _, _, signature, strengths in tried[:MOST_STARTS]]
         if size_count(EFFECTS[name]()) > 1:
-            # an effect that acts from a threshold on may do nothing at the size that a linearisation promises
+            # an effect that acts from a threshold on may do nothing at the size that the linearisation suggests
             starts += [
                 signature.at(np.where(strengths > 0, signature.step_sizes, 0.0))
                 for _, _, signature, strengths in tried[:MOST_STARTS]

@@ -144,7 +144,7 @@ def effect_signatures(
     settings : sequence of EffectSetting
         Effects that are set already.
     offsets : (t,) m, optional
-        Contact offset of each trajectory: what slides, and what is beyond a limit, depends on it.
+        Contact offset of each trajectory. It matters where a contact is about to slide or a limit is about to act.
     """
     before = whitened.touch_set.played(material, settings, offsets)
     signatures = []
@@ -326,7 +326,7 @@ def material_precision() -> Array:
 
 
 def nuisance(whitened: WhitenedTouches, material: GelMaterial) -> RandomEffects:
-    """Return the metric of the plain simulation at a material: what its refit or its errors imitate does not count."""
+    """Return the metric of the plain simulation at a material: what a refit or its errors imitate counts as 0."""
     before = whitened.touch_set.played(material, [])
     own = own_field(whitened, material, [], np.zeros(len(whitened.starts)), before)
     errors = whitened.simulation_error_fields(material)

@@ -11,7 +11,7 @@ from tactiledata.diagnose.touches.simulation_errors import KINDS
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 TOLD = 0.05
-"""Share of an indenter's forces from which the error that a fit attributes to them is reported."""
+"""An error that a fit attributes to the forces of an indenter is reported if it is at least this share of them."""
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ Read in this order:
 3. `play_grid`: which plays of the gel engine are made: pairs of nu and mu, offsets, shifts along the gel, variants.
 4. `missing_frames`: frames that a play has not solved, estimated from the others. `grid_answer`: interpolation between
    plays. `played_columns`: its compiled inner loops.
-5. `friction_history`: shear depends on the past: friction that changes from frame to frame, and sliding along another
-   path. `played_response`: all of this together, as the base simulation that effects ask.
-6. `own_errors`: what may be off in one trajectory alone. `simulation_errors`: the directions in which the simulation
-   may err. `whitened`: the trajectories in units of noise and of the first, and the second as fields.
+5. `friction_history`: shear that depends on earlier frames, where friction changes from frame to frame or the path is
+   another than recorded. `played_response`: all of this together, as the base simulation on which effects act.
+6. `own_errors`: errors that one trajectory has by itself. `simulation_errors`: the directions in which the simulation
+   may err. `whitened`: the trajectories in units of the noise, with both kinds of errors.
 7. `covariates`: depth, speed, time and others in each frame, and the phase of the touch.
 
-Of the diagnosis, the room imports `residuals` only: covariates and running maxima. A store comes as an opened one of
-`replay`. The room fits no material and judges nothing.
+Of `diagnose`, this folder imports `residuals` only, for covariates and running maxima. A store is passed in as a
+`replay.opened.OpenedStore`. No material is fitted here, and no effect is judged.
 """

@@ -64,7 +64,7 @@ def case_covariates(touch_set: TouchSet, answers: Sequence[ContactResponse]) -> 
         if all(name in columns for columns in by_trajectory):
             values = np.concatenate([_filled(columns[name][0]) for columns in by_trajectory])
             if name == "lateral speed":
-                # rest counts as the slowest motion: rate effects follow the logarithm of a speed
+                # rest counts as the slowest motion, because effects of rate follow the logarithm of the speed
                 values = np.maximum(values, slowest)
             if np.ptp(values) > VARIES * np.abs(values).max():
                 covariates[name] = Covariate(values, unit)
@@ -85,7 +85,7 @@ def phases(case: TouchCase) -> Names:
     still = STILL * float(np.median(moving)) if len(moving) else 0.0
     dwells, shears = size <= still, along > np.abs(up)
     first = steps[np.flatnonzero(shears & ~dwells & ~case.free_air)[:1], :2].sum(axis=0)
-    # later lines overrule earlier ones
+    # where several conditions hold, the last one decides
     named = np.where(up < 0, "press", "leave").astype("<U8")
     named[shears] = np.where(steps[shears][:, :2] @ first < 0, "reverse", "shear")
     named[dwells] = "dwell"
@@ -131,7 +131,7 @@ def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Arr
 
 
 def _share_of_largest(depth: Array, earlier: Array | None) -> Array:
-    """Depth (n,) over the largest depth that the gel has felt at this place so far; 1 before the first contact."""
+    """Depth (n,) over the largest depth to which the gel was pressed here so far; 1 before the first contact."""
     depth = _filled(depth)
     largest = np.maximum.accumulate(depth)
     if earlier is not None:

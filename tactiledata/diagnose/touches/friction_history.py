@@ -1,4 +1,4 @@
-"""Shear that depends on the past of a contact: friction that changed since it slid, and another path along the gel."""
+"""Shear that depends on earlier frames: friction that has changed since the contact slid, and another path."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BEGINS_TO_SLIDE, ALL_SLIDES = 0.8, 0.95
 
 On a curved gel, a contact that slides is a little off the limit."""
 TURNS = 0.05
-"""Fall of that share from one frame to the next from which nothing is lost, near the limit or not: it is unloading."""
+"""If that share falls by at least this from one frame to the next, shear is being unloaded and no memory is lost."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ def remembered_shear(frictions: Array, columns: CubicsOverFriction, own: Array, 
     Let T_k(f) be the shear of frame k if the whole path had had the friction f. From frame k - 1 to frame k, whose
     friction is f, the shear T changes as it does at f: T_k = T_k-1 + T_k(f) - T_k-1(f), within the friction limit. That
     is Masing's rule, which holds for partial slip on the way back as in Mindlin's contact. The memory is T_k - T_k(f).
-    The nearer T_k(f) is to its limit, unless it is falling, the more of the memory is lost, but not more than the way
-    since the frame before could have loaded: a limit that grows at rest does not pull. So shear depends continuously on
-    all of its inputs.
+    Sliding erases memory: the nearer T_k(f) is to the friction limit, unless it is falling, the more of the memory is
+    lost. No more is lost than the motion since the frame before could have loaded, so that a friction limit that grows
+    at rest changes no shear. Shear depends continuously on all inputs.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ LARGEST_FACTOR = 2.0
 STARTS = (0.0, 0.3, 0.6)
 """Spreads from which the best start of the fit is chosen."""
 LEAST_PULL = 0.1
-"""Largest pull over the largest limit up to which a touch says nothing about its springs."""
+"""A touch whose largest pull is at most this share of the largest friction limit does not determine its springs."""
 
 
 class Sliders(NamedTuple):

@@ -21,9 +21,9 @@ from tactiledata.effects.touch.state import wrench_at
 from tactiledata.gel.contact.history import FrameStatus
 
 LEAST_SHEAR = 0.02
-"""Share of the load from which shear is large enough to give a factor."""
+"""Shear determines a factor of its own if it is at least this share of the load."""
 NEIGHBOURS = 5
-"""Frames of other touches, next in load, whose median factor serves a touch of which the play has solved no frame."""
+"""Number of frames of other touches, next in load, whose median factors are used where a touch has no solved frame."""
 
 
 class Loads(NamedTuple):
@@ -62,7 +62,7 @@ class Loads(NamedTuple):
         """
         columns = np.column_stack([np.nan_to_num(play.wrench), np.nan_to_num(play.area)])
         tips = np.column_stack([np.zeros((len(heights), 2)), heights])
-        # contact is where the play has a load: every frame counts as deep enough
+        # a depth of 1 m everywhere: whether there is contact is decided by the load alone
         wrench, centre, area, load = pressed(columns, np.ones(len(heights)), tips, tips[:, :2])
         spin = wrench[:, 5] - wrench_at_height(wrench[:, :2], centre, heights)[:, 5]
         return Loads(load, wrench[:, :2], centre, spin, area)
@@ -113,7 +113,7 @@ class _Change(NamedTuple):
     load : (k,)
         Load of the middle play.
     factors : (k, 3)
-        Factors on load, shear and area; a shear too small to give one has that of the load.
+        Factors on load, shear and area. Where the shear is too small to determine its factor, it has that of the load.
     motion : (k, 2) m
         Motion of the centre of pressure.
     """

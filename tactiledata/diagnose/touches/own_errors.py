@@ -1,4 +1,4 @@
-"""What may be off in one trajectory alone: zero of the force sensor, place of the touch, factor on its forces.
+"""Errors that one trajectory has by itself: zero of the force sensor, place of the touch, factor on its forces.
 
 These unknowns have a prior and are marginalised when trajectories are whitened, so that trajectories stay independent
 of each other. The contact offset, whose influence is not linear, is fitted instead (`tactiledata.nuisance.offsets`).
@@ -60,7 +60,7 @@ class OwnErrors:
     def fields(self, case: TouchCase) -> Array:
         """Return the change of a trajectory's wrenches (n, 6, r), N and N m, over one deviation of each unknown.
 
-        Sizes are those of the measured forces, so that they are the same whatever is fitted.
+        They are computed from the measured forces, so that they do not depend on what is fitted.
 
         Parameters
         ----------
@@ -70,7 +70,7 @@ class OwnErrors:
         count = len(case.touch)
         measured = np.where(case.free_air[:, None], 0.0, np.nan_to_num(case.measured))
         tips = np.nan_to_num(case.touch.tips)
-        # zero: a reading's noise, less by the number of readings; its change grows from the first frame on
+        # zero: noise of a reading over the root of the number of readings; its drift grows from 0 at the first frame
         reading = case.noise.reading_variance * case.noise.memory
         variance = float(tare_variance(np.array([case.free_samples]), reading)[0])
         zero = np.broadcast_to(np.sqrt(variance) * np.linalg.inv(case.noise.whitened(np.eye(6))).T, (count, 6, 6))

@@ -1,4 +1,4 @@
-"""Errors that mesh, contact and solver leave in simulated wrenches, as a low-rank discrepancy of each indenter.
+"""Errors of simulated wrenches by mesh, contact and solver: a few directions, with unknown sizes, for each indenter.
 
 Two solvers of one gel differ by some per cent. The difference is smooth along a touch, differs from indenter to
 indenter, and repeats in every touch of one indenter, so that more touches do not average it away. Here it is a sum of
@@ -101,7 +101,7 @@ class ErrorDirection:
 
 @dataclass(frozen=True)
 class _Contact:
-    """Simulated contact at N frames, by which errors grow.
+    """Simulated contact at N frames, from which the directions of errors are computed.
 
     Parameters
     ----------

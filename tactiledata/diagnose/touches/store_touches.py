@@ -88,9 +88,9 @@ class StoreTouches:
     start : GelMaterial
         Material from which fits start.
     effects : tuple of str
-        Effects that the gel can simulate in these trajectories.
+        Effects that can be simulated in these trajectories.
     not_played : dict, effect -> reason
-        Effects that it cannot simulate.
+        Effects that cannot be simulated.
     left_out : dict, reason -> number of trajectories
         Trajectories that are not used.
     frames : FrameUse
@@ -215,7 +215,7 @@ class _CaseMaker:
     motion : StoreMotion
         What is known of the tip's motion between frames.
     material : GelMaterial
-        Placeholder: fits replace it.
+        Any material: each fit replaces it by its own.
     geometry : GelGeometry
         Geometry of the gel.
     """

@@ -1,4 +1,4 @@
-"""What is diagnosed: trajectories with their measured wrenches, and the simulation that may lack something."""
+"""What is diagnosed: trajectories with their measured wrenches, and the simulation that may lack physics."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tactiledata.nuisance.noise import WrenchNoise
 FEWEST_FRAMES = 3
 """Fewest frames with wrench and pose that a trajectory needs."""
 FEWEST_CASES = 8
-"""Fewest trajectories of a diagnosis: with fewer, neither folds nor sign flips of trajectories mean anything."""
+"""Fewest trajectories of a diagnosis: fewer are not enough for folds, nor for tests that flip signs of trajectories."""
 
 
 class BaseFamily(Protocol):
@@ -84,7 +84,7 @@ class PlayedContact(NamedTuple):
     request : (GelMaterial, list of EffectSetting)
         Material, and the effects that act in contact.
     start_balance : Balance, optional
-        Balance of springs and gel from which the solution was searched; ``None`` for a search from the beginning.
+        Balance of springs and gel from which the solution was searched; ``None`` where there was no such start.
     state : TouchState
         The trajectory after its effects in contact.
     balance : Balance, optional
@@ -99,7 +99,7 @@ class PlayedContact(NamedTuple):
 
 @dataclass(frozen=True)
 class Played:
-    """Simulated trajectories, with the gel solutions from which similar ones are found faster.
+    """Simulated trajectories, with the gel solutions from which those of similar materials are found faster.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ class TouchSet:
         if offsets is not None and offsets[number] != 0.0:
             simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
         request = material, in_contact(simulator.active(self.touches[number].touch))
-        # the same request as the near one: its solution serves, and only time and sensor act anew
+        # the same request as the near one: its solution is used, and effects of time and sensor are applied to it
         there = near.contacts[number] if near is not None else None
         if there is not None and there.request == request:
             return simulator.read(there.state).wrench

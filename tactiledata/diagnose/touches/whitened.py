@@ -1,4 +1,4 @@
-"""Trajectories in units of their noise, own unknowns marginalised; errors of the simulation as whitened fields.
+"""Trajectories in units of their noise, each one's own errors marginalised, and whitened errors of the simulation.
 
 Whitened means: multiplied by the inverse square root of the covariance of noise, of what is off in a trajectory alone
 (`own_errors`) and of frame-by-frame scatter of the simulation, so that noise alone has variance 1 in every component
@@ -101,7 +101,7 @@ class WhitenedTouches:
 
     @cached_property
     def _whitening(self) -> Array:
-        """Matrix (N, 6, 6) of each row by which a wrench is multiplied from the right, own unknowns not regarded.
+        """Matrix (N, 6, 6) of each row by which a wrench is multiplied from the right, own errors not considered.
 
         It is 0 where the wrench is unknown, and small where the simulation scatters much.
         """
@@ -173,7 +173,7 @@ class WhitenedTouches:
         return raw
 
     def residual(self, predicted: Array) -> Array:
-        """Return measured less predicted wrenches (N, 6), whitened; components not simulated count as fitted."""
+        """Return measured less predicted wrenches (N, 6), whitened; 0 for components that the simulation lacks."""
         return self.whiten(self.measured - np.where(np.isfinite(predicted), predicted, self.measured))
 
     def simulation_error_fields(
@@ -188,7 +188,7 @@ class WhitenedTouches:
         offsets : (t,) m, optional
             Contact offset of each trajectory, where it is known.
         settings : sequence of EffectSetting
-            Effects of the simulation: what they make of a force, they make of its error.
+            Effects of the simulation, which act on the errors of forces as on the forces.
         """
         return self.whiten(self.simulation_error_wrenches(material, offsets, settings))
 

@@ -105,6 +105,30 @@ def _gather(cell_forces: Array, starts: Indices, places: Indices, forces: Array)
 
 
 @njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
+def add_displacement_gradient(displacement: Array, nodes: Indices, gradient: Array, out: Array) -> None:
+    """Add the displacement gradient at the points of a cell to ``out`` (9, q), row by row of the gradient.
+
+    Parameters
+    ----------
+    displacement : (v, 3) m
+        Displacements of all nodes.
+    nodes : (n,)
+        Nodes of the cell.
+    gradient : (n, 3, q) 1/m
+        Gradients of the shape functions at the points.
+    out : (9, q)
+        Changed in place.
+    """
+    for node in range(len(nodes)):
+        node_displacement = displacement[nodes[node]]
+        for i in range(3):
+            for a in range(3):
+                row, slope = out[3 * i + a], gradient[node, a]
+                for q in range(len(slope)):
+                    row[q] += node_displacement[i] * slope[q]
+
+
+@njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _cell_forces(
     displacement: Array,
     cells: Indices,
@@ -128,13 +152,7 @@ def _cell_forces(
         gradient, weight = gradients[cell], weights[cell]
         # displacement gradient at the points; the identity is added below
         f[:] = 0.0
-        for node in range(nodes):
-            node_displacement = displacement[cells[cell, node]]
-            for i in range(3):
-                for a in range(3):
-                    row, slope = f[3 * i + a], gradient[node, a]
-                    for q in range(points):
-                        row[q] += node_displacement[i] * slope[q]
+        add_displacement_gradient(displacement, cells[cell], gradient, f)
         volume = mean_ratio = 0.0
         least = most = 1.0
         for q in range(points):

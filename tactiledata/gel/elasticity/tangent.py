@@ -7,7 +7,12 @@ from numba import njit
 from scipy.sparse import csc_array
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.gel.elasticity.internal_forces import LEAST_VOLUME_RATIO, NEO_HOOKEAN, ElasticPad
+from tactiledata.gel.elasticity.internal_forces import (
+    LEAST_VOLUME_RATIO,
+    NEO_HOOKEAN,
+    ElasticPad,
+    add_displacement_gradient,
+)
 from tactiledata.gel.elasticity.stiffening import Stiffening
 
 STRAINED = 0.05
@@ -102,21 +107,21 @@ def _cell_tangents(
     nodes, points = gradients.shape[1], gradients.shape[3]
     f, cofactor, slope = np.empty((points, 9)), np.empty((points, 9)), np.empty((points, 9))
     ratios, invariants, roots = np.empty(points), np.empty(points), np.empty(points)
+    deformation = np.empty((9, points))
     second = np.empty((9, 9))
     half = np.empty((9, 3))
     mean_slope, invariant_slope = np.empty(3 * nodes), np.empty(3 * nodes)
     for cell in range(len(cells)):
         matrix = out[cell]
         matrix[:] = 0.0
+        deformation[:] = 0.0
+        deformation[0] = deformation[4] = deformation[8] = 1.0
+        add_displacement_gradient(displacement, cells[cell], gradients[cell], deformation)
         volume = mean_ratio = total = 0.0
         for q in range(points):
             g = f[q]
-            g[:] = 0.0
-            g[0] = g[4] = g[8] = 1.0
-            for node in range(nodes):
-                for i in range(3):
-                    for a in range(3):
-                        g[3 * i + a] += displacement[cells[cell, node], i] * gradients[cell, node, a, q]
+            for k in range(9):
+                g[k] = deformation[k, q]
             square = 0.0
             for i in range(3):
                 j, k = (i + 1) % 3, (i + 2) % 3

@@ -11,7 +11,6 @@ import numpy as np
 from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Finding
-from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag
 from tactiledata.contract.wording import counted
 from tactiledata.errors import SchemaError, TactileDataError
@@ -24,6 +23,7 @@ from tactiledata.store.check.splits import split_findings
 from tactiledata.store.check.stray_sizes import stray_findings
 from tactiledata.store.check.tables import not_checked, table_findings
 from tactiledata.store.check.values import value_findings
+from tactiledata.store.layout.manifest import need_manifest_schema
 from tactiledata.store.layout.statistics import statistics_fault
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.documents import sensor_faults
@@ -124,7 +124,7 @@ def _damage(code: str, message: str, stream: str = "", count: int = 1) -> Findin
 def manifest_findings(manifest: Mapping[str, Any]) -> Iterator[Finding]:
     """What contradicts itself in a manifest."""
     try:
-        check_document(manifest, "store", "manifest.json")
+        need_manifest_schema(dict(manifest))
     except SchemaError as error:
         yield _damage("store-manifest", str(error))
         return

@@ -176,7 +176,7 @@ def set_length(batch: Batch, path: str, length: int) -> None:
 
 def open_rows(batch: Batch, path: str) -> zarr.Array:
     """An array of a local store, to read and write."""
-    return zarr.open_array(BatchStore(batch), path=path, mode="r+")
+    return zarr.open_array(BatchStore(batch), path=path, mode="r+", zarr_format=3)
 
 
 def append_rows(batch: Batch, path: str, start: int, stop: int, blocks: Iterable[NDArray[Any]]) -> None:

@@ -110,21 +110,37 @@ CHECKED_ENTRIES = 100
 """Entries of the long lists that are held against the schema at every opening; `check` looks at all of them."""
 
 
-@lru_cache(maxsize=8)
 def _check(content: bytes, where: str) -> None:
-    """Hold a manifest against the schema; the same bytes of the same file are not checked again."""
-    manifest = json.loads(content)
-    sources = manifest.get("sources")
-    shortened = {**manifest, "sources": sources[:CHECKED_ENTRIES] if isinstance(sources, list) else sources}
+    """Hold a manifest against the schema: of its sources, the first ``CHECKED_ENTRIES``."""
     try:
-        check_document(shortened, "store", where)
+        _need_schema(content, CHECKED_ENTRIES)
     except SchemaError as error:
         raise StoreError(
-            error.found,
+            error.found.replace(MANIFEST, where, 1),
             "a manifest that fits schemas/store.json",
             "Run `tactiledata check` on the store.",
-            **error.facts,
+            **{**error.facts, "file": where},
         ) from error
+
+
+def need_manifest_schema(manifest: Manifest) -> None:
+    """Refuse a manifest that does not fit ``schemas/store.json``, whatever its number of sources.
+
+    Raises
+    ------
+    SchemaError
+        It does not fit.
+    """
+    _need_schema(json.dumps(manifest).encode(), None)
+
+
+@lru_cache(maxsize=8)
+def _need_schema(content: bytes, most_sources: int | None) -> None:
+    """Refuse the bytes of a manifest that does not fit the schema; the same bytes are checked once, in any store."""
+    manifest = json.loads(content)
+    sources = manifest.get("sources")
+    shortened = {**manifest, "sources": sources[:most_sources] if isinstance(sources, list) else sources}
+    check_document(shortened, "store", MANIFEST)
 
 
 def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:

@@ -233,7 +233,8 @@ class RemoteFiles(StoreFiles):
 def _opened(store: zarr.abc.store.Store, path: str, files: StoreFiles) -> zarr.Array:
     location = files.location
     try:
-        return zarr.open_array(store, path=path, mode="r")
+        # with the format known, zarr does not look for the metadata of other formats
+        return zarr.open_array(store, path=path, mode="r", zarr_format=3)
     except FileNotFoundError as error:
         raise missing_file(path, location) from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:

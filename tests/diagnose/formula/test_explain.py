@@ -19,7 +19,7 @@ from tactiledata.diagnose.residuals.wording import quantity, rounded, signed_cha
 
 @pytest.mark.slow
 def test_all_locators_together_keep_the_level():
-    """Of 40 nulls at most 5 % and three standard errors are called structured."""
+    """At most 5 % and three standard errors of 40 nulls are called structured."""
     alarms = [
         locate(planted(seed + 500, 24, 10), LocateOptions(seed=seed, draws=299)).is_structured for seed in range(40)
     ]
@@ -35,7 +35,7 @@ def test_echoes_are_not_said():
 
 
 def test_two_drifts_are_both_said():
-    """E with speed and mu with the clock."""
+    """Where E follows speed and mu follows the clock, both drifts are said."""
 
     def plant(world):
         minutes = world.covariates["minutes"].values / 90
@@ -50,7 +50,7 @@ def test_two_drifts_are_both_said():
 
 @pytest.mark.slow
 def test_what_is_planted_is_explained_and_what_is_left_is_quiet():
-    """With its sentences: the formula, the share of the gap, the ceiling."""
+    """The sentences name the planted formula, the share of the gap that it closes, and the ceiling."""
     world = planted(5, 60, plant=modulus_over("speed", 0.6, 0.1, 10.0, True))
     found = explain(world, LocateOptions(), signatures={"rate": modulus_over("speed", 1, 0.1, 10.0, True)(world)})
     assert found.answer == "explained"

@@ -172,7 +172,7 @@ def test_two_terms_at_once():
 
 @pytest.mark.slow
 def test_noise_gives_no_formula():
-    """At most 3 of 60 nulls."""
+    """A formula is found in at most 3 of 60 nulls."""
     assert sum(bool(open_form(planted(seed, 24, 10), seed=seed).terms) for seed in range(60)) <= 3
 
 

@@ -59,7 +59,7 @@ def test_other_differences_are_no_shift(observe):
 
 
 def test_the_slope_is_that_of_the_prediction():
-    """Of a straight line exactly, up and down; none where the prediction goes with something else."""
+    """The slope of a straight line is found exactly; there is none where the prediction goes with something else."""
     depth = np.tile(np.sin(np.linspace(0, np.pi, 15)), 8)
     world = Residuals(np.zeros((120, 1)), ("fz",), np.repeat(np.arange(8), 15))
     np.testing.assert_allclose(slope_inside(3.0 * depth + 1.0, depth, world), 3.0, rtol=1e-6)

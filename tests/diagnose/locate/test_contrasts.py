@@ -34,7 +34,7 @@ def offset_at_cone(world, deeper=0.15):
 
 
 def test_white_noise_is_no_contrast():
-    """Of 60 nulls at most 5 % and three standard errors."""
+    """A contrast is found in at most 5 % and three standard errors of 60 nulls."""
     alarms = [contrasts(project(white(seed)), EXACT)[0].p <= 0.05 for seed in range(60)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 
@@ -111,7 +111,7 @@ def test_no_parameter_changes_its_sign(monkeypatch):
 
 
 def test_what_a_simulation_may_be_off_is_none_however_many_trajectories_show_it():
-    """With an error as large as the contrast its value stays at 1; without that it grows."""
+    """The p-value stays at 1 if the simulation may be that wrong; without such an error the contrast's value grows."""
     allowed = EXACT | dict.fromkeys(("E", "fz", "offset", "mu"), 10.0) | {"E": 0.2}
     few, many = (project(white(4, count, plant=modulus_at_ball)) for count in (40, 160))
     assert abs(contrasts(many, EXACT)[0].value) > 1.5 * abs(contrasts(few, EXACT)[0].value)

@@ -311,7 +311,7 @@ def test_free_air_false_alarms(nulls):
 
 
 def test_no_free_air_is_said():
-    """Without such frames nothing is tested, and the words say what follows from that."""
+    """Where no frame is in free air nothing is tested, and the words say what follows from that."""
     world = planted()
     bare = type(world)(world.values, world.components, world.groups)
     found = free_air(bare)

@@ -45,7 +45,7 @@ def test_what_it_finds_is_listed_and_said(added):
 
 
 def test_it_counts_among_the_tests_where_nothing_is_there(added, monkeypatch):
-    """Without a difference it is not certain, and Holm's correction of the others counts it."""
+    """Without a difference the locator is not certain, and Holm's correction of the others counts it."""
     with_it = locate(planted(5))
     assert not with_it.is_certain(TITLE)
     monkeypatch.undo()

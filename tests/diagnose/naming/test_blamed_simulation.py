@@ -83,7 +83,7 @@ def test_a_planted_factor_is_fitted(sign):
 
 
 def test_a_planted_factor_is_told_and_no_factor_is_not():
-    """Beside the others it is said by which indenter, and which way; of a world without one nothing is said."""
+    """A sentence says under which indenter a planted factor acts, and which way; a world without one has none."""
     one, white, plain, _ = blamed(1.0)
     _, _, more, _ = blamed(1.0 + 2.0 * FACTOR)
     said = simulator_share_words(simulator_share(white, more))
@@ -109,7 +109,7 @@ def all_forces(share, indenter):
 
 
 def test_little_is_not_said():
-    """Below what is worth a sentence there is none, nor of what is no factor on forces."""
+    """A share that is too small gets no sentence, and neither does an error that is no factor on forces."""
     little = all_forces(0.9 * TOLD, "a")
     other = SimulatorError("shear that sticks", 3.0, 3.0 * TOLD, "", "shear that sticks")
     assert simulator_share_words([little, other]) == []

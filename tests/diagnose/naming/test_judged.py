@@ -116,7 +116,7 @@ def test_evidence_that_errors_of_the_simulation_can_bring_takes_no_claim_away():
 
 
 def test_an_effect_that_errors_resemble_must_be_more_of_the_cause():
-    """Between the two shares, the one is named beside what is left and the other is not."""
+    """With a share between the two limits, an effect that errors do not resemble is named, and the other is not."""
     share = 0.5 * (T.part_share + T.main_cause_share)
     assert decided([candidate(EASY, excess_share=share)], left=MORE_THAN_NOISE).claimed == (EASY,)
     assert decided([candidate(HARD, excess_share=share)], left=MORE_THAN_NOISE).claimed == ()
@@ -150,7 +150,7 @@ def test_evidence_that_no_name_fits_is_structure():
 
 
 def test_another_that_can_be_claimed_is_a_tie_within_the_margin():
-    """Whatever it changes; beyond the margin it is none, and an implausible one never is."""
+    """Within the margin a claimable effect is a tie whatever it changes; beyond it, or implausible, it is none."""
     best, margin = with_evidence(EASY, MUCH, change=along(0)), T.tie_margin(MUCH)
     for behind, ties in ((0.9, [OTHER_EASY]), (1.1, [])):
         other = with_evidence(OTHER_EASY, MUCH - behind * margin, change=along(1))
@@ -164,7 +164,7 @@ def test_another_that_can_be_claimed_is_a_tie_within_the_margin():
 
 
 def test_another_that_cannot_be_claimed_is_a_tie_where_it_changes_the_same():
-    """Then these data cannot tell it from what is named; where it changes something else, its objection counts."""
+    """An effect with an objection is a tie where it changes the same as the named one, and none where it does not."""
     best = with_evidence(EASY, MUCH, change=along(0))
     for change, ties in ((along(0), [OTHER_EASY]), (along(1), [])):
         other = with_evidence(OTHER_EASY, MUCH, change=change, excess_share=0.0)
@@ -173,7 +173,7 @@ def test_another_that_cannot_be_claimed_is_a_tie_where_it_changes_the_same():
 
 
 def test_a_tie_says_how_far_apart_the_two_are():
-    """Their cosine, the difference of their gains, and its error over trajectories."""
+    """A tie states the cosine of the two, the difference of their gains, and its error over trajectories."""
     best = with_evidence(EASY, MUCH)
     more = np.tile([0.4, -0.2], 13)[:25]
     other = with_evidence(OTHER_EASY, MUCH - 1.0, gains=best.gains - more)
@@ -185,7 +185,7 @@ def test_a_tie_says_how_far_apart_the_two_are():
 
 
 def test_a_special_case_is_said_in_place_of_the_wider_one():
-    """What contains it, with more numbers and clearly less evidence, is no tie; with as many numbers it is one."""
+    """A wider effect with more numbers and clearly less evidence is no tie; with as many numbers it is one."""
     clearly = 1.1 * T.special_case_evidence
     assert clearly < T.tie_margin(MUCH)
     special = with_evidence("frame_rotation", MUCH, numbers=3)
@@ -201,7 +201,7 @@ def crowd(name, others, share):
 
 
 def test_one_of_many_that_errors_resemble_is_not_named():
-    """Where several others have nearly its evidence; fewer or weaker ones do not matter."""
+    """A name is withheld where several others have nearly its evidence; fewer or weaker ones do not matter."""
     near, far = 1.05 * T.crowd_share, 0.95 * T.crowd_share
     found = decided(crowd(HARD, T.crowd, near))
     assert (found.verdict, found.best.label, found.ties) == (Verdict.NOT_EXPLAINED, HARD, ())
@@ -256,7 +256,7 @@ def substitute(kept, name, evidence, **changed):
 
 
 def test_another_may_stand_for_one_of_two_that_are_named():
-    """What adds nearly as much is a tie; the margin is that of what the replaced effect adds."""
+    """What adds nearly as much as one of two named effects is a tie, by the margin of what that one adds."""
     kept = with_evidence(EASY, MUCH)
     best = with_evidence((EASY, "wear"), MUCH + 0.5 * MUCH)
     margin = T.tie_margin(0.5 * MUCH)
@@ -273,7 +273,7 @@ def test_another_may_stand_for_one_of_two_that_are_named():
 
 
 def test_probabilities_sum_to_one_and_grow_with_evidence():
-    """That of nothing falls as that of the effect rises; an objection lowers it at once."""
+    """The probability of nothing falls as that of the effect rises; an objection lowers the effect's at once."""
     chances = [decided([candidate(EASY, times)]).probabilities for times in (0.5, 1.1, 1.5, 3.0)]
     assert [sum(chance.values()) for chance in chances] == pytest.approx(np.ones(4))
     assert (np.diff([chance[EASY] for chance in chances]) > 0).all()

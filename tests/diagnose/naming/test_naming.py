@@ -181,6 +181,6 @@ def test_planted_effects_are_named_or_in_the_set(name):
 
 
 def test_nulls_are_seldom_named():
-    """Of 20 nulls at most one is given a name."""
+    """At most one of 20 nulls is given a name."""
     named = [seed for seed in range(20) if answer(null(2000 + seed), effects=None).is_missing]
     assert len(named) <= 1

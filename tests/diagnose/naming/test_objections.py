@@ -111,7 +111,7 @@ def test_an_effect_of_one_place_is_agreed_on_by_three_touches():
 
 
 def test_what_errors_of_a_simulation_do_not_resemble_needs_less_evidence():
-    """Between what the two need, one is claimed and the other is not; two effects need the sum."""
+    """With evidence between the two needs, only the unlike effect is claimed; a pair of effects needs the sum."""
     between = 0.5 * (T.needed((EASY,)) + T.needed((HARD,)))
     assert with_evidence(EASY, between).objections(T) == ()
     assert len(with_evidence(HARD, between).objections(T)) == 1
@@ -122,7 +122,7 @@ def test_what_errors_of_a_simulation_do_not_resemble_needs_less_evidence():
 
 @pytest.mark.parametrize("name", [EASY, HARD])
 def test_a_share_of_what_a_claim_needs_is_a_trace(name):
-    """Above that share it is, below it is not; what hangs on two trajectories is none with any evidence."""
+    """Evidence above the share is a trace, below it is not; what hangs on two trajectories never is."""
     above, below = (candidate(name, times * T.trace_share) for times in (1.1, 0.9))
     assert above.is_trace(T)
     assert not below.is_trace(T)
@@ -132,7 +132,7 @@ def test_a_share_of_what_a_claim_needs_is_a_trace(name):
 
 
 def test_far_more_evidence_than_a_claim_needs_shows_structure():
-    """With a certain gain, and without the two trajectories that contribute most, even beside an objection."""
+    """Such evidence is structure, even beside an objection, if the gain is certain and two touches do not bear it."""
     times = 1.2 * T.structure_evidence * TRAJECTORIES / (TRAJECTORIES - 2)
     evidence = times * NEEDED
     wide = candidate(EASY, times, implausible=("lag delay = 3 s",))
@@ -143,7 +143,7 @@ def test_far_more_evidence_than_a_claim_needs_shows_structure():
 
 
 def test_evidence_saturates_with_the_number_of_trajectories():
-    """What each brings alike counts half at the stated number, and never for more than that number of trajectories."""
+    """Equal evidence of each trajectory counts half at the stated number; the sum stays below that of this number."""
     counts = np.array([1, 10, 100, 1000, 100_000])
     total = np.array([count * T.counted(int(count)) for count in counts])
     assert (np.diff(total) > 0).all()

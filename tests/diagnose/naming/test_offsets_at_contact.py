@@ -79,7 +79,7 @@ def test_no_step_raises_the_cost(shifted, monkeypatch):
 
 
 def test_the_costs_of_trajectories_are_their_part_of_the_whole(shifted):
-    """With the priors of what all share they are the cost: those that decide which offset moves less."""
+    """The costs that decide which offset moves less add up, with the priors of shared numbers, to the whole cost."""
     white, fit = shifted
     found = fit(OFFSETS)
     work = Linearised(white, found.simulation_error_fields, frozenset())

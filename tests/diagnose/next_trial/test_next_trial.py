@@ -45,7 +45,7 @@ def sluggish():
 
 
 def test_a_dwell_tells_relaxation_from_lag(sluggish):
-    """What goes on at zero motion is no lag: the long dwell is first, and settles it."""
+    """A change at zero motion is no lag: the long dwell is the first proposal, and it settles the question."""
     best = sluggish[0]
     assert best.trial.name == "hold"
     (apart,) = best.separations
@@ -156,7 +156,7 @@ def test_a_naming_is_followed_by_a_document(named):
 
 
 def test_what_could_be_there_unseen_is_sought():
-    """Where nothing is missing: a ball's adhesion is hidden by the noise, and a flat punch would show it."""
+    """Where nothing is missing, a ball's adhesion is hidden by the noise, and a flat punch is proposed to show it."""
     options = NamingOptions(effects=("adhesion", "rate_friction"), profile=False)
     naming = name_effects(recorded(touches=10), START, options)
     assert naming.decision.verdict is Verdict.NOTHING_FOUND
@@ -172,7 +172,7 @@ def test_what_could_be_there_unseen_is_sought():
 
 
 def test_what_leaves_no_trace_is_sought_where_it_would():
-    """At one orientation the zero takes a tool's weight: it is said not to show, and turns in free air would."""
+    """At one orientation the zero hides a tool's weight: the page says so, and proposes turns in free air."""
     options = NamingOptions(effects=("tool_weight", "lag"), profile=False)
     naming = name_effects(recorded(touches=10), START, options)
     assert naming.identifiable.without_trace == ("tool_weight",)

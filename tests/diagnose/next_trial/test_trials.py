@@ -119,7 +119,7 @@ def test_entries_of_the_user_are_taken_over():
 
 
 def test_a_pause_becomes_a_new_recording():
-    """What switches off and on again is two logs."""
+    """A trial during which the sensor is switched off and on again is written as two logs."""
     trial = next(make for make in TRIALS if make.__name__ == "from_power_on")(BENCH)
     groups = log_groups(load_scenario(trial_scenario(trial, BENCH)))
     assert [len(touches) for _, touches in groups] == [7, 2]

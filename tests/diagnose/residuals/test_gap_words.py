@@ -21,12 +21,12 @@ def test_no_more_than_the_whole_is_said_and_no_interval_of_nothing(closed, inter
 
 
 def test_without_a_gap_there_is_no_share():
-    """However large the ratio of two small numbers is."""
+    """Without a gap a dash stands for the share, however large the ratio of two small numbers is."""
     assert gap_words(Gap(0.1, 0.1, 0.1, 5.0, (1.5, 9.0)), False) == "-"
 
 
 def test_a_gap_that_grows_is_not_closed_by_less_than_nothing():
-    """By more than the whole, too; the interval from the smaller to the larger."""
+    """Growth is stated as growth, beyond the whole gap too, with the interval from the smaller to the larger."""
     assert (
         change_words(Gap(0.12, 0.2, 0.1, -1.5, (-2.5, -0.5))) == "the gap to the noise grows by 150 % (50 % to 250 %)"
     )

@@ -60,7 +60,7 @@ def test_frames_as_units_would_cry_wolf():
 
 
 def test_intervals_cover():
-    """Of 95 % intervals of a planted change, at least 88 % of 150 hold it."""
+    """At least 88 % of 150 intervals of 95 % hold the planted change."""
     share, held = 0.1, 0
     for seed in range(150):
         world = planted(seed, 30, 10, plant=modulus_over("x", share, -6, 6))

@@ -48,7 +48,7 @@ def test_a_creep_downwards_has_its_sign():
 
 @pytest.mark.parametrize("law", LAWS)
 def test_no_creep_is_made_of_noise(law):
-    """Of 12 tables with held steps and nothing else, by law: no formula, though no locator is asked before."""
+    """No formula is found in 12 tables of held steps and noise under each law, though no locator is asked before."""
     for seed in range(12):
         read = residuals_of(held_loads(100 + seed, law=law))
         assert SINCE in read.residuals.covariates
@@ -73,7 +73,7 @@ def test_what_relaxes_to_an_end_is_no_creep(law):
 
 
 def test_a_slow_relaxation_is_told_from_a_creep():
-    """By 0.4 N with 100 s, in holds of up to 180 s."""
+    """A relaxation by 0.4 N with 100 s, in holds of up to 180 s, is written as an exponential of that time."""
     table = held_loads(1)
     minutes = residuals_of(table).residuals.covariates[SINCE].values
     table["fz_observed_N"] -= 0.4 * (1 - np.exp(-minutes * 0.6))
@@ -83,7 +83,7 @@ def test_a_slow_relaxation_is_told_from_a_creep():
 
 
 def test_a_load_that_is_taken_off_need_not_creep_back():
-    """Half of the holds at 0, where nothing creeps: that is told."""
+    """Where nothing creeps in the holds at 0, the words restrict the creep to loads that are not 0."""
     table = held_loads(3, creep=0.1)
     is_off = (table.load_N > 1.0) & (table.load_N < 6.5)
     table.loc[is_off, "fz_observed_N"] = table.fz_predicted_N + np.random.default_rng(0).normal(0, 0.05, len(table))

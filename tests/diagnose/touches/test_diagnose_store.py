@@ -30,6 +30,12 @@ def store(tmp_path_factory):
     return recorded_store(tmp_path_factory.mktemp("world"))
 
 
+@pytest.fixture(scope="module")
+def few(tmp_path_factory):
+    """A store of the same world with too few touches for a diagnosis."""
+    return recorded_store(tmp_path_factory.mktemp("few"), generate={"count": 3, "depth": [0.0004, 0.0005]})
+
+
 @pytest.fixture(autouse=True)
 def coarse_and_kept(tmp_path_factory, monkeypatch):
     monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
@@ -101,15 +107,15 @@ def test_the_page_says_all_that_the_document_says(store, tmp_path, capsys, monke
         (("--seed", "-1"), "0 or more"),
     ],
 )
-def test_wrong_options_are_wrong_usage(store, capsys, monkeypatch, options, words):
-    code, _, said = diagnosed(capsys, monkeypatch, store, *options)
+def test_wrong_options_are_wrong_usage(few, capsys, monkeypatch, options, words):
+    """A wrong option is wrong usage: the message names what may be given, even where the store holds too little."""
+    code, _, said = diagnosed(capsys, monkeypatch, few, *options)
     assert code == 2
     assert words in said
     assert "Traceback" not in said
 
 
-def test_too_few_trajectories_are_told_with_what_is_needed(tmp_path, capsys, monkeypatch):
-    few = recorded_store(tmp_path, generate={"count": 3, "depth": [0.0004, 0.0005]})
+def test_too_few_trajectories_are_told_with_what_is_needed(few, capsys, monkeypatch):
     code, _, said = diagnosed(capsys, monkeypatch, few, "--fidelity", "linear")
     assert code == 1
     assert "3 trajectories can be diagnosed" in said
@@ -136,7 +142,7 @@ def test_bounds_are_those_of_what_is_played(bounds):
 
 @pytest.mark.slow
 def test_a_store_is_diagnosed_with_e_free(store):
-    """With the paper's bounds, a stiffness that no durometer reads is in reach."""
+    """A store is diagnosed within the paper's bounds of nu and mu, and with E free beyond what a durometer reads."""
     options = DiagnosisOptions(fidelity="linear", effects=("lag",), pairs=False)
     box = store_touches(
         OpenedStore.planned(Store.open(store), options.calibration().pads), options.calibration()

@@ -72,7 +72,7 @@ def test_lost_frames_are_recovered(lost):
 
 
 def test_beyond_the_loads_that_are_known_factors_are_those_of_the_last_one():
-    """Of a play that lacks its whole upper half, the load there is the middle one times the last factor."""
+    """A play that lacks its upper half gets there the middle play's load times its last known factor."""
     truth, middle = other(), press()
     lost = np.flatnonzero(middle.wrench[:, 2] > 0.5 * middle.wrench[:, 2].max())
     found = one(without(truth, lost), middle)

@@ -59,7 +59,7 @@ def test_the_zero_is_the_same_in_all_frames_and_as_uncertain_as_its_median():
 
 
 def test_the_drift_is_nothing_at_the_first_frame():
-    """At the last one it is the stated change: of a force in newtons, of a torque over the lever."""
+    """The drift is 0 at the first frame; at the last it is the stated change, which a torque has times the lever."""
     for place, name in enumerate(("fx", "fy", "fz", "tx", "ty", "tz")):
         field = fields()[f"drift of the zero of {name}"]
         expected = np.zeros((2, 6))

@@ -50,7 +50,7 @@ def test_what_is_unknown_is_none():
 
 @given(some(4, COUNT, 3), arrays(np.float64, COUNT, elements=st.floats(0.2, 1.2)))
 def test_cubics_are_those_of_the_library(values, places):
-    """Between nodes as scipy has it, beyond them as at the end; of part of the frames and columns, too."""
+    """Cubics agree with scipy between nodes and are constant beyond them, also for part of the frames and columns."""
     nodes = np.array([0.4, 0.5, 0.7, 0.85])
     cubics = PchipInterpolator(nodes, values)
     expected = np.stack([cubics(np.clip(place, 0.4, 0.85))[frame] for frame, place in enumerate(places)])

@@ -94,7 +94,7 @@ def test_each_kind_is_what_it_says(kind):
 
 
 def test_sliding_shear_may_be_off_while_the_force_is_taken_off():
-    """Of a contact that slides at a quarter of its load, three quarters of the shear."""
+    """A contact that slides at a quarter of its largest load may be wrong by three quarters of the shear."""
     place = next(number for number, kind in enumerate(KINDS) if kind.what.startswith("sliding shear while"))
     forces = FORCES.copy()
     forces[2] = [0.5, 0.0, 1.0]
@@ -138,7 +138,7 @@ CURVE = "the curve of force over depth"
 
 
 def test_errors_of_an_indenter_are_as_if_it_were_alone():
-    """What is pressed by another indenter changes none of them."""
+    """Frames that another indenter presses change none of an indenter's errors."""
     found, _, _ = two_indenters()
     kept = [number for number, kind in enumerate(KINDS) if kind.what != CURVE]
     assert len(kept) == len(KINDS) - 1

@@ -6,7 +6,12 @@ from scipy.sparse.linalg import splu
 
 from tactiledata.gel.elasticity.compliance import FactorisedPad
 from tactiledata.gel.elasticity.deformed import TangentFactory
-from tactiledata.gel.elasticity.internal_forces import NEO_HOOKEAN, ElasticPad, internal_forces
+from tactiledata.gel.elasticity.internal_forces import (
+    NEO_HOOKEAN,
+    ElasticPad,
+    add_displacement_gradient,
+    internal_forces,
+)
 from tactiledata.gel.elasticity.stiffening import Stiffening
 from tactiledata.gel.elasticity.tangent import TangentAssembly
 from tactiledata.gel.mesh.cells import cell_quadrature
@@ -42,6 +47,17 @@ def test_the_tangent_is_the_derivative_of_the_forces(pad, law):
     expected = ((after - before) / 2).ravel()[mesh.free]
     np.testing.assert_allclose(tangent @ way.ravel()[mesh.free], expected, atol=1e-6 * np.abs(expected).max())
     assert abs(tangent - tangent.T).max() < 1e-12 * abs(tangent).max()
+
+
+def test_the_displacement_gradient_is_added_to_what_is_there(pad):
+    """Every entry at every point of a cell is the sum over its nodes of displacement times gradient, plus what was."""
+    mesh, elastic = pad
+    at = _deformed(mesh, 8e-5)
+    found = np.arange(9.0 * elastic.gradients.shape[3]).reshape(9, -1)
+    expected = found + np.einsum("ni,naq->iaq", at[elastic.cells[5]], elastic.gradients[5]).reshape(9, -1)
+    assert np.abs(expected - found).max() > 1e-3
+    add_displacement_gradient(at, elastic.cells[5], elastic.gradients[5], found)
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
 
 
 def test_filtered_tangents_are_positive_definite(pad):

@@ -81,21 +81,25 @@ def test_a_log_with_a_shifted_signal_falls_short(table, seconds, tiny_folders, t
     assert not mended.fell_short
 
 
+@pytest.fixture(scope="module")
+def plain(tiny_folders, tmp_path_factory):
+    """A store of the log as it was recorded; read only."""
+    place = tmp_path_factory.mktemp("plain") / "plain.zarr"
+    assert not ingest([tiny_folders[0]], place).fell_short
+    return place
+
+
 @pytest.mark.parametrize(
     ("first", "last", "seconds"), [(0, None, 5), (0, None, -5), (20, None, 5), (0, 10, -5), (5, 12, 60)]
 )
-def test_images_at_another_time_get_no_force(first, last, seconds, tiny_folders, tmp_path):
+def test_images_at_another_time_get_no_force(first, last, seconds, tiny_folders, plain, tmp_path):
     """Images whose time is off keep their picture and trajectory, and have no force of another moment."""
     log = moved(tiny_folders[0], tmp_path / "log", "frames", seconds, first, last)
     report, said = taken(log, tmp_path / "ds.zarr")
     assert report.fell_short
     assert said == [("frame-elsewhere", "frames")]
     assert check(tmp_path / "ds.zarr") == []
-    plain = ingest([tiny_folders[0]], tmp_path / "plain.zarr")
-    assert not plain.fell_short
-    now, before = (
-        Store.open(tmp_path / name).frames(["crc32c", "contact_force"]) for name in ("ds.zarr", "plain.zarr")
-    )
+    now, before = (Store.open(place).frames(["crc32c", "contact_force"]) for place in (tmp_path / "ds.zarr", plain))
     truth = dict(zip(before["crc32c"].to_pylist(), before["contact_force"].to_pylist(), strict=True))
     off = [
         abs(force - truth[crc])
