@@ -97,8 +97,8 @@ def touched_findings(sensor: str, take: Take, decode: Decode) -> list[Finding]:
         return []
     text = (
         f"the picture without contact of {sensor!r} differs from {len(seen)} of its frames in free air as a touch "
-        f"makes it differ ({contact.score:.0f} grey levels and more over part of it): it shows a touch, or the light, the "
-        "camera or the gel was changed since. Take it again with nothing touching"
+        f"makes it differ ({contact.score:.0f} grey levels and more over part of it): it shows a touch, or the light, "
+        "the camera or the gel was changed since. Take it again with nothing touching"
     )
     return [Finding("background-touched", "warning", text)]
 

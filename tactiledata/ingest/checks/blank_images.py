@@ -16,7 +16,8 @@ from tactiledata.ingest.checks.spooled import SpooledImages
 
 SMALL = 0.8
 """Images whose bytes are below this share of their camera's median are decoded: few, as a touch changes little of a
-file. A black image whose noise fills as many bytes as a picture is not seen, unless it is first, last or in the middle."""
+file. A black image whose noise fills as many bytes as a picture is not seen, unless it is the first, middle or last
+one."""
 SMALL_BLANK = 2.0
 """Where the first, middle or last image is of one colour, images of up to this many times its bytes are decoded."""
 ONE_COLOUR = 3.0
@@ -53,8 +54,8 @@ def blank_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Finding
         named = ", ".join(str(places[row]) for row in sorted(blank)[:MOST_NAMED])
         text = (
             f"{counted(len(blank), 'image')} of {len(of_camera)} of camera {camera!r}, of one colour throughout: "
-            f"number {named}{' …' if len(blank) > MOST_NAMED else ''} in the order of the recording. No picture of a gel is; "
-            "marked, and left out of splits and datasets. Check the light and the cable of the camera"
+            f"number {named}{' …' if len(blank) > MOST_NAMED else ''} in the order of the recording. No picture of a gel "
+            "is; marked, and left out of splits and datasets. Check the light and the cable of the camera"
         )
         findings.append(Finding("image-blank", "warning", text, camera, count=len(blank)))
     return np.array(sorted(marked), np.int64), findings

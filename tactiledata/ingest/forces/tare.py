@@ -315,8 +315,8 @@ def _pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
     largest = np.nanmax([0.0, *(away for _, away in missed)])
     text = (
         f"wrench: {len(missed)} trajectories do not begin in free air ({_names(missed)}); the nearest zero that is "
-        f"known was taken. They begin up to {largest:.2f} N off it: if nothing was touched then, their forces are off by as "
-        "much. State tares in wrench.tare_ns, or begin in free air"
+        f"known was taken. They begin up to {largest:.2f} N off it: if nothing was touched then, their forces are off "
+        "by as much. State tares in wrench.tare_ns, or begin in free air"
     )
     return [Finding("no-free-air", "warning", text, "wrench", count=len(missed))]
 
@@ -327,7 +327,8 @@ def _trusted_findings(trusted: list[tuple[str, float]]) -> list[Finding]:
     text = (
         f"wrench: {len(trusted)} trajectories ({_names(trusted)}) begin up to {max(away for _, away in trusted):.2f} N "
         "from what the sensor reads most of the time, and end there: taken as free air after a tare that nobody "
-        "stated. If they were pressed all the time, their forces are too small by as much. State tares in wrench.tare_ns"
+        "stated. If they were pressed all the time, their forces are too small by as much. State tares in "
+        "wrench.tare_ns"
     )
     return [Finding("zero-far", "warning", text, "wrench", count=len(trusted))]
 

@@ -77,9 +77,9 @@ def assign_frames(
             inside &= (frame_sensors == trajectory.sensor) | (frame_sensors == "")
         rows[inside] = row
     for frame, name in enumerate(named):
-        row = by_name.get(name, by_name.get(part_name(name, sensors[frame])))
-        if row is not None:
-            rows[frame] = row
+        meant = by_name.get(name, by_name.get(part_name(name, sensors[frame])))
+        if meant is not None:
+            rows[frame] = meant
     return rows
 
 
