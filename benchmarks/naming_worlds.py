@@ -33,7 +33,7 @@ from naming_summary import summary
 from naming_truth import friction_left, modulus_left
 
 from tactiledata.diagnose.answer.sentences import Answer
-from tactiledata.diagnose.full_plays import named_with_full_plays
+from tactiledata.diagnose.naming.full_plays import named_with_full_plays
 from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.naming.metric import cosines
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects

@@ -8,7 +8,7 @@ from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import explain
-from tactiledata.diagnose.full_plays import named_with_full_plays
+from tactiledata.diagnose.naming.full_plays import named_with_full_plays
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import Explanation
-from tactiledata.diagnose.full_plays import FullPlay
 from tactiledata.diagnose.naming.decide import claim_verdict
+from tactiledata.diagnose.naming.full_plays import FullPlay
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.next_trial.propose import Proposal

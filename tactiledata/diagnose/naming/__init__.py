@@ -15,7 +15,8 @@ Read in this order:
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
 8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.
+   `full_plays`: effects named again once the gels on which an answer could rest are played in full.
 
-Of `diagnose`, this folder imports `touches`, `verdict` and, from `residuals`, names and words. It reads no store, draws
+Of `diagnose`, this folder imports `touches`, `verdict` and, from `residuals`, names, words and a bound of rounding. It reads no store, draws
 no page, and uses neither locators nor formulas.
 """

@@ -4,7 +4,8 @@ Read in this order:
 
 1. `touch_case`: a trajectory with its measured wrenches; a set of them with the simulation that plays them.
 2. `store_touches`: the trajectories of a store, with gel and covariates.
-3. `play_grid`: which plays of the gel engine are made: pairs of nu and mu, offsets, shifts along the gel, variants.
+3. `play_grid`: which plays of the gel engine are made, and which are estimated: pairs of nu and mu, offsets, shifts
+   along the gel, variants.
 4. `missing_frames`: frames that a play has not solved, estimated from the others. `grid_answer`: interpolation between
    plays. `played_columns`: its compiled inner loops.
 5. `friction_history`: shear that depends on earlier frames, where friction changes from frame to frame or the path is
