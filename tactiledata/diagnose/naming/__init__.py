@@ -10,13 +10,14 @@ Read in this order:
    `error_sizes`: how large the errors of the simulation are, from the data at hand.
 5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
    than noise.
-6. `evidence`: gain, evidence and signature of a candidate, and the objections to it. `thresholds`: the numbers that a
+6. `agreement`: how well trajectories agree on an effect. `evidence`: gain, evidence and signature of a candidate, and
+   the objections to it. `thresholds`: the numbers that a
    claim needs, and where they come from. `decide`: the answer and its ties.
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
 8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.
    `full_plays`: effects named again once the gels on which an answer could rest are played in full.
 
-Of `diagnose`, this folder imports `touches`, `verdict` and, from `residuals`, names, words and a bound of rounding. It reads no store, draws
-no page, and uses neither locators nor formulas.
+Of `diagnose`, this folder imports `touches`, `verdict` and, from `residuals`, names, words and a bound of rounding. It
+reads no store, draws no page, and uses neither locators nor formulas.
 """

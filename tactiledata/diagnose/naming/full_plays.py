@@ -24,7 +24,7 @@ MOST_ROUNDS = 3
 """Largest number of times that gels are played in full and effects named again."""
 
 
-class Played(Protocol):
+class PlayedTouches(Protocol):
     """Trajectories with the plays by which they are simulated."""
 
     @property
@@ -32,7 +32,7 @@ class Played(Protocol):
         """Plays of each trajectory."""
 
 
-AnyPlayed = TypeVar("AnyPlayed", bound=Played)
+AnyPlayed = TypeVar("AnyPlayed", bound=PlayedTouches)
 
 
 @dataclass(frozen=True)

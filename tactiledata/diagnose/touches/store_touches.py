@@ -173,7 +173,9 @@ def store_touches(
     # an effect may move E far: if E were held at a durometer's bound, errors of the simulation would absorb what is
     # missing
     touch_set = TouchSet(cases, family, box.with_free_modulus)
-    return StoreTouches(touch_set, start, effects, not_played, dict(left_out), frames, geometry, tuple(uids), kept)
+    return StoreTouches(
+        touch_set, start, effects, not_played, dict(left_out), frames, geometry=geometry, uids=tuple(uids), plays=kept
+    )
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.naming.evidence import agreement
+from tactiledata.diagnose.naming.agreement import agreement
 from tactiledata.diagnose.naming.metric import RandomEffects
 
 TRAJECTORIES, FRAMES = 20, 6
