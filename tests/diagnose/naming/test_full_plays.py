@@ -1,0 +1,95 @@
+"""Gels are played in full where an answer could rest on their estimate: by stubs that count what is played."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from candidates import along, candidate
+
+from tactiledata.diagnose.naming.decide import Tie
+from tactiledata.diagnose.naming.full_plays import MOST_ROUNDS, estimated, named_with_full_plays
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.effects.touch.response import GelVariant
+
+T = DEFAULT_THRESHOLDS
+THICKNESS = frozenset(estimated("thickness"))
+
+
+@dataclass(frozen=True)
+class Touches:
+    """Plays of one touch whose changes are 1 where they are played in full, and more where they are estimated."""
+
+    full: frozenset
+
+    @property
+    def plays(self):
+        def change(variant):
+            return np.ones((4, 6)) * np.where(np.arange(6) < 3, 1.0 if variant in self.full else 1.2, 50.0)
+
+        return [SimpleNamespace(variants={variant: change(variant) for variant in THICKNESS})]
+
+
+def naming(scored, claimed=(), ties=()):
+    return SimpleNamespace(scored=list(scored), decision=SimpleNamespace(claimed=claimed, ties=ties))
+
+
+def run(answers):
+    """What was played, and the result, where naming gives these answers one after the other, the last one for ever."""
+    asked = []
+
+    def play(full):
+        asked.append(full)
+        return Touches(full)
+
+    played, found, closer = named_with_full_plays(play, lambda _: answers[min(len(asked), len(answers)) - 1], T)
+    return asked, played, found, closer
+
+
+def of_thickness(share):
+    """Evidence of the thickness, as a share of what is enough for a trace."""
+    return candidate("thickness", share * T.trace_share)
+
+
+def test_a_thickness_with_evidence_for_a_trace_is_played_in_full():
+    """Once; the answer is the second one, and the estimate was off by a fifth of the force."""
+    first, second = naming([of_thickness(1.1)]), naming([of_thickness(0.4)])
+    asked, played, found, (closer,) = run([first, second])
+    assert asked == [frozenset(), THICKNESS]
+    assert (played.full, found) == (THICKNESS, second)
+    assert (closer.effect, closer.error) == ("thickness", pytest.approx(0.2))
+    assert closer.estimated_evidence == pytest.approx(1.1 * T.trace_share * T.claim("thickness"))
+    assert closer.evidence == pytest.approx(0.4 * T.trace_share * T.claim("thickness"))
+
+
+def test_less_than_a_trace_and_effects_without_other_gels_cost_no_play():
+    """A lag, however certain, needs no gel; a thickness below a trace is not worth one."""
+    answer = naming([of_thickness(0.9), candidate("lag", 5.0)], claimed=("lag",))
+    asked, _, found, closer = run([answer])
+    assert (asked, found, closer) == ([frozenset()], answer, ())
+
+
+@pytest.mark.parametrize("how", ["named", "tied"])
+def test_what_an_answer_names_is_played_in_full_whatever_its_evidence(how):
+    """A claim, and an effect that could stand in its place."""
+    tie = Tie("thickness", "lag", "thickness", 0.97, 0.0, 1.0)
+    claim = {"named": {"claimed": ("thickness",)}, "tied": {"claimed": ("lag",), "ties": (tie,)}}[how]
+    asked, *_ = run([naming([of_thickness(0.1)], **claim)])
+    assert asked == [frozenset(), THICKNESS]
+
+
+def test_one_full_play_may_call_for_another_and_rounds_end():
+    """Skin after thickness; effects that come up again and again do not go on for ever."""
+    skin = candidate("skin", T.trace_share, change=along(1))
+    asked, *_, closer = run([naming([of_thickness(1.0)]), naming([skin])])
+    assert asked == [frozenset(), THICKNESS, THICKNESS | frozenset(estimated("skin"))]
+    assert [one.effect for one in closer] == ["thickness", "skin"]
+    assert np.isnan(closer[0].evidence)
+    endless = [naming([candidate(name, 2.0)]) for name in ("thickness", "skin", "dome", "mount_offset", "thickness")]
+    assert len(run(endless)[0]) <= MOST_ROUNDS + 1
+
+
+def test_a_stiffening_law_is_never_estimated():
+    """The linear engine has no such law: its variants are no estimates."""
+    assert estimated("strain_stiffening") == ()
+    assert GelVariant(thickness=1.15) in THICKNESS
