@@ -54,8 +54,8 @@ def blank_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Finding
         named = ", ".join(str(places[row]) for row in sorted(blank)[:MOST_NAMED])
         text = (
             f"{counted(len(blank), 'image')} of {len(of_camera)} of camera {camera!r}, of one colour throughout: "
-            f"number {named}{' …' if len(blank) > MOST_NAMED else ''} in the order of the recording. No picture of a gel "
-            "is; marked, and left out of splits and datasets. Check the light and the cable of the camera"
+            f"number {named}{' …' if len(blank) > MOST_NAMED else ''} in the order of the recording. No picture of a "
+            "gel is; marked, and left out of splits and datasets. Check the light and the cable of the camera"
         )
         findings.append(Finding("image-blank", "warning", text, camera, count=len(blank)))
     return np.array(sorted(marked), np.int64), findings
