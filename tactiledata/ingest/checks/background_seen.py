@@ -87,8 +87,8 @@ def touched_findings(sensor: str, take: Take, decode: Decode) -> list[Finding]:
         return []
     if is_one_colour(background):
         text = (
-            f"the picture without contact of {sensor!r} is of one colour throughout, as no picture of a gel is: whatever "
-            "is compared with it would look touched everywhere. Take it again with the light on"
+            f"the picture without contact of {sensor!r} is of one colour throughout, as no picture of a gel is: "
+            "whatever is compared with it would look touched everywhere. Take it again with the light on"
         )
         return [Finding("background-blank", "warning", text)]
     names = np.array(take.frames["sensor"].to_pylist(), dtype=object)
