@@ -44,10 +44,10 @@ def test_what_a_recording_holds_by_default():
 
 
 def test_bits_of_frames_stay_as_stores_hold_them():
-    """The five bits of a stored frame; unusable are missing, broken and stray ones, 1 + 2 + 16."""
+    """The six bits of a stored frame; unusable are missing, broken, stray and blank ones, 1 + 2 + 16 + 32."""
     bits = {name: value for name, value in vars(FrameFlag).items() if name.isupper()}
-    assert bits == {"MISSING": 1, "BROKEN": 2, "GAP": 4, "OUTSIDE": 8, "STRAY_SIZE": 16}
-    assert UNUSABLE == 19
+    assert bits == {"MISSING": 1, "BROKEN": 2, "GAP": 4, "OUTSIDE": 8, "STRAY_SIZE": 16, "BLANK": 32}
+    assert UNUSABLE == 51
 
 
 def test_columns_of_the_tables_of_a_store():

@@ -176,6 +176,17 @@ def test_a_background_that_shows_a_touch_is_said(stated, shown, force, is_said):
         assert not found or "differs from 4 of its frames in free air" in found[0].message
 
 
+@pytest.mark.parametrize("level", [0, 255])
+def test_a_background_of_one_colour_is_said(level):
+    """Black or white, also where no frame is in free air; a gel's picture is not."""
+    rows, columns = SENSORS["digit"].camera.shape
+    table = frames(4, height=rows, width=columns, contact_force=5.0)
+    for picture, count in ((np.full_like(DIGIT, level), 1), (DIGIT, 0)):
+        made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": Reference(picture, "a file")})
+        found = said(made, lambda rows: [DIGIT] * len(rows))
+        assert [one.severity for one in found if one.code == "background-blank"] == ["warning"] * count
+
+
 def test_three_frames_in_free_air_are_needed_to_judge_a_background():
     """Two, or frames of another size, say nothing."""
     rows, columns = SENSORS["digit"].camera.shape

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE, Take
+from tactiledata.ingest.checks.blank_images import is_one_colour
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.image_checks import channel_order, shows_contact, size_orientation
 from tactiledata.store.read.free_air import FREE_AIR, LEAST_FRAMES
@@ -69,9 +70,10 @@ def channel_findings(sensor: str, images: Sequence[PictureArray], take: Take, mo
 
 
 def touched_findings(sensor: str, take: Take, decode: Decode) -> list[Finding]:
-    """A warning where a recording's own picture without contact differs from its frames in free air as by a touch.
+    """A warning where a recording's own picture without contact is of one colour, or shows what looks like a touch.
 
-    Only forces tell which frames are in free air: without them, or with fewer than three such frames, nothing is said.
+    A touch shows where it differs from the recording's own frames in free air. Only forces tell which frames those are:
+    without forces, or with fewer than three such frames, nothing is said of a touch.
 
     Parameters
     ----------
@@ -83,6 +85,12 @@ def touched_findings(sensor: str, take: Take, decode: Decode) -> list[Finding]:
     background = stated_background(take, sensor)
     if background is None:
         return []
+    if is_one_colour(background):
+        text = (
+            f"the picture without contact of {sensor!r} is of one colour throughout, as no picture of a gel is: "
+            "whatever is compared with it would look touched everywhere. Take it again with the light on"
+        )
+        return [Finding("background-blank", "warning", text)]
     names = np.array(take.frames["sensor"].to_pylist(), dtype=object)
     free = (take.frames["contact_force"].to_numpy() < FREE_AIR) & ((take.frames["flags"].to_numpy() & UNUSABLE) == 0)
     rows = np.flatnonzero((names == sensor) & free)
