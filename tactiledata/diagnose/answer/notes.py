@@ -37,7 +37,7 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
     # effects that were looked at closely
     for one in done.full_plays:
         notes.append(
-            f"{EFFECTS[one.effect]().title}: the gel was played in full after an estimate, which was off by"
+            f"{EFFECTS[one.effect]().title} was first estimated and then played in full: the estimate was off by"
             f" {percent(one.error)} of what the effect changes; the evidence was {_number(one.estimated_evidence)} and"
             f" is {_number(one.evidence)}"
         )

@@ -7,6 +7,7 @@ import pytest
 
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.answer.notes import notes_of
+from tactiledata.diagnose.naming.full_plays import FullPlay
 from tactiledata.diagnose.touches.store_touches import FrameUse
 from tactiledata.diagnose.touches.touch_case import TouchCase
 from tactiledata.effects.touch.touch import Touch
@@ -84,11 +85,16 @@ def test_a_trajectory_that_is_left_out_loses_all_of_its_frames():
     assert found.force_lost == pytest.approx(59 / 64)
 
 
-def noted(frames, left_out=None):
+def noted(frames, left_out=None, full_plays=()):
     """Notes of a diagnosis in which every effect was tried."""
     played = SimpleNamespace(left_out=left_out or {}, frames=frames, not_played={})
     return notes_of(
-        SimpleNamespace(played=played, options=SimpleNamespace(effects=None), naming=SimpleNamespace(not_tried=()))
+        SimpleNamespace(
+            played=played,
+            options=SimpleNamespace(effects=None),
+            naming=SimpleNamespace(not_tried=()),
+            full_plays=full_plays,
+        )
     )
 
 
@@ -103,3 +109,14 @@ def test_nothing_is_noted_of_frames_that_all_take_part():
     """Notes of trajectories alone remain where no frame is lost or estimated."""
     assert noted(FrameUse(0, 0.0, 0)) == []
     assert noted(FrameUse(0, 0.0, 0), {"no pose": 4}) == ["4 x no pose"]
+
+
+def test_a_gel_that_was_played_in_full_is_noted_with_what_the_estimate_missed():
+    """Error in per cent, evidence before and after; an effect that was not refitted any more has none."""
+    (said,) = noted(FrameUse(0, 0.0, 0), full_plays=(FullPlay("thickness", 0.173, 38.04, 12.5),))
+    assert said.startswith(
+        "thickness of the gel was first estimated and then played in full: the estimate was off by 17 %"
+    )
+    assert said.endswith("the evidence was 38.0 and is 12.5")
+    (faint,) = noted(FrameUse(0, 0.0, 0), full_plays=(FullPlay("skin", 0.3, 20.0, float("nan")),))
+    assert faint.endswith("the evidence was 20.0 and is too small for a refit")
