@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from gel_failures import COARSE
 from naming_case import Maker, to_play
 from numpy.typing import NDArray
 from timing import header
@@ -27,17 +28,17 @@ from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import design_variants, has_own_law, play_touches, variants_of
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.engines.fem import Fidelity
-from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.gel.mesh.structured_pad import structured_pad
 from tactiledata.sensors.digit import DIGIT
 
 Array = NDArray[np.float64]
-COARSE = GridPlan(8, 9, 0.8e-3, (4.8e-3, 5.6e-3), (0.0, 0.5, 0.8, 1.0))
 AT_ONCE = 4
 """Touches that are played before it is the other way's turn."""
 
 
 def played(
-    plan: WedgePlan, mesh: object, touches: Sequence[MeasuredTouch], estimate: bool
+    plan: WedgePlan, mesh: PadMesh, touches: Sequence[MeasuredTouch], estimate: bool
 ) -> tuple[list[TouchPlays], float]:
     """Plays of touches without any kept ones, and the seconds of processor that they took."""
     fidelity: Fidelity = "finite-strain"

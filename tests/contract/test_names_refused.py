@@ -11,7 +11,7 @@ LOG = {"format": "tactiledata-log/1", "sensors": {"D1": {"model": "digit"}}}
 @pytest.mark.parametrize("name", ["Gel/A", "/", "a\\b", "a\nb", "   ", ""])
 @pytest.mark.parametrize("place", ["mapping", "sensors", "indenters"])
 def test_a_slash_in_a_name_is_refused_in_words(name, place):
-    """In a mapping and in a log.yaml alike (decision 0043); no regular expression is shown."""
+    """A slash is refused in a mapping as in a log.yaml (decision 0043); no regular expression is shown."""
     if place == "mapping":
         document, schema = (
             {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": "/x", "sensor": name}}},
