@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
-from tactiledata.diagnose.residuals.scores import IMITATED
+from tactiledata.diagnose.residuals.scores import cosines_of
 
 NEAR = 0.9
 """Smallest absolute cosine at which a field behaves like a known effect."""
@@ -47,9 +47,6 @@ def likenesses(projection: ProjectedResiduals, field: Array, signatures: Mapping
     stacked = np.stack([field, *(signatures[name] for name in names)], axis=2)
     both = projection.orthogonal(stacked)
     together = np.einsum("nka,nkb->ab", both, projection.weigh(both), optimize=True)
-    squares = np.diag(together)
-    has_direction = squares > IMITATED * (stacked**2).sum(axis=(0, 1))
-    size = np.sqrt(np.where(has_direction, squares, 1.0))
-    cosines = np.where(has_direction[0] & has_direction[1:], together[0, 1:] / (size[0] * size[1:]), 0.0)
+    cosines = cosines_of(together, (stacked**2).sum(axis=(0, 1)))[0, 1:]
     listed = [Likeness(name, float(cosine)) for name, cosine in zip(names, cosines, strict=True)]
     return tuple(sorted(listed, key=lambda likeness: -abs(likeness.cosine)))

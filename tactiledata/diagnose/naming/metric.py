@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.diagnose.residuals.scores import IMITATED
+from tactiledata.diagnose.residuals.scores import cosines_of
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,8 @@ class RandomEffects:
 def cosines(metric: RandomEffects, fields: Sequence[Array]) -> Array:
     """Return the cosines (k, k) of the angles between k fields in the metric, at least one field.
 
-    A field that the shared parameters imitate up to ``IMITATED`` of its squares has no direction of its own: its
-    cosines are 0, also that with itself.
+    A field that the shared parameters imitate, up to rounding, has no direction of its own: its cosines are 0, also
+    that with itself (`cosines_of`).
 
     Parameters
     ----------
@@ -103,11 +103,7 @@ def cosines(metric: RandomEffects, fields: Sequence[Array]) -> Array:
     """
     stacked = np.stack(fields, axis=2)
     products = metric.products(stacked, stacked)
-    squares = np.diag(products)
-    has_direction = squares > IMITATED * (stacked**2).sum(axis=(0, 1))
-    size = np.sqrt(np.where(has_direction, squares, 1.0))
-    is_known = np.outer(has_direction, has_direction)
-    return np.where(is_known, np.clip(products / np.outer(size, size), -1.0, 1.0), 0.0)
+    return cosines_of(products, (stacked**2).sum(axis=(0, 1)))
 
 
 def best_imitation(metric: RandomEffects, field: Array, others: Array) -> float:

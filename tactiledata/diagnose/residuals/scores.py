@@ -196,3 +196,20 @@ def joined_refits(refits: Sequence[Refit | None]) -> Refit | None:
     if not known:
         return None
     return Refit(known[0].scores, known[0].inverse, np.concatenate([refit.together for refit in known], axis=2))
+
+
+def cosines_of(products: Array, squares: Array) -> Array:
+    """Return the cosines (k, k) of k fields from their products; 0 for fields that are all but taken out.
+
+    Parameters
+    ----------
+    products : (k, k)
+        Inner products of what is left of the fields after projection.
+    squares : (k,)
+        Sums of squares of the whole fields. With no more than ``IMITATED`` of it left, a field has no direction.
+    """
+    left = np.diag(products)
+    has_direction = left > IMITATED * squares
+    size = np.sqrt(np.where(has_direction, left, 1.0))
+    is_known = np.outer(has_direction, has_direction)
+    return np.where(is_known, np.clip(products / np.outer(size, size), -1.0, 1.0), 0.0)
