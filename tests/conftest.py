@@ -52,7 +52,7 @@ def tiny_mcaps(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def tiny_folders(tmp_path_factory):
-    """The same world as two folder logs; read only."""
+    """The bundled tiny world as two folder logs; read only."""
     return tiny_world(tmp_path_factory.mktemp("tiny-folder"), "folder")
 
 

@@ -114,7 +114,7 @@ def test_only_the_vector_loss_sees_directions(world):
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["vector", "norm"])
 def test_a_fit_is_the_same_every_time(world, loss):
-    """And what is held out is not fitted, yet foretold nearly as well."""
+    """A fit gives the same answer every time, and what is held out is not fitted, yet foretold nearly as well."""
     experiment = world.experiment(world.measured())
     options = CalibrationOptions(loss=loss, hold_out=0.25, seed=3)
     one, other = (fit(experiment, NOISE, PAPER, options) for _ in range(2))

@@ -197,5 +197,5 @@ def test_bad_calls_are_answered_in_words(name, bench, capsys):
 
 
 def test_the_table_stays_wide():
-    """At least 25 kinds."""
+    """The table has at least 25 kinds of bad calls."""
     assert len(CASES) >= 25

@@ -71,7 +71,7 @@ def test_it_attaches_and_says_where_to_look(store, capsys):
 
 
 def test_a_calibration_gives_material_and_offsets(store, capsys):
-    """As a document for machines; what is stated beside it wins."""
+    """A calibration is taken as a document for machines; what is stated beside it wins."""
     uid = Store.open(store).trajectories(["uid"])["uid"][0].as_py()
     Path("calibration.json").write_text(json.dumps(calibration({uid: 2e-5})))
     options = ("--fidelity", "linear", "--calibration", "calibration.json")

@@ -48,7 +48,7 @@ def test_several_frames_become_one_picture(folder, capsys):
 
 
 def test_one_frame_is_taken_with_a_note(folder, capsys):
-    """From one frame a touch cannot be told; that is said, several frames say nothing."""
+    """One frame cannot tell a touch, and that is said; several frames say nothing."""
     code, out, _ = run_command(capsys, "sensors", "add", "D9", "--background", "a.png", "--json")
     assert code == 0
     assert [finding["code"] for finding in json.loads(out)["findings"]] == ["background-one-frame"]

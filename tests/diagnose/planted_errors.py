@@ -24,7 +24,7 @@ def _blank():
 
 
 def _measured(touch_set, wrench):
-    """The same touches with other measured wrenches (N, 6)."""
+    """A touch with other measured wrenches (N, 6)."""
     rows = np.split(wrench, np.cumsum(touch_set.counts)[:-1])
     cases = [dataclasses.replace(case, measured=part) for case, part in zip(touch_set.touches, rows, strict=True)]
     return TouchSet(cases, touch_set.base)

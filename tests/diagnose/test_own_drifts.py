@@ -29,7 +29,7 @@ def found(world, seed=0, draws=DRAWS):
 
 
 def test_nulls_follow_nothing():
-    """At most 5 % and three standard errors of 60 nulls are called drifts, with correlated noise, unequal offsets."""
+    """Of 60 nulls with correlated noise and unequal offsets, 5 % and three standard errors at most are drifts."""
     alarms = [found(with_distance(planted(seed)))[0].p <= 0.05 for seed in range(60)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 

@@ -105,7 +105,7 @@ def test_names_say_what_columns_are():
 
 
 def test_a_document_says_the_same():
-    """The same residuals by names and by a document."""
+    """A table that is described by a document has the same residuals as by its names."""
     table = presses()
     document = {
         "format": "tactiledata-columns/1",
@@ -371,7 +371,7 @@ def test_the_same_table_gives_the_same_document(tmp_path):
 
 @pytest.mark.slow
 def test_empty_tables_are_rarely_called_structured(tmp_path):
-    """At most one in twenty of 100 empty tables, without known noise, is called structured."""
+    """Of 100 empty tables without known noise, at most one in twenty is called structured."""
     from tactiledata.diagnose.locate.locate import LocateOptions, locate
 
     alarms = [

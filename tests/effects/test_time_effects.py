@@ -25,7 +25,7 @@ def convolution(seconds, force, at, time):
 
 @pytest.mark.parametrize("time", [0.05, 1.0, 40.0])
 def test_memory_is_the_convolution_integral(time):
-    """On frames of uneven spacing, against quadrature."""
+    """The memory on frames of uneven spacing is the convolution integral, found by quadrature."""
     rng = np.random.default_rng(0)
     seconds = np.cumsum(rng.uniform(0.02, 0.5, 20))
     wrench = np.cumsum(rng.normal(size=(20, 6)), axis=0)

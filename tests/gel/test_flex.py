@@ -38,7 +38,7 @@ def engine():
 
 @pytest.fixture(scope="module")
 def history(engine):
-    """In the air, down in three frames, sideways in two, in the air."""
+    """Poses in the air, down in three frames, sideways in two, and in the air again."""
     down = [(0.3, 0.1, -depth) for depth in DEPTHS]
     path = poses((0.3, 0.1, 0.5), *down, (0.4, 0.1, -0.6), (0.5, 0.1, -0.6), (0.5, 0.1, 0.2))
     return pressed(engine, Sphere(4e-3), path, friction=0.3)

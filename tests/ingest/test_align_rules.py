@@ -45,7 +45,7 @@ def test_a_frame_whose_time_is_off_gets_no_value():
 
 
 def test_of_samples_with_one_time_the_first_is_taken():
-    """And a sample that is not finite in one column is left out in all."""
+    """The first of samples with one time is taken, and a sample that is not finite in one column is left out in all."""
     found = align(
         signal([0, 10, 10, 20, 30], [[0, 0], [1, 5], [9, 9], [2, np.nan], [3, 7]], ("a", "b")),
         START + np.array([10, 20]),

@@ -67,7 +67,7 @@ def assembled(recording, table, pictures=None, **options):
 
 
 def test_the_options_of_an_ingest():
-    """By custom nothing is refused and 0.1 s is a gap; what shapes the output is told."""
+    """By default nothing is refused and 0.1 s is a gap; what shapes the output is told."""
     assert IngestOptions() == IngestOptions(None, None, False, 100 * MS)
     assert IngestOptions({"a": 1}, "mcap", True, 5).document() == {"mapping": {"a": 1}, "gap_limit_ns": 5}
 
@@ -109,14 +109,14 @@ def test_a_value_over_a_gap_flags_its_frame(lost, limit, is_gap):
 
 
 def test_gaps_in_trajectories_are_said():
-    """Of every signal."""
+    """Gaps in trajectories are said of every signal."""
     take, _, _ = assembled(recording(joints([*range(0, 300, 10), *range(600, 2000, 10)])), images([5]))
     [gap] = [one for one in findings_of(take.findings) if one.code == "gap"]
     assert (gap.stream, gap.start_ns, gap.end_ns, gap.count) == ("joints", *at(290, 600).tolist(), 1)
 
 
 def test_without_names_and_forces_all_is_one_trajectory():
-    """From the first image or sample to the last; without any there is none."""
+    """The only trajectory lasts from the first image or sample to the last; without any there is none."""
     take, _, codes = assembled(recording(joints([0, 10, 2000]), touches=()), images([-50, 400]))
     assert take.trajectories["trajectory"].to_pylist() == ["whole-recording"]
     assert take.trajectories["segmented"].to_pylist() == ["whole recording"]
@@ -130,7 +130,7 @@ def test_without_names_and_forces_all_is_one_trajectory():
 
 
 def test_touches_are_found_by_the_wrench():
-    """With the zero of each touch; what is said of the wrench is said once."""
+    """Touches are found by the wrench with the zero of each touch, and what is said of the wrench is said once."""
     take, _, codes = assembled(recording(wrench(), touches=()), images([400]))
     assert take.trajectories["trajectory"].to_pylist() == ["touch-0000", "touch-0001"]
     assert take.trajectories["segmented"].to_pylist() == ["contact onset and release"] * 2
@@ -177,7 +177,7 @@ def test_what_the_reader_said_of_trajectories_is_not_said_again():
 
 
 def test_a_lost_span_is_told_of_its_trajectory():
-    """And of no other."""
+    """A lost span is told of its own trajectory and of no other."""
     lost = Finding("lost", "damage", "lost", start_ns=START, end_ns=START + 1)
     take, _, _ = assembled(recording(joints(range(0, 2000, 10)), findings=[lost]), images([5]))
     found = [one for one in findings_of(take.findings) if one.code == "trajectory-incomplete"]
@@ -198,7 +198,7 @@ def test_an_image_elsewhere_has_neither_force_nor_pose():
 
 
 def test_images_of_a_camera_that_jumped_are_in_no_trajectory():
-    """By a time that is not theirs; those before the jump are."""
+    """Images after a camera's jump are in no trajectory, as their time is not theirs; those before the jump are."""
     t = np.arange(0, 2000, 20) + np.where(np.arange(100) >= 60, 3000, 0)
     touches = (Trajectory("a", START, START + 1000 * MS), Trajectory("z", START + 4000 * MS, START + 5000 * MS))
     made = recording(joints(range(0, 2000, 10)), touches=touches)
@@ -209,7 +209,7 @@ def test_images_of_a_camera_that_jumped_are_in_no_trajectory():
 
 
 def test_a_reference_is_of_usable_images_in_free_air():
-    """Not of one that is missing; strays of size are flagged before."""
+    """The reference takes no missing image; strays of size are flagged before."""
     pictures = [np.full((8, 6, 3), level, np.uint8) for level in (99, 10, 20, 30)]
     encodings = ["missing", "png", "png", "png"]
     take, _, codes = assembled(recording(wrench()), images([10, 20, 30, 40], encoding=encodings), pictures)

@@ -105,7 +105,7 @@ def test_a_twentieth_of_the_messages_may_be_late(sign, few, clock):
 @pytest.mark.parametrize("distance", [0, START - 5 * SECOND])
 @pytest.mark.parametrize(("spread", "is_steady"), [(STEADY, True), (STEADY + 1, False)])
 def test_a_steady_header_spreads_by_a_fifth_of_a_second(spread, is_steady, distance):
-    """To the nanosecond, also where the header is of another epoch."""
+    """A header is steady up to a spread of 0.2 s to the nanosecond, also in another epoch."""
     lag = distance + np.where(np.arange(101) < 50, 0, spread)
     choice = choose_clock("wrench", by_lag(lag, SECOND))
     assert (choice.clock != "log") == is_steady
@@ -163,7 +163,7 @@ def jump_of(lag, log=None):
 
 @pytest.mark.parametrize("row", [1, 500, 999])
 def test_a_header_that_jumps_for_good_is_refused(row):
-    """By more than 0.2 s and two messages ahead, be it before the last message or after the first."""
+    """A header that jumps by over 0.2 s and two messages is refused, before the last message or after the first."""
     lag = np.full(1000, 3 * MS)
     lag[row:] -= 300 * MS
     few = np.full(1000, 3 * MS)

@@ -122,7 +122,7 @@ def test_torques_are_about_the_origin_of_the_gel():
 
 
 def test_what_is_kept_of_a_contact_wrench():
-    """Where it comes from, in words; attributes of the wrench stay."""
+    """The contact wrench says in words where it comes from, and keeps the attributes of the wrench."""
     values, _ = touches((0, 0, 3))
     values[:, 0] = 0.01 * (np.arange(len(values)) % 2)
     wrench = signal("wrench", START + np.arange(len(values)) * 10 * MS, values, clock="log")
@@ -161,7 +161,7 @@ def test_the_weight_of_the_tool_is_taken_off():
 
 
 def test_where_no_pose_is_near_the_wrench_is_not_known():
-    """With the first and the last of these moments, and how many there are."""
+    """Moments without a near pose are counted, and the first and the last of them are named."""
     robot = {"tcp_from_gel": SAME, "tcp_from_ft": SAME, "tool": TOOL}
     found, said = answer(loaded(), described(robot, sign="load_on_sensor", gravity="included"), upright([200, 210]))
     lost = np.isnan(found.values).all(axis=1)

@@ -34,7 +34,7 @@ def test_trajectories_are_sorted_by_start_end_and_name():
 
 @pytest.mark.parametrize(("end", "kept"), [(4, []), (5, []), (6, ["t"])])
 def test_what_ends_at_or_before_its_start_is_left_out(end, kept):
-    """And is said; what comes after it stays."""
+    """A trajectory that ends at or before its start is left out and said; what comes after it stays."""
     names, said = checked(("t", 5, end), ("later", 10, 20))
     assert names == [*kept, "later"]
     assert said == ([] if kept else [("trajectory-reversed", "damage", "t", None, None)])
@@ -51,7 +51,7 @@ def test_repeated_names_are_numbered():
 
 
 def test_overlaps_of_one_sensor_are_damage():
-    """By a nanosecond; the span of both is named. Different sensors may overlap, unknown ones may be the same."""
+    """An overlap of a nanosecond is damage; two sensors may overlap, and an unknown one may be the same."""
     assert checked(("a", 0, 10), ("b", 10, 20))[1] == []
     assert checked(("a", 0, 10), ("b", 9, 20))[1] == [("trajectory-overlap", "damage", "b", 9, 10)]
     assert checked(("a", 0, 30), ("b", 9, 20))[1] == [("trajectory-overlap", "damage", "b", 9, 20)]
@@ -124,7 +124,7 @@ def test_a_table_of_trajectories_by_hand():
 
 
 def test_the_largest_force_without_a_wrench_is_that_of_the_frames():
-    """Of the trajectory's own frames, those without a force left out."""
+    """The largest force is that of the trajectory's own frames, those without a force left out."""
     force = np.array([1, 7, np.nan, 3, 9], np.float32)
     table = trajectory_table(TWO, "ab", "log", np.array([0, 0, 1, 1, -1], np.int32), force, {})
     assert table["peak_force"].to_pylist()[:2] == [7, 3]

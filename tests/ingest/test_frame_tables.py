@@ -75,7 +75,7 @@ def test_stamps_that_no_image_has_are_none():
 
 
 def test_the_offset_of_frames_is_added_and_their_order_is_said():
-    """Of images with one stamp, with a stated offset; two that change places are a finding."""
+    """A stated offset is added to images with one stamp, and two that change places are a finding."""
     log = START + np.array([0, 2, 1]) * SECOND
     captured = capture_times(recording(clocks={"frames": {"offset_ns": 5, "known": True}}), images(["a"] * 3, log=log))
     assert (captured.t_ns - log).tolist() == [5] * 3

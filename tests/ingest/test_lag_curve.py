@@ -92,7 +92,7 @@ def test_the_rules_of_lags_in_numbers():
 
 
 def test_touches_are_counted_six_at_most():
-    """With the spread of their own lags."""
+    """At most six touches are counted, with the spread of their own lags."""
     assert said(*planted(100, touches=2))[0][0] == 2
     assert "the 2 touches judged one by one" in said(*planted(100, touches=2))[0][1]
     asked = []
@@ -165,7 +165,7 @@ def curve(best, peak=0.95, low=0.5, **others):
 
 @pytest.mark.parametrize("side", ["before", "after"])
 def test_a_peak_falls_within_a_tenth_of_a_second(side):
-    """By 0.01 at ten lags on either side; what lies between or farther away does not matter."""
+    """A peak falls by 0.01 at ten lags on either side; what lies between or farther away does not matter."""
     assert clear_peak(curve(30)) == 30
     assert clear_peak(curve(30, **{f"{side}_10": 0.9399})) == 30
     assert clear_peak(curve(30, **{f"{side}_10": 0.9401})) is None

@@ -71,7 +71,7 @@ def test_pictures_of_another_size_than_the_first_are_left_out():
 
 
 def test_at_most_32_frames_are_averaged_from_the_first_to_the_last():
-    """Of 40 frames 32, spread over all of them; of 32 every one."""
+    """Of 40 frames, 32 are averaged, spread over all of them; of 32 every one is."""
     references, asked, _ = found([0.0] * 40, [grey(level) for level in range(40)])
     assert len(asked) == 32
     assert (asked[0], asked[-1]) == (0, 39)

@@ -105,7 +105,7 @@ def test_of_each_sensor_and_indenter_the_firmest_touch_is_shown(monkeypatch):
 
 
 def test_new_sensors_and_indenters_are_shown_before_known_ones(monkeypatch):
-    """In turn: what has most that was not shown, and among equals the first."""
+    """The touch with most that was not shown comes next, and among equals the first."""
     rows = [
         row("a", 1, "D1", "ball"), row("b", 9, "D1", "edge"), row("c", 5, "D2", "ball"), row("d", 2, "D2", "edge"),
         row("e", 1, "D3", "ball"),
@@ -114,7 +114,7 @@ def test_new_sensors_and_indenters_are_shown_before_known_ones(monkeypatch):
 
 
 def test_six_touches_are_shown(monkeypatch):
-    """Of eight sensors the first six."""
+    """The first six of eight sensors are shown."""
     assert chosen([row(f"t{n}", n, f"D{n}") for n in range(8)], monkeypatch) == ["t0", "t1", "t2", "t3", "t4", "t5"]
 
 
@@ -126,7 +126,7 @@ def pictured(flags, force, place=1, **options):
 
 
 def test_a_touch_is_shown_at_its_largest_force():
-    """Of its usable images; times are seconds from its start, and the samples are its own."""
+    """A touch is shown by its usable image at the largest force, with its own samples and seconds from its start."""
     table, rows = pictured([0, 0, 0, 0, 0, FrameFlag.BROKEN, 0, 0], [99, 99, 1, 2, 3, 50, np.nan, 99])
     reference = Reference(np.zeros((8, 6, 3), np.uint8), "a file")
     shown = touch_picture(Tables(table, rows, references={"D1": reference}), 1)
@@ -141,7 +141,7 @@ def test_a_touch_is_shown_at_its_largest_force():
 
 
 def test_without_forces_the_middle_image_is_shown():
-    """Of those that are usable; without samples there are none, and a sensor without reference has none."""
+    """Without forces the middle usable image is shown; without samples or a reference none of these is."""
     table, rows = pictured([0, 0, FrameFlag.MISSING, 0, 0, 0, 0, 0], np.nan)
     shown = touch_picture(Tables(table, rows, signals=()), 1)
     assert shown.image == "image 5"
@@ -250,7 +250,7 @@ def test_findings_are_ranked_and_sixty_are_shown():
 
 
 def test_without_a_split_the_one_that_can_be_drawn_is_named(monkeypatch):
-    """Or why none can be."""
+    """The page names the split that can be drawn, or why none can be."""
     monkeypatch.setattr(module, "suggest_split", lambda store: Suggestion("split it"))
     found = module._split(Tables(), "default")
     assert (list(found.code), len(found.sentences)) == (["split it"], 1)
@@ -292,7 +292,7 @@ def test_a_split_is_described(monkeypatch):
 
 
 def test_a_split_that_is_out_of_date_is_drawn_again(monkeypatch):
-    """With the command that does it."""
+    """The page names the command that draws a split anew which is out of date."""
     found = described(monkeypatch, {}, "1 new")
     assert found.sentences[1] == (
         "warning",
@@ -302,7 +302,7 @@ def test_a_split_that_is_out_of_date_is_drawn_again(monkeypatch):
 
 
 def test_the_page_is_written_with_its_picture(monkeypatch, tmp_path):
-    """Where there is a touch to be shown; the page alone where there is none."""
+    """The page is written with its picture if there is a touch to be shown, and alone if there is none."""
     monkeypatch.setattr(module, "page", lambda store, picture, split, further: f"{picture and picture.png} {split}")
     monkeypatch.setattr(module, "draw", lambda touches: ("figure", "caption"))
     monkeypatch.setattr(module, "png_bytes", lambda figure, heading: b"png")
@@ -330,7 +330,7 @@ def streams(monkeypatch, cameras, aligned, frame_values=()):
 
 
 def test_the_first_program_takes_the_most_filmed_camera_and_the_most_wanted_values(monkeypatch):
-    """Of those that are known anywhere; else values of images, else none."""
+    """The program takes the most filmed camera and the most wanted values that are known, else values of images."""
     both = {"tcp": FINITE, "contact_wrench": FINITE}
     assert streams(monkeypatch, ["a", "b", "b"], both) == ["b", "contact_wrench"]
     assert streams(monkeypatch, ["a", "a", "b"], {"other": FINITE, "joints": FINITE}) == ["a", "joints"]
@@ -355,7 +355,7 @@ def test_without_a_split_the_first_program_draws_on_what_would_be_drawn(monkeypa
 
 
 def test_names_outside_of_ascii_stay_as_they_are(monkeypatch):
-    """In the text of a program."""
+    """Names outside of ASCII stay as they are in the text of a program."""
     assert streams(monkeypatch, ["fühler"], {}) == ["fühler"]
     text = first_program(Tables(frames(1, camera=["fühler"]), aligned={}, splits=("s",)), "s")
     assert "fühler" in text

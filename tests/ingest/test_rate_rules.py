@@ -78,7 +78,7 @@ def gaps(steps_ms, spans_ms=((0, 10**9),), **options):
 
 
 def test_a_gap_is_ten_times_the_usual_distance():
-    """By custom ten times, or as asked for; of samples every 10 ms, 100 ms are none and a nanosecond more is."""
+    """A gap is ten times the usual distance, or as asked for: 100 ms between samples every 10 ms are none."""
     assert gaps([10, 10, 10, 100]) == []
     [gap] = gaps([10, 10, 10, 100 + 1e-6])
     assert (gap.code, gap.severity, gap.stream, gap.count) == ("gap", "warning", "wrench", 1)

@@ -85,7 +85,7 @@ def test_the_same_name_and_a_signal_in_common():
 
 
 def test_the_same_name_and_an_image_in_common():
-    """Of equal size and bytes, of that very source; moments without an image have nothing in common."""
+    """Images in common have equal size and bytes and are of that very source; moments without an image do not count."""
     stored = [("a", "run", 2, ()), ("b", "run", 1, ())]
     images = [(0, 8, 6, 1), (0, 8, 6, 2), (1, 8, 6, 3)]
     assert matches(Staged("c", images=[(8, 6, 3)]), *stored, images=images) == ["b"]
@@ -164,7 +164,7 @@ def planned(takes, matches, held=()):
 
 
 def test_a_take_that_matches_nothing_is_new():
-    """And one that is listed twice comes once; nothing of it is replaced."""
+    """A take that matches nothing is new and replaces nothing; one that is listed twice comes once."""
     assert planned(["a", "b"], {}) == {"replaced": {}, "new": ["a", "b"], "held": [], "states": ["added"] * 2}
     assert planned(["a", "a", "b"], {}) == {
         "replaced": {}, "new": ["a", "b"], "held": ["a"], "states": ["added", "present", "added"],

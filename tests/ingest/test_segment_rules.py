@@ -24,7 +24,7 @@ def spans(*presses, **options):
 
 
 def test_a_contact_lasts_from_its_first_to_its_last_sample():
-    """Also at the first and the last row of a recording."""
+    """A contact lasts from its first to its last sample, also at the first and the last row of a recording."""
     assert spans((100, 180), (900, 1000)) == [(100, 180), (900, 1000)]
     assert spans((0, 99), (3900, 3999)) == [(0, 99), (3900, 3999)]
     assert spans() == []
@@ -63,7 +63,7 @@ def segmented(*presses, axis=2):
 
 
 def test_a_second_of_free_air_is_kept_on_either_side():
-    """Or half the way to the neighbour, at most a second; the outer ends reach beyond the recording."""
+    """A second of free air, or half the way to the neighbour, is kept; the outer ends reach beyond the recording."""
     assert MARGIN == 1000 * MS
     assert segmented((500, 600), (1000, 1100), (3100, 3200), (5201, 5300), (10_000, 11_999)) == [
         ("touch-0000", -500, 800, "D1"),

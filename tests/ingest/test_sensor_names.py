@@ -25,7 +25,7 @@ def named(sensors, trajectories=(), cameras=None, names=None):
 
 
 def test_an_interval_lends_its_sensor_half_open():
-    """From its start on, and not at its end; a trajectory without a sensor lends nothing, the next one does."""
+    """An interval lends its sensor from its start on and not at its end; one without a sensor lends nothing."""
     touches = [Trajectory("a", 0, 2), Trajectory("b", 1, 3, "D1"), Trajectory("c", 2, 5, "D2")]
     found, _, said = named(["", "", "", "", "", ""], touches)
     assert found == ["unknown-01234567", "D1", "D1", "D2", "D2", "unknown-01234567"]

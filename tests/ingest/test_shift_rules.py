@@ -24,7 +24,7 @@ TOUCHES = (2000, 58_000)
 
 
 def shift(own, other=LONG, touches=TOUCHES):
-    """By how much (ms) a stream with a span (ms) is late against another one; None where nothing is said."""
+    """The time (ms) by which a stream with a span (ms) is late against another one; None where nothing is said."""
     spans = {name: (START + first * MS, START + last * MS) for name, (first, last) in (("own", own), ("other", other))}
     found = shift_of("own", spans, (START + touches[0] * MS, START + touches[1] * MS))
     assert found is None or found.against == "other"
@@ -74,7 +74,7 @@ def test_the_other_stream_covers_all_touches():
 
 
 def test_spans():
-    """From the least to the largest, whatever the order; of trajectories, or without them of the images."""
+    """A span goes from the least to the largest, of trajectories, or without them of the images."""
     assert span_of(np.array([5, 9, 3])) == (3, 9)
     cameras = {"a": np.array([5, 9]), "none": np.zeros(0, np.int64), "b": np.array([3, 8])}
     assert touched_span(recording(()), cameras) == (3, 9)
@@ -86,7 +86,7 @@ def test_spans():
     ("late", "way"), [(10**15, "1000000.000 s later"), (-(10**15), "1000000.000 s earlier"), (1, "0.000 s later")]
 )
 def test_what_is_said_of_a_shift(late, way):
-    """By how much, which offset would mend it, and when its samples were."""
+    """The finding says how large the shift is, which offset would mend it, and when its samples were."""
     t_ns = START + late + np.array([5, 0, 9])
     found = shift_finding("wrench", Shift(late, "tcp"), t_ns, 7, "frames", "images are lost")
     assert (found.code, found.severity, found.stream, found.count) == ("clock-apart", "damage", "wrench", 3)
@@ -156,7 +156,7 @@ def test_a_camera_that_jumps_is_judged_by_the_signals_only():
 
 
 def test_a_camera_with_three_long_pauses_is_not_judged_by_jumps():
-    """With two it is; of three one may be of a camera that takes steps."""
+    """A camera with two long pauses is judged by jumps; of three, one may be of a camera that takes steps."""
     for pauses, is_judged in ((2, True), (3, False)):
         t_ns = FILMED.copy()
         for row in (300, 500, 700)[:pauses]:

@@ -45,7 +45,7 @@ def found(*paths, **options):
 
 
 def test_the_first_format_that_claims_a_path_reads_it():
-    """Or the one that is named, whatever it claims; none where none does."""
+    """The first format that claims a path reads it, or the one that is named; none does if none claims it."""
     assert format_of(Path("a.log")).name == "log"
     assert format_of(Path("a.bag")).name == "bag"
     assert format_of(Path("a.txt")) is None
@@ -86,7 +86,7 @@ def test_files_that_belong_to_a_recording_are_not_unclaimed(tmp_path):
 
 
 def test_a_recording_that_is_named_twice_is_read_once(tmp_path):
-    """By whatever way; two of one name get numbers, from 2 on."""
+    """A recording that is named in several ways is read once; two of one name get numbers, from 2 on."""
     tree(tmp_path, "a/run.log", "b/run.log", "c/run.log", "d/other.log")
     once = [("run.log", "log", ""), ("run.log~2", "log", ""), ("run.log~3", "log", ""), ("other.log", "log", "")]
     assert found(tmp_path)[0] == once
@@ -95,7 +95,7 @@ def test_a_recording_that_is_named_twice_is_read_once(tmp_path):
 
 
 def test_a_named_format_reads_what_it_is_given(tmp_path):
-    """Also what no format would claim."""
+    """A named format reads what it is given, also what no format would claim."""
     tree(tmp_path, "a.txt")
     assert found(tmp_path / "a.txt", format_name="log")[0] == [("a.txt", "log", "")]
 

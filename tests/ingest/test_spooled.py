@@ -63,6 +63,6 @@ def test_payloads_are_the_bytes_that_came(mixed):
 
 
 def test_tails_are_the_last_bytes(mixed):
-    """Of an image that is shorter, all of it."""
+    """The tail is the last bytes of an image, and all of an image that is shorter."""
     assert mixed.tails([5, 0, 4, 6], 12) == [(PNG + b"tail")[-12:], PNG[-12:], b"no picture", PNG[-12:]]
     assert mixed.tails([], 12) == []

@@ -139,7 +139,7 @@ def test_of_many_pauses_the_largest_eight_are_judged():
 
 
 def test_a_stretch_that_stands_elsewhere():
-    """Of ten samples and more, forward or back; rows before which the clock goes away and comes home."""
+    """A stretch of ten samples and more is found, forward or back, by rows where the clock goes away and comes home."""
     for away in (5000, -5000):
         for count, found in ((10, {99, 109}), (9, set())):
             t_ns = stretch((0, 4000))
@@ -252,7 +252,7 @@ def test_steps_back_take_the_step_forward_before_them_back():
 
 
 def test_what_is_off_is_so_from_the_jump_on():
-    """Or before it, where the end of the stream and not its start fits the first witness that tells."""
+    """A stream is off from the jump on, or before it if only its end fits the first witness that tells."""
     t_ns = stretch((0, 10_000))
     ahead = _displacement(t_ns, {499: 2 * SECOND}, [witness(SIGNAL, 0, 7990)])
     assert (ahead // SECOND).tolist() == [0] * 500 + [2] * 500
@@ -268,7 +268,7 @@ def test_what_is_off_is_so_from_the_jump_on():
 
 @pytest.mark.parametrize(("total", "tolerance"), [(2000, 250), (2500, 250), (4000, 400)])
 def test_ends_fit_within_a_quarter_second_or_a_tenth(total, tolerance):
-    """Of the whole displacement."""
+    """Ends fit within a quarter of a second or a tenth of the whole displacement."""
     t_ns = stretch((0, 10_000))
     for sign in (1, -1):
         for off, first in ((tolerance, -total), (tolerance + 1, 0)):
@@ -309,7 +309,7 @@ def test_the_length_of_a_witness_tells_a_jump():
 
 @pytest.mark.parametrize(("step", "tolerance"), [(2000, 250), (5000, 500)])
 def test_lengths_agree_within_a_quarter_second_or_a_tenth_of_the_largest_step(step, tolerance):
-    """Of a stream that jumped and of one that paused."""
+    """The lengths of a stream that jumped and of one that paused agree within these limits."""
     for off, is_known in ((tolerance, True), (tolerance + 1, False)):
         assert jumps([witness(SIGNAL, 0, 1990 + off)], (step,)) == ([0][: int(is_known)], is_known)
         assert jumps([witness(SIGNAL, 0, 1990 + step + off)], (step,)) == ([], is_known)
@@ -353,7 +353,7 @@ def test_stamps_and_signals_tell_of_every_step():
 
 
 def test_trajectories_tell_of_steps_of_a_second():
-    """Of shorter ones they do not."""
+    """Trajectories tell of steps of a second and of no shorter ones."""
     t_ns = stretch((0, 10_000))
     assert not _is_beyond(witness(TRAJECTORIES, 0, 50_000), t_ns, 499, SURE, [])
     assert _is_beyond(witness(TRAJECTORIES, 0, 50_000), t_ns, 499, SURE - 1, [])

@@ -117,7 +117,7 @@ def test_swapped_channels_are_judged_by_most_pictures():
 
 
 def test_swapped_channels_are_judged_by_a_stated_background():
-    """For any model; the mean of a recording's own images is no witness, nor a background of another size."""
+    """Channels of any model are judged by a stated background, not by a mean of its images or one of another size."""
     stated, mean = Reference(DIGIT, "backgrounds/D1.png"), Reference(BGR, "mean of 5 frames below 0.2 N")
     for model in ("digit", "gelsight_mini"):
         [finding] = channels([BGR] * 3, stated, model)
@@ -220,7 +220,7 @@ def test_an_image_that_repeats_while_the_force_moves_by_a_newton():
 
 
 def test_what_is_no_repeat_of_an_image():
-    """Of another length, without bytes, or in another trajectory an image with the same checksum is none."""
+    """An image of another length, without bytes or in another trajectory is no repeat, whatever its checksum."""
     assert stuck([7, 7], [0, 2], length=[1, 2]) == []
     assert stuck([7, 7], [0, 2], length=[0, 0]) == []
     assert stuck([7, 7], [0, 2], trajectory=[0, 1]) == []
@@ -256,7 +256,7 @@ def codes_of(values):
 
 
 def test_a_mesh_that_is_not_there_is_named(tmp_path):
-    """Of an indenter and of a gel, for a file and a folder of a recording; one that is there says nothing."""
+    """A missing mesh of an indenter or a gel is named, for a file and a folder; one that is there says nothing."""
     (tmp_path / "run").mkdir()
     document = {
         "indenters": {"part": {"mesh": "solids/part.stl", "unit": "mm"}, "ball": {"shape": "sphere", "radius": 0.002}},

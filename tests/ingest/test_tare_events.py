@@ -85,7 +85,7 @@ def test_a_jump_is_larger_than_noise():
 
 
 def test_the_largest_jump_towards_zero_is_the_event():
-    """Not a jump away from zero, and not along a torque."""
+    """The event is the largest jump towards zero, not one away from zero, and not along a torque."""
     t_ns, load = made([(3, 45), (9, 5), (4, 3), (0, 47)])
     load[:40, 3] = 50
     assert located(t_ns, load, [500 * MS])[0][0][0] == 50
@@ -97,14 +97,14 @@ def test_the_largest_jump_towards_zero_is_the_event():
     ("level", "noise", "is_zero"), [(0.5, 0, True), (0.51, 0, False), (0.62, 0.06, True), (0.63, 0.06, False)]
 )
 def test_a_reading_is_zero_within_half_a_newton(level, noise, is_zero):
-    """Or within six standard deviations of a norm, where those are more."""
+    """A reading is zero within half a newton, or within six standard deviations of a norm if those are more."""
     t_ns, load = made([(9, 50), (level, 50)])
     rows, contradicted = located(t_ns, load, [500 * MS], noise)
     assert (len(rows), len(contradicted)) == (int(is_zero), int(not is_zero))
 
 
 def test_a_jump_is_towards_the_load_of_a_reading_of_zero():
-    """From -3 N to 3 N where that is a reading of zero."""
+    """A jump from -3 N to 3 N counts if the latter is a reading of zero."""
     t_ns, load = made([(-3, 50), (3, 50)])
     zeros = np.zeros((1, 6))
     zeros[0, 2] = 3
@@ -262,7 +262,7 @@ def test_moments_within_a_day_are_near():
 
 @pytest.mark.parametrize(("unit", "factor"), [("seconds", 10**9), ("milliseconds", 10**6), ("microseconds", 10**3)])
 def test_moments_in_another_unit_are_known(unit, factor):
-    """Where all far ones lie within the day in that unit, and not where one does not."""
+    """A unit is known if all far moments lie within the day in that unit, and not if one does not."""
     t_ns = START + np.arange(3) * MS
     moments = [START // factor, START // factor + 5]
     assert f"these look like {unit}." in tares_near(t_ns, moments)[1][0].message
@@ -272,7 +272,7 @@ def test_moments_in_another_unit_are_known(unit, factor):
 
 
 def test_steps_are_taken_off_inside_a_trajectory_only():
-    """From the event's row on, for events after its first row and before its end; the loads stay as they are."""
+    """Steps are taken off from the event's row on, for events after the first row and before the end; loads stay."""
     _, load = made([(0, 10)])
     before = load.copy()
     tares = [make_tare(row, step) for row, step in ((2, 9.0), (4, 1.0), (6, 2.0), (8, 9.0))]
@@ -285,7 +285,7 @@ def make_tare(row, step):
 
 
 def test_events_that_are_not_seen_are_said():
-    """With the first and the last of them; none says nothing."""
+    """Events that are not seen are said with the first and the last of them; none says nothing."""
     assert contradicted_findings([]) == []
     [finding] = contradicted_findings([START + 5, START + 2, START + 9])
     assert (finding.code, finding.severity, finding.stream) == ("tare-not-seen", "warning", "wrench")

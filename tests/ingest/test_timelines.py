@@ -47,7 +47,7 @@ def test_a_signal_is_sorted_with_all_that_it_has():
 
 
 def test_times_beyond_the_year_2116_are_left_out():
-    """In either direction; of what comes before it the distances are known."""
+    """Times beyond the year 2116 are left out in either direction; of what comes before, the distances are known."""
     limit = int(LATEST)
     log = np.array([-limit, 0, 10, limit])
     found, said = placed(signal("wrench", log))

@@ -59,7 +59,7 @@ def test_the_first_and_the_last_gap_count_from_their_first_nanosecond():
 
 
 def test_the_first_and_the_last_pose_are_held_for_a_tenth_of_a_second():
-    """On either side; of slow poses for three periods."""
+    """The outer poses are held for a tenth of a second on either side, slow ones for three periods."""
     assert lost(tcp([0, 10, 20]), [-100 - 1e-6, -100, -1, 21, 120, 120 + 1e-6]) == [True, *[False] * 4, True]
     assert lost(tcp([0, 50, 100]), [-150 - 1e-6, -150, 250, 250 + 1e-6]) == [True, False, False, True]
 

@@ -52,7 +52,7 @@ def moved(*levels, tares=(), begin_pressed="", **options):
 
 
 def test_ends_are_medians_of_ten_samples():
-    """Of those that are known; with the jumps of tare events inside taken off, or as they were read."""
+    """Ends are medians of ten known samples, with the jumps of tare events inside taken off, or as they were read."""
     t_ns = START + np.arange(100) * 10 * MS
     load = np.zeros((100, 6))
     load[:, 1] = np.arange(100)
@@ -94,7 +94,7 @@ def test_a_beginning_is_lost_where_its_samples_come_late():
 
 
 def test_what_ends_as_its_neighbour_began_and_not_as_itself_began_pressed():
-    """By more than a touch; what ends as it began, or beside its neighbour, did not, nor did the first."""
+    """Such a trajectory began pressed by more than a touch; one that ends as it began did not, nor did the first."""
     assert pressed((0, 0), (3, 0)) == "b"
     assert pressed((0, 0), (3, 0.5)) == "b"
     assert pressed((0, 0), (3, 0.51)) == ""
@@ -107,7 +107,7 @@ def test_what_ends_as_its_neighbour_began_and_not_as_itself_began_pressed():
 
 
 def test_a_tare_between_two_trajectories_parts_them():
-    """From the end of the one before to the first row of the later one; before and after that it does not matter."""
+    """A tare counts from the end of the one before to the first row of the later one, and not before or after that."""
     for row, found in ((100, ""), (150, ""), (200, ""), (99, "b"), (201, "b")):
         assert pressed((0, 0), (3, 0), tares=[row]) == found, row
 
@@ -144,7 +144,7 @@ def test_a_neighbour_whose_beginning_was_lost_is_passed_over():
 
 @pytest.mark.parametrize(("row", "found"), [(200, ""), (201, "b"), (299, "b"), (350, "b"), (400, "b"), (401, "")])
 def test_a_tare_inside_parts_a_trajectory_from_the_next(row, found):
-    """From behind its own first row to the first row of the next one."""
+    """A tare inside counts from behind a trajectory's first row to the first row of the next one."""
     assert pressed((9, 9), (0.1, 5), (0, 0), lost="b", tares=[row]) == found
 
 
@@ -173,7 +173,7 @@ def test_where_ends_are_not_known_no_zero_moved():
 
 @pytest.mark.parametrize(("row", "found"), [(99, "ab"), (100, "b"), (200, "b"), (201, "ab")])
 def test_a_tare_between_hides_a_moved_zero(row, found):
-    """From the end of the one to the first row of the next."""
+    """A tare from the end of the one to the first row of the next hides a moved zero."""
     assert moved((0, 3), (3, 6), (6, 6), tares=[row]) == found
 
 

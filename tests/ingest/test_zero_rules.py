@@ -104,7 +104,7 @@ def test_the_zero_of_a_trajectory_is_its_free_air():
 
 
 def test_half_of_the_free_air_is_surely_free():
-    """Of 40 samples 20, of 12 the least that there may be, 10."""
+    """Of 40 samples 20 are taken, and of 12 the least that there may be, 10."""
     bias, _ = zeroed([(1, 11), (1.2, 29), (9, 60), (1, 200)], [(0, 100)])
     assert bias[0] == 1.0
     bias, _ = zeroed([(1, 9), (1.2, 31), (9, 60), (1, 200)], [(0, 100)])
@@ -130,7 +130,7 @@ def test_a_start_more_than_five_newtons_off_is_in_contact(begin, is_free):
 
 
 def test_a_single_touch_far_from_the_zero_is_warned_of_with_its_distance():
-    """Not refused: a touch that begins pressed is sound data, and one alone cannot tell it from a zero that was moved.
+    """A touch that begins pressed is warned of, not refused: it may be sound, and one alone cannot tell a moved zero.
 
     What it would be off by is said, and what to state.
     """
@@ -167,7 +167,7 @@ def test_samples_that_are_not_known_are_no_free_air():
 
 
 def test_a_trajectory_without_samples_changes_nothing():
-    """And those after it get their own zeros; one that begins earlier comes first, however they are listed."""
+    """Trajectories after one without samples get their own zeros; one that begins earlier comes first in any order."""
     bias, said = zeroed([(1, 50), (9, 50), (2, 50), (9, 50), (1, 300)], [(800, 900), (100, 200), (0, 100)])
     assert runs(bias) == [(1.0, 100), (2.0, 100), (1.0, 300)]
     assert "no-free-air" not in said
@@ -176,14 +176,14 @@ def test_a_trajectory_without_samples_changes_nothing():
 
 
 def test_where_two_trajectories_overlap_the_later_one_counts():
-    """By its start, whatever their names are."""
+    """The trajectory with the later start counts, whatever their names are."""
     levels = [(1, 100), (1.4, 50), (9, 50), (1, 300)]
     assert runs(zeroed(levels, [(100, 200), (0, 150)])[0]) == [(1.0, 100), (1.4, 100), (1.0, 300)]
     assert runs(zeroed(levels, [(0, 150), (100, 200)])[0]) == [(1.0, 100), (1.4, 100), (1.0, 300)]
 
 
 def test_the_nearest_known_zero_is_taken():
-    """By rows from where a trajectory begins; several that do not begin in free air are named, five at most."""
+    """The nearest zero is taken by rows from where a trajectory begins; at most five without free air are named."""
     levels = [(1, 50), (20, 50)] + [(20, 50)] * 6 + [(2, 50), (20, 30), (2, 20), (0, 600)]
     spans = [(0, 100), *((first, first + 50) for first in range(100, 400, 50)), (400, 500)]
     bias, said = zeroed(levels, spans)
@@ -198,7 +198,7 @@ def test_the_nearest_known_zero_is_taken():
 
 
 def test_zeros_that_move_are_said():
-    """By more than 0.2 N from the least to the largest in each component; one trajectory alone does not move."""
+    """Zeros that move by more than 0.2 N in a component are said; one trajectory alone does not move."""
     _, said = zeroed([(1, 50), (9, 50), (1.19, 50), (9, 50), (1, 300)], [(0, 100), (100, 200)])
     assert "zero-drift" not in said
     _, said = zeroed(
@@ -266,7 +266,7 @@ def pressed(levels, step=10 * MS, gaps=None, zero=0.0):
 
 
 def test_what_rose_from_free_air_presses():
-    """Until the end; what was always there, and what let go again, does not."""
+    """A force that rose from free air presses until the end; what was always there, or let go again, does not."""
     assert pressed([(0, 10), (3, 5)])
     assert pressed([(0, 10), (3, 1)])
     assert pressed([(1, 10), (-2, 5)], zero=1.0)
@@ -287,7 +287,7 @@ def test_free_air_is_below_half_of_the_threshold():
 
 
 def test_a_press_rises_within_five_seconds():
-    """From the last free air to the threshold; how long the free air was does not matter."""
+    """A press rises from the last free air to the threshold within 5 s; how long the free air was does not matter."""
     assert pressed([(0, 100), (0.3, 24), (3, 5)], 200 * MS, {124: 200 * MS - 1})
     assert not pressed([(0, 100), (0.3, 24), (3, 5)], 200 * MS)
     assert pressed([(0, 100), (3, 5), (0.3, 1), (0, 1), (3, 9)], 200 * MS)
@@ -345,7 +345,7 @@ def far_off(*levels, tares=(340,)):
 
 
 def test_a_start_far_off_is_free_air_where_the_end_is():
-    """With a tare inside, a touch, and air at the end; without one of them the zero is another one's."""
+    """A start far off is free air with a tare inside, a touch, and air at the end; else the zero is another one's."""
     assert far_off((8, 40), (0, 60), (9, 60), (0, 40)) == ([(0.0, 300), (8.0, 40), (0.0, 160)], False)
     assert far_off((8, 40), (0, 60), (9, 60))[1]
     assert far_off((8, 40), (0, 160))[1]

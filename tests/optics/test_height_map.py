@@ -114,7 +114,7 @@ def test_views_of_other_sizes_see_the_same():
 
 
 def test_pixels_and_points_are_inverse():
-    """Also for a camera in perspective."""
+    """Pixels and points are inverse, also for a camera in perspective."""
     matrix = view().gel_from_pixel.copy()
     matrix[2, :2] = [1e-4, -2e-4]
     crooked = View((160, 120), matrix)

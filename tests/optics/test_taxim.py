@@ -147,7 +147,7 @@ def test_the_annotated_radii_are_not_believed_beyond_the_ball():
 
 
 def test_tables_go_to_disk_and_back(tmp_path):
-    """The same changes; another file is refused."""
+    """A table that was written and read draws the same changes, and another file is refused."""
     table = planted()
     table.save(tmp_path / "table.npz")
     again = TaximTable.load(tmp_path / "table.npz")

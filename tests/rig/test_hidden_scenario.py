@@ -66,7 +66,7 @@ def plain():
 
 @pytest.mark.parametrize("name", HIDDEN_EFFECTS)
 def test_every_effect_changes_the_readings_or_the_stamps(name, plain):
-    """At its strongest, in a log of two touches; and the same seed gives the same numbers."""
+    """Each effect at its strongest changes a log of two touches, and the same seed gives the same numbers."""
     entry = {"effect": name, "strength": "strong"}
     first, second = played([entry], TWICE), played([entry], TWICE)
     np.testing.assert_array_equal(first.readings, second.readings)

@@ -133,7 +133,7 @@ def test_units_differ_and_the_same_unit_does_not():
 
 @pytest.mark.slow
 def test_pictures_are_quick():
-    """At least 40 pictures a second on one core, in processor time."""
+    """One core draws at least 40 pictures in a second of processor time."""
     camera, rng, height = Camera(Optics.of_unit("D1", 0, {}), BACKGROUND, GRID), np.random.default_rng(0), bump()
     camera.picture(height, rng)
     began = time.process_time()

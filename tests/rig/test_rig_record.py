@@ -137,7 +137,7 @@ def test_joints_and_tcp_tell_the_same_story(tiny_folders):
 
 
 def test_trajectories_begin_in_free_air(tiny_folders):
-    """At least half a second before contact, and pictures show contact only while there is force."""
+    """Contact begins half a second into a trajectory or later, and pictures show it only while there is force."""
     log = tiny_folders[0]
     truth = json.loads((log.parent / "truth" / f"{log.name}.json").read_text())
     for trajectory in truth["trajectories"].values():

@@ -122,7 +122,7 @@ def test_noise_is_from_sixteen_trajectories_spread_over_all(monkeypatch):
      (1.0, 0.0, 1e6, False)],
 )  # fmt: skip
 def test_a_copy_leaves_two_thirds_of_the_noise_at_most(left, expected, ratio, is_copy):
-    """Up to 0.65 of what a second recording leaves; up to 0.06 grey levels nothing is left."""
+    """A copy leaves up to 0.65 of what a second recording leaves, or up to 0.06 grey levels."""
     found = Comparison(left, expected)
     assert (found.ratio, found.is_copy) == (pytest.approx(ratio), is_copy)
 
@@ -198,7 +198,7 @@ def test_the_four_nearest_of_each_image_are_looked_at():
     ("places", "part"), [([], []), ([0.0], [0]), ([0.0, 0.0], [0, -1]), ([0.0, 0.0], [1, 1]), ([0.0, np.nan], [0, 1])]
 )
 def test_without_two_parts_there_is_no_pair(places, part):
-    """Nothing, one image, none in a second part, a blank one: empty arrays of one length."""
+    """No image, one image, none in a second part or a blank one gives empty arrays of one length."""
     found = near_pairs(prints_at(*places) if places else np.zeros((0, CELLS), np.float32), np.array(part, np.int64))
     assert [len(found), *map(len, (found.first, found.second, found.distance))] == [0, 0, 0, 0]
 

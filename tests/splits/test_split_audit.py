@@ -129,7 +129,7 @@ def test_a_touch_under_two_names_is_found(store):
     ("clock", "sensor", "is_leak"), [(ABSOLUTE_NS, "A", True), (0, "A", False), (ABSOLUTE_NS, "", False)]
 )
 def test_a_touch_in_two_recordings_is_found(store, clock, sensor, is_leak):
-    """The same moment of one sensor in two recordings: found by absolute times of a named sensor, and only by those."""
+    """A moment of one sensor in two recordings is found by absolute times of a named sensor, and only by those."""
     train, test = rows_of(store, "train")[0], rows_of(store, "test")[0]
     rows = store.table.to_pylist()
     for row, source in ((train, 900), (test, 901)):

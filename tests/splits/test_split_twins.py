@@ -27,7 +27,7 @@ def recorded(n=60, clock=ABSOLUTE_NS, per_source=5):
 
 
 def copied(rows, shift=SECOND, **changes):
-    """The same touches in recordings of their own, each cut a little differently."""
+    """The touches in recordings of their own, each cut a little differently."""
     return [
         {**row, "uid": f"c{k:015x}", "source": row["source"] + 1000, "end_ns": row["end_ns"] + shift, **changes}
         for k, row in enumerate(rows)

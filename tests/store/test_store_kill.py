@@ -127,7 +127,7 @@ def test_killed_and_resumed_is_the_same(staged: Path, uninterrupted: dict[str, s
 
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_from_outside(staged: Path, uninterrupted: dict[str, str], seed: int, tmp_path: Path) -> None:
-    """The same with kill -9 from another process after a random time."""
+    """A kill -9 from another process after a random time leaves a sound store, too."""
     folder = tmp_path / "ds.zarr"
     shutil.copytree(staged, folder)
     child = os.fork()

@@ -33,6 +33,8 @@ def value_findings(
 
     Parameters
     ----------
+    store : Store
+        The store, which may be damaged.
     said : callable
         Told the name of each source that was checked.
     is_asked : callable
@@ -81,6 +83,8 @@ def source_value_findings(
 
     Parameters
     ----------
+    store : Store
+        The store, which may be damaged.
     key, contents : str
         Of its row in the table of sources.
     frames : (first, stop)

@@ -113,7 +113,15 @@ class LocalFiles(StoreFiles):
         return [self.span(*span) for span in spans]
 
     def span(self, path: str, start: int, stop: int) -> bytes:
-        """A range of a file, copied from its map."""
+        """A range of a file, copied from its map.
+
+        Parameters
+        ----------
+        path : str
+            Of the file in the store.
+        start, stop : int
+            First byte, and the byte after the last. A negative ``start`` counts from the end; ``stop`` is not used then.
+        """
         mapped = self._map(path)
         if start < 0:
             return mapped[start:]

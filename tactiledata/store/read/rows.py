@@ -110,6 +110,15 @@ class Rows:
 def checked_rows(rows: ArrayLike, length: int, what: str) -> NDArray[np.int64]:
     """Row numbers (n,) as integers; a mask of all rows is taken as the rows where it is true.
 
+    Parameters
+    ----------
+    rows : (n,) int, or a mask of all rows
+        The rows that are wanted, in any order.
+    length : int
+        Rows that there are.
+    what : str
+        The table or array, as the error names it.
+
     Raises
     ------
     UsageError

@@ -25,7 +25,7 @@ def rate_of(smallest, level=0.05):
 
 
 def is_level(rate, level=0.05):
-    """Not above the level by more than three standard errors of `NULLS` draws."""
+    """Whether a share of `NULLS` draws is above the level by no more than three standard errors."""
     return rate <= level + 3.0 * np.sqrt(level * (1 - level) / NULLS)
 
 
@@ -85,7 +85,7 @@ def test_what_an_event_brings_is_found_at_it(plant, event, component):
     ("plant", "event", "component"), [(decay_in_dwell, "dwell start", "fz"), (drop_at_slip, "slip onset", "fx")]
 )
 def test_events_compete_for_what_a_calibration_has_left(plant, event, component):
-    """With E, mu and each trajectory's offset free, the event at which it began is told in nine of ten worlds."""
+    """The event at which a drift began is told in nine of ten worlds, with E, mu and each trajectory's offset free."""
     hits = 0
     for seed in range(10):
         world = planted(seed, 60, plant=plant)
@@ -311,7 +311,7 @@ def test_free_air_false_alarms(nulls):
 
 
 def test_no_free_air_is_said():
-    """Where no frame is in free air nothing is tested, and the words say what follows from that."""
+    """Nothing is tested if no frame is in free air, and the words say what follows from that."""
     world = planted()
     bare = type(world)(world.values, world.components, world.groups)
     found = free_air(bare)

@@ -116,7 +116,7 @@ def test_evidence_that_errors_of_the_simulation_can_bring_takes_no_claim_away():
 
 
 def test_an_effect_that_errors_resemble_must_be_more_of_the_cause():
-    """With a share between the two limits, an effect that errors do not resemble is named, and the other is not."""
+    """An effect with a share between the two limits is named only if no error resembles it."""
     share = 0.5 * (T.part_share + T.main_cause_share)
     assert decided([candidate(EASY, excess_share=share)], left=MORE_THAN_NOISE).claimed == (EASY,)
     assert decided([candidate(HARD, excess_share=share)], left=MORE_THAN_NOISE).claimed == ()

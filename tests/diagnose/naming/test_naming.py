@@ -181,6 +181,6 @@ def test_planted_effects_are_named_or_in_the_set(name):
 
 
 def test_nulls_are_seldom_named():
-    """At most one of 20 nulls is given a name."""
+    """A name is given to at most one of 20 nulls."""
     named = [seed for seed in range(20) if answer(null(2000 + seed), effects=None).is_missing]
     assert len(named) <= 1

@@ -83,7 +83,7 @@ def test_a_slow_relaxation_is_told_from_a_creep():
 
 
 def test_a_load_that_is_taken_off_need_not_creep_back():
-    """Where nothing creeps in the holds at 0, the words restrict the creep to loads that are not 0."""
+    """The words restrict the creep to loads that are not 0 if nothing creeps in the holds at 0."""
     table = held_loads(3, creep=0.1)
     is_off = (table.load_N > 1.0) & (table.load_N < 6.5)
     table.loc[is_off, "fz_observed_N"] = table.fz_predicted_N + np.random.default_rng(0).normal(0, 0.05, len(table))

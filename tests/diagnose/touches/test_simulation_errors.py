@@ -124,7 +124,7 @@ def two_indenters():
 
 
 def test_errors_of_an_indenter_act_on_its_frames_only():
-    """Those in common act on the frames of both."""
+    """Errors of an indenter act on its frames only, and errors in common act on all frames."""
     found, listed, owner = two_indenters()
     for number, error in enumerate(listed):
         acts = np.array([found[owner == which, :, number].any() for which in (0, 1)])
@@ -181,7 +181,7 @@ def test_free_air_has_no_error():
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_size_multiplies_the_errors_of_its_family(family):
-    """And of no other."""
+    """A size multiplies the errors of its own family and of no other."""
     sizes = {NORMAL: 1.0, SHEAR: 1.0, CENTRE: 1.0, family: 2.5}
     larger, before = fields(errors=ERRORS.with_sizes(sizes)), fields()
     for number, error in enumerate(error_list(ERRORS, ("ball",))):

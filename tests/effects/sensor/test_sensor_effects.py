@@ -128,7 +128,7 @@ def test_readings_are_multiples_of_a_step(play):
 
 
 def test_what_is_simulated_is_the_mean_of_noisy_readings():
-    """As many readings of one force, each with noise and then its dead-band, have it; far outside nothing changes."""
+    """The simulated force is the mean of readings that have noise and then a dead-band; far outside nothing changes."""
     chance = np.random.default_rng(3)
     force = np.linspace(-0.9, 0.9, 13)
     read = force + chance.normal(0.0, 0.1, (40_000, 13))

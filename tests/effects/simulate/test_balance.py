@@ -18,7 +18,7 @@ def iterated(slope, first=FIRST, rounds=2):
 
 
 def test_it_starts_from_the_answer_while_nothing_bends():
-    """That is the first estimate, its largest component the scale; nothing was missed yet."""
+    """The first estimate is the answer while nothing bends; its largest component is the scale."""
     balance = Balance(-FIRST)
     np.testing.assert_array_equal(balance.felt, -FIRST)
     assert balance.largest == 12.0
@@ -37,7 +37,7 @@ def test_a_straight_line_is_solved_in_two_moves(slope):
 
 @pytest.mark.parametrize(("slope", "step"), [(99.0, 0.02), (-0.75, 2.0)])
 def test_a_step_is_a_fiftieth_to_twice_the_residual(slope, step):
-    """Where the secant's step would be 0.01 or 4, it is 0.02 or 2: 1 - k + step k^2 times the first answer."""
+    """A step is 0.02 to 2 times the residual, also where the secant's step would be 0.01 or 4."""
     np.testing.assert_allclose(iterated(slope).felt, (1 - slope + step * slope**2) * FIRST, rtol=1e-12)
 
 
@@ -63,7 +63,7 @@ def test_what_is_missed_is_the_largest_component_that_is_known():
 
 
 def test_it_goes_on_for_a_changed_touch_with_the_step_that_it_learnt():
-    """Of another first answer, and the same slope, one move is the solution; the old iteration stays as it was."""
+    """One move solves a touch with another first answer and the same slope; the old iteration stays as it was."""
     old = iterated(3.0)
     felt = old.felt.copy()
     old.measure(FIRST - 3.0 * old.felt + 1e-3)

@@ -59,7 +59,7 @@ def test_other_scales_are_another_touch():
 
 
 def test_the_size_of_an_effect_is_the_largest_change_of_its_force():
-    """Of each strength alone, at its farther plausible end, on this touch or another; torques do not count."""
+    """The size is the largest change of the force by each strength alone, at its farther end; torques do not count."""
     effect = EFFECTS["heating"]()
     other = reference_touch(RigScales(depth=4e-4))
     plain = with_effects(BallOnLayer, []).play(other).wrench

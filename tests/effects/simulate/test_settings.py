@@ -89,7 +89,7 @@ def test_wrong_documents_are_refused(tmp_path, entry, error, message):
 
 
 def test_files_that_are_none_are_refused(tmp_path):
-    """Not there, not JSON, another format."""
+    """A file that is not there, is no JSON or has another format is refused."""
     with pytest.raises(MissingFile):
         read_settings(tmp_path / "none.json")
     (tmp_path / "torn.json").write_text('{"format": "tactile')

@@ -62,7 +62,7 @@ def test_each_variant_changes_the_force_its_own_way():
 
 
 def cells():
-    """Of each cell the middle, its height, and whether it has a face on the outer surface."""
+    """The middle of each cell, its height, and whether it has a face on the outer surface."""
     corners = PAD.vertices[PAD.cells]
     top = np.isclose(surface_height(PAD, PAD.vertices[:, :2]), PAD.vertices[:, 2], atol=1e-9)
     return corners.mean(axis=1), np.ptp(corners[:, :, 2], axis=1), top[PAD.cells].sum(axis=1) == 4
@@ -91,7 +91,7 @@ def test_spots_multiply_the_modulus_through_the_whole_thickness():
 
 
 def test_between_its_nodes_the_surface_is_a_plane_and_outside_the_nearest_node():
-    """At the nodes their own height; far beyond the pad a height of the surface, not a hole."""
+    """The surface has the nodes' own height at the nodes, and far beyond the pad that of the surface, not a hole."""
     nodes = PAD.vertices[np.unique(PAD.faces)]
     inner = nodes[(np.abs(nodes[:, 0]) < 5e-3) & (np.abs(nodes[:, 1]) < 5e-3)]
     np.testing.assert_allclose(surface_height(PAD, inner[:, :2]), inner[:, 2], atol=1e-12)

@@ -22,7 +22,7 @@ FORMAT = McapFormat()
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory):
-    """The same 6,600 wrenches, chunked and compressed in different ways: bytes and values by name."""
+    """Recordings of the same 6,600 wrenches, chunked and compressed in different ways: bytes and values by name."""
     folder = tmp_path_factory.mktemp("long")
     made = {}
     for name, options in {
@@ -49,7 +49,7 @@ def damage(recording):
 
 
 def rows(recording):
-    """Which of the rows written came back, by their log times; and nothing that was not written."""
+    """Return the numbers of the rows that came back, by their log times."""
     return (recording.signals["wrench"].stamps.log - START) // STEP
 
 

@@ -70,7 +70,7 @@ def test_what_ended_before_does_not_count_and_what_came_before_does():
 
 
 def test_the_first_conflict_of_each_stream_is_said():
-    """Of the sources that are asked for, with the codes of conflicts only."""
+    """The first conflict of each stream is said, of the sources that are asked for and of no other kind of finding."""
     rows = [
         (0, Finding("sensor-conflict", "warning", "one", "D1")),
         (1, Finding("sensor-conflict", "warning", "two", "D1")),

@@ -48,7 +48,7 @@ def test_unknown_sensors_are_twins_at_equal_times():
 
 
 def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
-    """In one run or in a later one, and again when it is there already; independent logs have no twin."""
+    """An edited copy is said in one run, in a later one and when it is there already; independent logs have no twin."""
 
     def said(report):
         return [[finding.code for finding in source.findings].count("recording-twin") for source in report.sources]

@@ -69,7 +69,7 @@ def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
 
 @pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
 def test_without_friction_the_force_is_along_the_normal(form):
-    """Of the ball where it touches the dome: on the line from the dome's centre to the ball's."""
+    """The force on the ball is on the line from the dome's centre to the ball's."""
     domed = last([DOME], "press", **form, **SLIPPERY)
     flat = last((), "press", **form, **SLIPPERY)
     slope = 0.004 / (RADIUS + 0.004 - 0.0007)

@@ -143,7 +143,7 @@ def test_a_range_ends_softly():
 
 
 def test_a_skewed_clock_gains_and_falls_back():
-    """By skew t - jump floor(t / every), in stamps only, and stamps still rise."""
+    """A skewed clock is off by skew t - jump floor(t / every), in stamps only, and stamps still rise."""
     found, plain = both(stated("clock_skew", skew=1e-4, jump=0.004, every=3.0))
     np.testing.assert_array_equal(found.readings, plain.readings)
     off = (found.stamps - plain.stamps) * 1e-9

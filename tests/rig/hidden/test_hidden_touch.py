@@ -33,7 +33,7 @@ def factor_at_depth(entry, indenter="ball", **changes):
 
 
 def test_thickness_is_a_gel_of_that_thickness():
-    """The same wrench as in a world whose gel is said to be so thick."""
+    """The wrench is that of a world whose gel is said to be so thick."""
     hidden = contact_of([stated("thickness", error=-0.1)])[2]
     stated_so = contact_of(sensors={"D1": {"background": "digit-bg-0", "gel": {"thickness": 0.9 * 0.0041}}})[2]
     np.testing.assert_allclose(hidden, stated_so, rtol=1e-12)
@@ -41,7 +41,7 @@ def test_thickness_is_a_gel_of_that_thickness():
 
 
 def test_a_dome_is_lower_and_thinner_away_from_its_middle():
-    """By R - sqrt(R² - r²) = 0.202 mm at 4 mm for R = 40 mm; as high and thick as stated in the middle."""
+    """A dome of R = 40 mm is lower and thinner by R - sqrt(R² - r²) = 0.202 mm at 4 mm, and as stated in the middle."""
     entry = stated("dome", curvature=25.0)
     aside = played([entry], [touch(position=(0.0, 0.004))]).performance.plays[0]
     assert aside.offset[2] == pytest.approx(-(0.04 - np.sqrt(0.04**2 - 0.004**2)), rel=1e-9)
@@ -52,7 +52,7 @@ def test_a_dome_is_lower_and_thinner_away_from_its_middle():
 
 
 def test_an_indenter_stands_elsewhere_all_the_time():
-    """By the stated sizes; the same for its touches, another sign or direction for another indenter."""
+    """An indenter is displaced by the stated sizes in all its touches, another one by another sign or direction."""
     entry = stated("indenter_mount", height=1e-4, aside=2e-4, radius=0.01)
     trajectories = [touch("a"), touch("b", position=(0.0, 0.001)), touch("c", "small"), touch("d", "punch")]
     plays = played([entry], trajectories).performance.plays
@@ -97,7 +97,7 @@ def test_work_softens_below_the_greatest_work_only():
 
 
 def test_wear_grows_with_touches_of_the_place():
-    """By n / (n + 10) of 20 % after n touches of the same place; none far away."""
+    """Wear is n / (n + 10) of 20 % after n touches of the same place, and none far away."""
     trajectories = [touch(f"t{index}") for index in range(4)] + [touch("far", position=(-0.006, 0.006))]
     found = peaks(played([stated("wear", loss=0.2)], trajectories)) / peaks(played((), trajectories))
     np.testing.assert_allclose(found[:4], [1 - 0.2 * n / (n + 10) for n in range(4)], rtol=1e-9)
@@ -134,7 +134,7 @@ def test_a_nearer_border_softens_towards_it():
 
 
 def test_relaxation_decays_at_rest_as_a_power_law():
-    """In a dwell, a decade apart: 10^-alpha, once the loading lies far behind; nothing pulls, air is free."""
+    """In a dwell the force falls by 10^-alpha in a decade, long after loading; nothing pulls, and air is free."""
     dwell = [{"press": {"depth": 0.0008, "step": 0.0008, "speed": 0.02, "settle": 0.0}}, {"dwell": {"time": 12.0}}]
     times, phases, wrench, _, _ = contact_of([stated("relaxation", alpha=0.05)], trajectories=[touch(steps=dwell)])
     start = times[np.flatnonzero(phases == "dwell")[0]]
@@ -207,7 +207,7 @@ THICK = {"D1": {"background": "digit-bg-0", "gel": {"thickness": 0.2}}}
 
 
 def test_adhesion_pulls_off_as_jkr_says():
-    """On a thick gel: sqrt(8 pi E* W a³) = 0.89 N for a flat punch, 1.5 pi W R = 19 mN for a ball; on the way out."""
+    """The pull on a thick gel is sqrt(8 pi E* W a³) = 0.89 N for a flat punch and 1.5 pi W R = 19 mN for a ball."""
     modulus = 0.9e6 / (1 - 0.48**2)
     slow = [{"press": {"depth": 0.0004, "step": 0.0004}}, {"retreat": {"speed": 0.0002}}]
     for indenter, expected in (
@@ -283,7 +283,7 @@ def test_shear_strength_limits_the_pull():
 
 
 def test_many_sliders_give_way_part_by_part():
-    """The same stiffness at first and the same plateau, less in between: half the limit is reached as without."""
+    """Sliders have the same first stiffness and plateau and less between: half the limit is reached as without."""
     ratio, _ = plateau(stated("partial_slip", width=1.0))
     plain, _ = plateau(None)
     first = np.flatnonzero(plain > 0.01 * 0.4)[0]

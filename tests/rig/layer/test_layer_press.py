@@ -103,7 +103,7 @@ def test_the_layer_is_in_balance(sheared):
 
 
 def test_nothing_pulls_and_friction_stays_in_its_cone(sheared):
-    """At every point of every state: pressure, and no more friction than 0.3 of it."""
+    """At every point of every state there is pressure, and no more friction than 0.3 of it."""
     _, poses, states = sheared
     for pose, state in zip(poses, states, strict=True):
         on = state.traction.any(axis=1)
@@ -200,7 +200,7 @@ def test_a_punch_agrees_with_the_axisymmetric_reference(is_linear):
 @pytest.mark.slow
 @pytest.mark.parametrize(("poisson_ratio", "within"), [(0.48, 0.02), (0.495, 0.03)])
 def test_a_fine_punch_agrees_with_a_fine_reference(poisson_ratio, within):
-    """At 0.5 mm, grids refined on both sides."""
+    """The forces at 0.5 mm agree when the grids are refined on both sides."""
     stuck = Material(0.9e6, poisson_ratio, 5.0)
     depths = np.arange(1, 11) * 5e-5
     expected = reference_punch(stuck, depths, 24)[-1]

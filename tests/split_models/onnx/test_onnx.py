@@ -41,7 +41,7 @@ def exported(networks, tmp_path_factory):
 
 
 def test_gathers_are_the_sparse_product():
-    """Of every constant matrix of a mesh VAE, empty rows included; the copy leaves the network as it was."""
+    """Gathers are the product of every constant matrix of a mesh VAE; the copy leaves the network as it was."""
     vae = mesh_vae()
     copied = with_gathers(vae)
     maps = [one for one in vae.modules() if isinstance(one, SparseMap)]

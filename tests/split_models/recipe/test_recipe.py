@@ -59,7 +59,7 @@ def test_defaults_fit_the_schema():
     ],
 )
 def test_unknown_words_are_refused(tmp_path, change, path):
-    """With their place in the document."""
+    """Unknown words are refused with their place in the document."""
     with pytest.raises(SchemaError, match=path):
         load_recipe(written(tmp_path, {**tiny_recipe("ds.zarr", "mesh"), **change}))
 
@@ -110,7 +110,7 @@ def test_data_are_named_once(tmp_path):
 @pytest.mark.parametrize("name", bundled_recipes())
 @pytest.mark.parametrize("scale", SCALES)
 def test_bundled_recipes_load(name, scale):
-    """At both scales; those of tables share one backbone."""
+    """Bundled recipes load at both scales, and those of tables share one backbone."""
     recipe = load_recipe(name, scale)
     assert recipe.name == name
     if recipe.table:

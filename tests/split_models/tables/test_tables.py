@@ -30,7 +30,7 @@ from tactiledata.store.read.reader import Store
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
-    """Where all recipes of this module work: they share their models."""
+    """A folder for all recipes of this module: they share their models."""
     return tmp_path_factory.mktemp("runs")
 
 
