@@ -120,7 +120,7 @@ class LocalFiles(StoreFiles):
         path : str
             Of the file in the store.
         start, stop : int
-            First byte, and the byte after the last. A negative ``start`` counts from the end; ``stop`` is not used then.
+            First byte, and the byte after the last. A negative ``start`` counts from the end, without ``stop``.
         """
         mapped = self._map(path)
         if start < 0:
