@@ -1,10 +1,10 @@
 """The command on a recorded store, and what it says of stores that it cannot use."""
 
 import json
-import shutil
 import sys
 
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
@@ -80,7 +80,7 @@ def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, 
     from tactiledata.ingest.pipeline import ingest
 
     recording = tmp_path / "recording"
-    shutil.copytree(tiny_folders[0], recording)
+    copy_tree(tiny_folders[0], recording)
     for name in ("tcp.csv", "joints.csv"):
         (recording / name).unlink()
     ingest([recording], tmp_path / "ds.zarr")

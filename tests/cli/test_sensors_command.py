@@ -1,12 +1,12 @@
 """`sensors`: what is listed, and pictures that are added from several frames or refused."""
 
 import json
-import shutil
 
 import cv2
 import numpy as np
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.read.reader import Store
@@ -15,7 +15,7 @@ from tactiledata.store.read.reader import Store
 @pytest.fixture
 def folder(tiny_store, tmp_path, monkeypatch):
     """A working folder with one store, and three noisy frames of an untouched unit."""
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
     rng = np.random.default_rng(0)
     true = load_background("digit-bg-5")
     for name in "abc":

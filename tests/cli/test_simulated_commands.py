@@ -1,12 +1,11 @@
 """Commands say simulated recordings of a rig's world, and never of logs that do not state it."""
 
 import json
-import shutil
-from pathlib import Path
 
 import pytest
 import yaml
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.ingest.pipeline import ingest
 
@@ -19,7 +18,7 @@ def unstated(tiny_folders, tmp_path_factory):
     place = tmp_path_factory.mktemp("unstated")
     logs = []
     for folder in tiny_folders:
-        logs.append(Path(shutil.copytree(folder, place / folder.name)))
+        logs.append(copy_tree(folder, place / folder.name))
         document = yaml.safe_load((logs[-1] / "log.yaml").read_text())
         del document["recorded_by"]
         (logs[-1] / "log.yaml").write_text(yaml.safe_dump(document, sort_keys=False))

@@ -1,9 +1,8 @@
 """A zero is never taken in contact without a word: where free air was lost, or the zero moved inside a touch."""
 
-import shutil
-
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -151,7 +150,7 @@ def test_one_touch_far_off_is_not_believed():
 @pytest.mark.parametrize("touch", [0, 1])
 def test_a_log_that_lost_the_air_before_a_touch_names_it(touch, tiny_folders, tmp_path):
     """Rows of wrench.csv are missing until the touch presses: the trajectory is named, and no other."""
-    log = shutil.copytree(tiny_folders[0], tmp_path / "log")
+    log = copy_tree(tiny_folders[0], tmp_path / "log")
     plain = ingest([tiny_folders[0]], tmp_path / "plain.zarr").sources[0]
     codes = {finding.code for finding in plain.findings}
     assert not codes & {"no-free-air", "zero-moved", "sign-reversed", "tare-elsewhere", "tare-not-seen"}

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.errors import BrokenLog, MissingFile, SchemaError, StoreBusy
 from tactiledata.ingest.pipeline import ingest
@@ -64,7 +65,7 @@ def test_both_forms_of_a_log_give_one_dataset(tiny_store, tiny_folders, tmp_path
 def test_the_same_source_twice_is_no_change(tiny_mcaps, tiny_store, tmp_path):
     """Ingesting again changes nothing, nor does a renamed copy of a file that the store has."""
     store = tmp_path / "ds.zarr"
-    shutil.copytree(tiny_store, store)
+    copy_tree(tiny_store, store)
     copy = shutil.copy(tiny_mcaps[0], tmp_path / "renamed.mcap")
     before = manifest(store)
     report = ingest([*tiny_mcaps, copy], store)
@@ -75,7 +76,7 @@ def test_the_same_source_twice_is_no_change(tiny_mcaps, tiny_store, tmp_path):
 def test_another_mapping_for_a_recording_that_is_there_is_said(tiny_mcaps, tiny_store, tmp_path):
     """Nothing changes, and the report says that the store took it otherwise; with the same options it says nothing."""
     store = tmp_path / "ds.zarr"
-    shutil.copytree(tiny_store, store)
+    copy_tree(tiny_store, store)
     mapping = {"format": "tactiledata-mapping/1", "clock": "log"}
     codes = [
         finding.code for finding in ingest(tiny_mcaps[:1], store, IngestOptions(mapping=mapping)).sources[0].findings

@@ -1,8 +1,7 @@
 """Two stores, one of children of the other's trajectories: what stands apart is found, what stands together is not."""
 
-import shutil
-
 import pytest
+from copied_trees import copy_tree
 from loaders.loader_stores import write_loader_store
 
 from split_models.transfer.pixels import PIXEL_TRANSFERS
@@ -29,7 +28,7 @@ def stores(tmp_path_factory):
 @pytest.fixture
 def copied(stores, tmp_path):
     """Both, to be split."""
-    shutil.copytree(stores, tmp_path / "both")
+    copy_tree(stores, tmp_path / "both")
     return [Store.open(tmp_path / "both" / f"{name}.zarr") for name in ("children", "parents")]
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from random_takes import SMALL, random_images, staged_take
 
 from tactiledata.errors import StoreError, TactileDataError
@@ -90,7 +90,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(healthy: Path, tmp_path: Path) -> Path:
     """A copy to damage."""
-    return Path(shutil.copytree(healthy, tmp_path / "ds.zarr"))
+    return copy_tree(healthy, tmp_path / "ds.zarr")
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,10 @@
 """Streams and images whose clock is off as a whole, or jumps, are damage; those that begin late or pause are not."""
 
 import re
-import shutil
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,7 +23,7 @@ TOUCHES = (2 * SECOND, 58 * SECOND)
 
 def moved(log, folder, table, seconds, first=0, last=None):
     """A copy of a folder log with rows of a table at another time."""
-    shutil.copytree(log, folder)
+    copy_tree(log, folder)
     head, *rows = (folder / f"{table}.csv").read_text().splitlines()
     for number in range(first, len(rows) if last is None else last):
         t_ns, rest = rows[number].split(",", 1)

@@ -1,12 +1,12 @@
 """The verb `transfer`: stores and pictures where one looks for them, errors that say what to do, exit codes."""
 
 import json
-import shutil
 
 import cv2
 import numpy as np
 import pytest
 from cli.command import run_command
+from copied_trees import copy_tree
 from small_models import image_vae
 from transfer_stores import write_two_sensors
 
@@ -19,7 +19,7 @@ from tactiledata.store.read.reader import Store
 @pytest.fixture
 def folder(tiny_store, tmp_path, monkeypatch):
     """A working folder with one store of real backgrounds, whose touches the rig recorded."""
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

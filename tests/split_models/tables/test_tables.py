@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 import torch
 import yaml
+from copied_trees import copy_tree
 from touch_world import UNSEEN, coarse_replay, tiny_recipe
 
 from split_models.learning.checkpoint import load_checkpoint
@@ -179,7 +179,7 @@ def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tin
     with pytest.raises(MissingSplit):
         TouchFrames(touch_store, "train")
     bare = tmp_path / "bare.zarr"
-    shutil.copytree(touch_store, bare)
+    copy_tree(touch_store, bare)
     manifest = json.loads((bare / "manifest.json").read_text())
     manifest["references"] = {}
     write_manifest(bare, manifest)
@@ -201,7 +201,7 @@ def test_weights_of_another_state_are_refused(touch_store, tmp_path, out):
     from tactiledata.splits.make import make_split
 
     place = tmp_path / "ds.zarr"
-    shutil.copytree(touch_store, place)
+    copy_tree(touch_store, place)
     first = recipe_run(tmp_path, place, tmp_path / "out")
     assert first.mesh_vae.topology == first.topology.digest
     replay(place, coarse_replay(material=GelMaterial(0.8e6, 0.45, 0.8)), replace=True)

@@ -1,10 +1,10 @@
 """What is simulated says so on every page, in every table and every document, and nothing else ever does."""
 
-import shutil
 from pathlib import Path
 
 import pytest
 import yaml
+from copied_trees import copy_tree
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,7 +24,7 @@ TERM = "simulated recordings"
 
 def restated(folder, place, contact):
     """A copy of a folder log of which the description states another thing of its contacts, or nothing."""
-    copy = Path(shutil.copytree(folder, place))
+    copy = copy_tree(folder, place)
     document = yaml.safe_load((copy / "log.yaml").read_text())
     if contact is None:
         del document["recorded_by"]
