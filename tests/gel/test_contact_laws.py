@@ -129,9 +129,9 @@ def test_again_is_the_same(engine):
 def test_company_changes_nothing(engine):
     """Trajectories in lockstep end as they do alone."""
     material = GelMaterial(1e6, NU, 0.5)
-    touches = [GelTouch(BALL, SHEARED[: 3 + number] + _moved(1e-4 * number)) for number in range(5)]
-    alone, together = (dict(engine.play(touches, material, width=width)) for width in (1, 4))
-    assert sorted(together) == list(range(5))
+    touches = [GelTouch(BALL, SHEARED[: 3 + number] + _moved(1e-4 * number)) for number in range(4)]
+    alone, together = (dict(engine.play(touches, material, width=width)) for width in (1, 3))
+    assert sorted(together) == list(range(4))
     for number, history in alone.items():
         np.testing.assert_array_equal(history.status, together[number].status)
         np.testing.assert_allclose(history.wrench, together[number].wrench, rtol=1e-6, atol=1e-9)

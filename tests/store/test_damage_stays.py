@@ -82,7 +82,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("damage") / "healthy"
     create(folder, SMALL)
     rng = np.random.default_rng(0)
-    commit(folder, [staged_take(folder, seed, images=random_images(rng, 12))[0] for seed in range(6)])
+    commit(folder, [staged_take(folder, seed, images=random_images(rng, 8))[0] for seed in range(3)])
     assert Store.open(folder).frame_value_names
     return folder
 

@@ -45,7 +45,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("digests") / "healthy"
     create(folder, SMALL)
     rng = np.random.default_rng(0)
-    commit(folder, [staged_take(folder, seed, images=random_images(rng, 12))[0] for seed in range(4)])
+    commit(folder, [staged_take(folder, seed, images=random_images(rng, 8))[0] for seed in range(2)])
     make_split(Store.open(folder), hold_out="none", force=None)
     return folder
 

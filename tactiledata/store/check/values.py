@@ -122,9 +122,11 @@ def _spans(home: str, contents: dict[str, Any], frames: tuple[int, int]) -> Iter
 
 
 def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop: int, expected: int) -> str:
-    values = rows.setdefault(path, store.rows(path, max(stop, rows[path].length if path in rows else 0)))
+    if path not in rows:
+        rows[path] = store.rows(path, stop)
+    values = rows[path]
     if values.length < stop:
-        values = rows[path] = store.rows(path, stop)
+        values.lengthen(stop)
     crc, last = 0, None
     try:
         for first in range(start, stop, BLOCK_ROWS):

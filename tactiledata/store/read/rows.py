@@ -78,6 +78,12 @@ class Rows:
             self._chunks.popitem(last=False)
         return rows
 
+    def lengthen(self, length: int) -> None:
+        """More rows count from now on; the array stays open, and what was read of its last chunk is read again."""
+        self.length = max(self.length, length)
+        if self._chunks:
+            self._chunks.pop(max(self._chunks))
+
     def span(self, start: int, stop: int) -> NDArray[Any]:
         """Rows [start, stop); a view where they lie in one chunk."""
         if not 0 <= start <= stop <= self.length:

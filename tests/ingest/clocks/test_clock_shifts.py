@@ -59,8 +59,9 @@ def test_what_begins_late_or_ends_early_is_not_shifted(begins, ends):
     assert shift_of("wrench", spans, None) is None
 
 
-@pytest.mark.parametrize("seconds", [5, -5, 2])
-@pytest.mark.parametrize("table", ["wrench", "tcp", "joints"])
+@pytest.mark.parametrize(
+    ("table", "seconds"), [("wrench", 5), ("wrench", -5), ("wrench", 2), ("tcp", -5), ("joints", 2)]
+)
 def test_a_log_with_a_shifted_signal_falls_short(table, seconds, tiny_folders, tmp_path):
     """No force or pose comes from another touch; the damage says by how much, and the offset that mends it."""
     log = moved(tiny_folders[0], tmp_path / "log", table, seconds)

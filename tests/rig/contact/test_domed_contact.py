@@ -17,7 +17,7 @@ DOME = stated("dome", curvature=1 / RADIUS)
 PRESS = {"press": {"depth": 0.0007, "step": 0.0002, "settle": 0.05}}
 OUTWARD = {"shear": {"by": [0.0010, 0.0], "step": 0.0002, "speed": 0.001, "settle": 0.1}}
 MATERIAL = {"youngs_modulus": 0.9e6, "poisson_ratio": 0.475, "friction": 0.7}
-LAYER = {"contact": "layer", "contact_pitch": 0.0005}
+LAYER = {"contact": "layer", "contact_pitch": 0.0006}
 SCATTER = {"ball": 0.0, "punch": 0.06}
 """Share of its pull by which a slide that is shifted by 1e-8 m ends elsewhere: under an edge, tolerances of steps add
 up, and so do the last bits of a processor."""
