@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from copied_trees import copy_tree
-from hypothesis import example, given, settings
+from few_examples import few
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tactiledata.ingest.forces.tare import find_zero
@@ -47,7 +48,7 @@ class Touches:
         return worst, {finding.code: finding for finding in zero.findings}
 
 
-@settings(max_examples=60)
+@few(60)
 @example(0, 3, 1.9, [0], 2.0, False)
 @given(
     st.integers(0, 10**6),

@@ -7,7 +7,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 from split_cases import MemoryStore, many, trajectories
 
@@ -89,7 +90,7 @@ def test_a_part_without_frames_is_named(store):
     assert report.leaks == ()
 
 
-@settings(max_examples=25)
+@few(25)
 @given(
     st.lists(
         st.tuples(st.integers(0, 2), st.sampled_from("ABCDE"), st.integers(0, 9), st.integers(-1, 20)),

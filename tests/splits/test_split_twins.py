@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 from split_cases import MemoryStore, many, parts, trajectories
 
@@ -104,7 +105,7 @@ def test_a_copy_with_a_held_out_unit_moves_nobody():
 spans = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 20), st.integers(1, 6)), min_size=1, max_size=25)
 
 
-@settings(max_examples=60)
+@few(60)
 @given(spans)
 def test_joining_agrees_with_its_slow_twin(found):
     """Each cluster joins the groups of all earlier clusters that it overlaps, as comparing all pairs says."""
