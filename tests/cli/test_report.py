@@ -51,7 +51,7 @@ def test_counts_are_in_words(written):
     """The first sentence counts what the tiny world holds."""
     text = written()
     assert "2 recordings with 4 trajectories" in text
-    assert "2 recordings whole" in text
+    assert "2 recordings are whole" in text
     assert "out of date" not in text
 
 

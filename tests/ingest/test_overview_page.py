@@ -205,8 +205,8 @@ def test_the_page_holds_its_parts_in_order(monkeypatch):
     assert page(Tables(), PNG, "mine", [Section("More")]) == "What was recorded"
     assert kept["sentences"] == [
         "The store my.zarr holds 1 recording with 2 trajectories and 3 images of 1 sensor and 1 indenter.",
-        "3 recordings with data lost to damage; what is whole was kept; 1 recording whole; 2 recordings without "
-        "checksums, so that it could not be verified.",
+        "3 recordings lost data to damage, and what is whole was kept; 1 recording is whole; 2 recordings have no "
+        "checksums and could not be verified.",
     ]
     titles = ["Touches", "Sensors and indenters", "Signals", "What the checks found", "Split", "More", "Use it"]
     assert [section.title for section in kept["sections"]] == titles
@@ -246,7 +246,7 @@ def test_findings_are_ranked_and_sixty_are_shown():
     assert len(module._findings(Tables(findings=many)).sentences) == 60
     more = module._findings(Tables(findings=[*many, *many[:2]])).sentences
     assert (len(more), more[60]) == (61, ("", "… and 2 more: tactiledata info --json"))
-    assert module._findings(Tables()).sentences == [("", "Nothing that you ought to know.")]
+    assert module._findings(Tables()).sentences == [("", "The checks found nothing.")]
 
 
 def test_without_a_split_the_one_that_can_be_drawn_is_named(monkeypatch):
@@ -258,7 +258,7 @@ def test_without_a_split_the_one_that_can_be_drawn_is_named(monkeypatch):
     found = module._split(Tables(), "default")
     assert list(found.code) == []
     assert [text for _, text in found.sentences] == [
-        "There is no split yet; nothing may learn from this store.", "None can be drawn yet: too few",
+        "There is no split yet. Draw one before you train on this store.", "No split can be drawn yet: too few",
     ]  # fmt: skip
 
 
@@ -284,7 +284,7 @@ def test_a_split_is_described(monkeypatch):
     assert found.rows[0] == ("train", 3, 30)
     assert [part for part, _, _ in found.rows] == [*PARTITIONS, "excluded"]
     assert [text for _, text in found.sentences] == [
-        "Split 'mine': whole trajectories only. Held out for the second test: sensor D1, D2."
+        "The split 'mine' divides whole trajectories. Held out for test_unseen: sensor D1, D2."
     ]
     assert found.code == []
     nothing = described(monkeypatch, {"sensor": []})

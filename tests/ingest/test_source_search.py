@@ -74,7 +74,7 @@ def test_four_folders_down_are_searched(tmp_path):
     tree(tmp_path / "deep", "1/2/3/x.log")
     assert found(tmp_path / "deep")[0] == [("x.log", "log", "")]
     tree(tmp_path / "lost", "1/2/3/4/x.log")
-    with pytest.raises(BrokenLog, match="no recording that any format knows"):
+    with pytest.raises(BrokenLog, match="not a recording in a known format"):
         find_sources([tmp_path / "lost"])
     assert MAX_DEPTH == 4
 
