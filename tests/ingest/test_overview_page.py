@@ -288,7 +288,7 @@ def test_a_split_is_described(monkeypatch):
     ]
     assert found.code == []
     nothing = described(monkeypatch, {"sensor": []})
-    assert nothing.sentences[0][1].endswith("second test: nothing.")
+    assert nothing.sentences[0][1].endswith("for test_unseen: nothing.")
 
 
 def test_a_split_that_is_out_of_date_is_drawn_again(monkeypatch):

@@ -222,7 +222,9 @@ def _split(store: Store, split: str) -> Section:
     rows = [(part, counts[part]["trajectories"], counts[part]["frames"]) for part in (*PARTITIONS, EXCLUDED)]
     held = "; ".join(f"{kind} {', '.join(names)}" for kind, names in document["held_out"].items() if names)
     code: list[str] = []
-    sentences = [("", f"The split {split!r} divides whole trajectories. Held out for test_unseen: {held or 'nothing'}.")]
+    sentences = [
+        ("", f"The split {split!r} divides whole trajectories. Held out for test_unseen: {held or 'nothing'}.")
+    ]
     if problem := coverage_problem(read_split(store, split), store.trajectories(["uid"])["uid"]):
         again = "Draw it again; until then it cannot be loaded."
         sentences.append(("warning", f"The split is out of date: {problem}. {again}"))
