@@ -28,7 +28,7 @@ def run_command(capsys, monkeypatch, *arguments):
 
 @pytest.mark.slow
 def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypatch):
-    """A result, a page and words; the same bytes again; JSON for machines; replay's offsets by uid."""
+    """The command writes a result and a page, the same bytes again, JSON for machines, and offsets by uid."""
     pytest.importorskip("matplotlib")
     monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
     out = tmp_path / "calibration.json"

@@ -38,7 +38,7 @@ def test_a_row_is_what_was_measured_less_the_factor_times_what_was_simulated():
 
 
 def test_each_row_of_the_residual_belongs_to_a_trajectory():
-    """Six rows a frame, then an offset a trajectory, then each factor with the first trajectory of its indenter."""
+    """A frame has six rows, a trajectory one for its offset, and each factor one of its indenter's first trajectory."""
     world = ClosedFormWorld(count=4)
     shapes = np.array([0, 1, 0, 1])
     loss = VectorLoss(world.response(), world.measured(), NOISE, np.full(4, 40.0), 4e-5, shapes, 0.02)

@@ -126,7 +126,7 @@ def test_a_fault_of_ours_is_json_too(folder, capsys, monkeypatch):
 
 
 def test_ctrl_c_says_that_work_is_kept(folder, capsys, monkeypatch):
-    """One line and exit code 130."""
+    """Ctrl-C gives one line and exit code 130."""
 
     def stop(*_):
         raise KeyboardInterrupt

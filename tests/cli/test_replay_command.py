@@ -100,7 +100,7 @@ def test_a_calibration_gives_material_and_offsets(store, capsys):
     ],
 )
 def test_wrong_calls_change_nothing(store, options, capsys):
-    """Exit code 2, an error in words, and a store without meshes."""
+    """Wrong calls give exit code 2, an error in words, and a store without meshes."""
     code, _, err = run_command(capsys, "replay", *MATERIAL, *options)
     assert code == 2, err
     assert "rror: " in err

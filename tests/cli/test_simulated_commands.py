@@ -35,7 +35,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_commands_say_it_of_a_rigs_world_only(name, tiny_store, unstated, tmp_path, monkeypatch, capsys):
-    """Printed text and JSON of the same recordings, with and without the statement."""
+    """Text and JSON say it of the recordings that state it, and not of the same recordings without the statement."""
     monkeypatch.chdir(tmp_path)
     command, *options = COMMANDS[name]
     for store, simulated in ((tiny_store, 2), (unstated, 0)):
@@ -48,7 +48,7 @@ def test_commands_say_it_of_a_rigs_world_only(name, tiny_store, unstated, tmp_pa
 
 
 def test_a_recorder_says_what_it_makes(tmp_path, capsys):
-    """`record` itself."""
+    """`record` itself says that its recordings are simulated."""
     code, printed, said = run_command(capsys, "record", "tiny", "--out", tmp_path / "logs", "--format", "folder")
     assert code == 0, said
     assert "2 logs of simulated recordings" in printed

@@ -71,7 +71,7 @@ FAILURES = {
 
 @pytest.mark.parametrize("name", FAILURES)
 def test_a_command_that_needs_the_image_says_what_to_do(name, store, capsys):
-    """Exit 1, without decoding: the frame and its size, the limit, and the command that marks it."""
+    """Without decoding, exit 1 names the frame and its size, the limit, and the command that marks it."""
     verb, *options = FAILURES[name]
     code, out, err = run_command(capsys, verb, store, *options)
     said = out + err

@@ -70,7 +70,7 @@ def test_a_value_inside_itself_is_refused(text, tmp_path):
     ],
 )
 def test_a_schemas_own_refusal_is_said_for_what_it_excludes(schema, value, words):
-    """The sentence of the schema for an excluded value alone; otherwise the checker's."""
+    """The schema's own sentence is given for an excluded value alone, and otherwise the checker's."""
     (fault,) = jsonschema.Draft202012Validator(schema).iter_errors(value)
     assert schemas._words(fault) == words
 

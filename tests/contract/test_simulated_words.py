@@ -21,7 +21,7 @@ from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount, recor
     ],
 )
 def test_only_the_two_words_state_anything(recorder, kind):
-    """Simulated or real, in any case and with spaces around; anything else, and nothing, states nothing."""
+    """Only simulated and real state anything, in any case and with spaces around."""
     assert recording_kind({"recorded_by": recorder}) == kind
     assert recording_kind({}) == "not stated"
 

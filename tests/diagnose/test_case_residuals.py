@@ -41,7 +41,7 @@ def quiet():
 
 
 def test_nulls_are_seldom_structured():
-    """Contact laws that differ by some per cent, jitter and coloured noise: of 6 such worlds at most one alarms."""
+    """Of 6 worlds with errors of contact laws, jitter and coloured noise, at most one alarms."""
     alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9100, 9106)]
     assert sum(alarms) <= 1
 

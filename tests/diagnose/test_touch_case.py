@@ -25,7 +25,7 @@ def test_what_is_played_before_changes_nothing():
 
 
 def test_the_gel_is_asked_once_for_all_that_the_sensor_does(monkeypatch):
-    """Ten gains of the sensor beside a yielding arm: one balance of springs and gel for each trajectory."""
+    """Ten gains of the sensor beside a yielding arm need one balance of springs and gel for each trajectory."""
     asked = []
     contact = Simulator.contact_near
     monkeypatch.setattr(Simulator, "contact_near", lambda self, *at: asked.append(at) or contact(self, *at))
@@ -38,7 +38,7 @@ def test_the_gel_is_asked_once_for_all_that_the_sensor_does(monkeypatch):
 
 
 def test_a_balance_that_is_near_is_found_sooner_and_is_the_same():
-    """An arm that yields a little more, a softer spot beside it: as looked for anew, in fewer questions to the gel."""
+    """The balance beside a softer spot is as if looked for anew, and asks the gel fewer questions."""
     cases = recorded(touches=8, slide=1e-3)
     arm = effect("arm_compliance", translation=1e-5)
     before = cases.played(START, arm)

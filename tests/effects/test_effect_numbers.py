@@ -70,7 +70,7 @@ def test_values_outside_the_bounds_are_refused(value):
 
 
 def test_what_can_be_believed_includes_the_ends():
-    """-1 to 2."""
+    """The plausible range from -1 to 2 includes both ends."""
     assert [WEIGHT.is_plausible(value) for value in (-1.01, -1.0, 0.0, 2.0, 2.01)] == [False, True, True, True, False]
 
 

@@ -52,7 +52,7 @@ def test_wrist_and_stem_are_springs_in_series(touch, play, moved):
 
 
 def test_stems_bend_as_beams():
-    """3 E I / L^3: 4 mm and 10 mm of printed plastic, 30 mm long."""
+    """Stems of 4 mm and 10 mm of printed plastic, 30 mm long, bend by 3 E I / L^3."""
     assert stem_stiffness(0.004, 0.03) == pytest.approx(3 * 2.5e9 * math.pi * 0.002**4 / 4 / 0.03**3)
     assert stem_stiffness(0.010, 0.03) == pytest.approx(1.4e5, rel=0.05)
     assert stem_stiffness(0.004, 0.03) == stem_stiffness(0.004, 0.03, 2.5e9)

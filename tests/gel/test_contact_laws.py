@@ -113,7 +113,7 @@ def test_symmetry(engine):
 
 
 def test_youngs_modulus_scales_out(engine):
-    """Twice the modulus: bit for bit the same shapes, and twice the force."""
+    """Twice the modulus gives bit for bit the same shapes, and twice the force."""
     soft, stiff = (pressed(engine, BALL, SHEARED, 0.6, modulus) for modulus in (0.5e6, 1.0e6))
     np.testing.assert_array_equal(soft.displacement, stiff.displacement)
     np.testing.assert_array_equal(2 * soft.wrench, stiff.wrench)

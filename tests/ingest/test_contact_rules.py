@@ -72,7 +72,7 @@ def test_a_touch_pulls_by_more_than_half_of_its_force(force, is_said):
 
 
 def test_the_firm_half_of_a_touch_decides():
-    """Samples with half of the largest force and more, by their median."""
+    """Samples with half of the largest force and more decide, by their median."""
     values, spans = touches((0, 0, -4))
     values[20:34, 2] = -1.99
     assert answer(values, described(**STATED), None, spans)[1].get("sign-reversed") is not None

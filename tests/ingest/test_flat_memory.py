@@ -17,7 +17,7 @@ print(len(report.sources), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
 @pytest.mark.slow
 def test_peak_memory_does_not_grow_with_the_number_of_recordings(tiny_folders, tmp_path):
-    """Sixteen times the recordings, less than a tenth more memory."""
+    """Sixteen times the recordings take less than a tenth more memory."""
     peaks = {}
     for count in (2, 32):
         home = tmp_path / str(count)

@@ -123,7 +123,7 @@ def test_a_table_of_frames_by_hand():
 
 
 def test_flags_by_hand():
-    """Missing images, frames outside trajectories, and values over a gap longer than the limit or without samples."""
+    """Flags mark missing images, frames outside trajectories, and values over a long gap or without samples."""
     encodings = ["png", "missing", "png", "png", "png"]
     rows = np.array([0, 1, -1, 1, -1], np.int32)
     gaps = {"wrench": np.array([100, 0, 101, 100, -1]), "tcp": np.array([0, 0, 0, -1, 0])}

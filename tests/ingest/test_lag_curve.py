@@ -101,7 +101,7 @@ def test_touches_are_counted_six_at_most():
 
 
 def test_the_longest_touches_are_taken():
-    """Longest first, of each 48 images from the first to the last."""
+    """The longest touches come first, with 48 images each from the first to the last."""
     made, pictures = planted(100, spans=[2000] * 3 + [4000, 3000] * 3)
     asked = []
     said(made, pictures, asked)

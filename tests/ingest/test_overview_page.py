@@ -225,7 +225,7 @@ def test_the_page_holds_its_parts_in_order(monkeypatch):
 
 
 def test_findings_are_ranked_and_sixty_are_shown():
-    """Damage before warnings before infos, then by code and by recording."""
+    """Damage comes before warnings and infos, then the order is by code and by recording."""
     rows = [
         (1, Finding("b", "info", "five")), (1, Finding("a", "warning", "four")), (0, Finding("z", "damage", "one")),
         (0, Finding("a", "warning", "three")), (1, Finding("c", "info", "six")), (0, Finding("a", "damage", "zero")),
@@ -279,7 +279,7 @@ def described(monkeypatch, held_out, problem=""):
 
 
 def test_a_split_is_described(monkeypatch):
-    """Its parts, what is held out, and nothing more where it knows all trajectories."""
+    """A split is described by its parts and what is held out, and nothing more where it knows all trajectories."""
     found = described(monkeypatch, {"sensor": ["D1", "D2"], "indenter": []})
     assert found.rows[0] == ("train", 3, 30)
     assert [part for part, _, _ in found.rows] == [*PARTITIONS, "excluded"]

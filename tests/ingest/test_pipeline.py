@@ -54,7 +54,7 @@ def test_the_truth_comes_back(tiny_mcaps, tiny_store):
 
 
 def test_both_forms_of_a_log_give_one_dataset(tiny_store, tiny_folders, tmp_path):
-    """MCAP and folder log of one world: the same trajectories, and the same pictures to the bit."""
+    """MCAP and folder log of one world give the same trajectories, and the same pictures to the bit."""
     ingest(tiny_folders, tmp_path / "folder.zarr")
     one, other = Store.open(tiny_store), Store.open(tmp_path / "folder.zarr")
     columns = ["trajectory", "sensor", "indenter", "frame_start", "frame_stop"]
@@ -109,7 +109,7 @@ def test_workers_change_nothing(tiny_mcaps, tiny_store, tmp_path):
 
 @pytest.mark.slow
 def test_killed_at_any_moment_it_goes_on(tiny_mcaps, tiny_store, tmp_path):
-    """Kill -9 at random moments, resumed: the manifest of an uninterrupted ingest, byte for byte; no duplicates."""
+    """An ingest that is killed at random moments and resumed gives the manifest of an uninterrupted one."""
     clock = random.Random(20)
     program = (
         "import sys; from tactiledata.ingest.pipeline import ingest\n"

@@ -263,7 +263,7 @@ def test_what_a_report_says_of_all_sources():
 
 
 def test_a_report_as_json_values():
-    """Every part of it, findings as dictionaries."""
+    """A report has every part as JSON values, findings as dictionaries."""
     finding = Finding("a", "info", "b", count=3)
     source = SourceReport("k", "failed", "damaged", 1, 2, (finding,), "broken", "sha", "real")
     found = json.loads(json.dumps(IngestReport("s.zarr", (source,), ("x",), (finding,), ("default",)).document()))

@@ -82,7 +82,7 @@ def test_torques_are_no_forces():
 
 @pytest.mark.parametrize(("noise", "count"), [(0.288, 1), (0.289, 0)])
 def test_noise_raises_the_threshold(noise, count):
-    """Six standard deviations of a norm of three components: 0.2887 N in each hide a touch of 3 N."""
+    """Noise of 0.2887 N in each component hides a touch of 3 N: six standard deviations of a norm are needed."""
     t_ns, force = forces((100, 300), height=3.0)
     assert len(contact_spans(t_ns, force, noise)) == count
 

@@ -55,7 +55,7 @@ def test_a_second_is_a_shift(late, is_shifted):
 
 @pytest.mark.parametrize(("start", "is_shifted"), [(2250, False), (2251, True)])
 def test_a_stream_that_covers_the_touches_is_not_shifted(start, is_shifted):
-    """Within 0.25 s at the first and at the last."""
+    """A stream that covers the first and the last touch within 0.25 s is not shifted."""
     assert (shift((start, 60_000 + start)) is not None) == is_shifted
     assert (shift((-start, 60_000 - start)) is not None) == is_shifted
 

@@ -52,7 +52,7 @@ def test_pictures_come_back(mixed):
 
 
 def test_payloads_are_the_bytes_that_came(mixed):
-    """Each from its own place in its camera's file."""
+    """Each payload comes from its own place in its camera's file."""
     assert [mixed.payload(row) for row in (0, 2, 4, 5, 6)] == [
         ("png", PNG),
         ("missing", b""),

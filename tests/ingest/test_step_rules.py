@@ -58,7 +58,7 @@ def judged(t_ns, *witnesses):
 
 
 def test_the_rules_in_numbers():
-    """Steps of 0.3 s and 20 periods; of the 8 largest pauses and 64 largest steps; stretches of 10 samples."""
+    """Steps are 0.3 s and 20 periods, of the 8 largest pauses and 64 largest steps; stretches have 10 samples."""
     assert (LEAST_STEP, PERIODS, MOST_STEPS, MOST_BLOCKS, BLOCK) == (300 * MS, 20, 8, 64, 10)
     assert (AGREE, SURE, CROWDED) == (250 * MS, SECOND, 1.5)
     assert (STAMPS, SIGNAL, IMAGES, TRAJECTORIES) == (0, 1, 2, 3)
@@ -172,7 +172,7 @@ def test_a_stretch_in_a_hole_of_its_stream_came_late():
 
 
 def test_small_steps_and_steps_of_one_direction_make_no_stretch():
-    """Two pauses around a stretch, or two steps back."""
+    """Two pauses around a stretch, or two steps back, make no stretch."""
     assert _displaced_blocks(stretch((0, 1000), (3000, 4000), (6000, 7000)), 300 * MS, 10 * MS) == set()
     assert _displaced_blocks(stretch((6000, 7000), (3000, 4000), (0, 1000)), 300 * MS, 10 * MS) == set()
     assert _displaced_blocks(stretch((0, 1000)), 300 * MS, 10 * MS) == set()
@@ -229,7 +229,7 @@ def test_copies_of_rows_do_not_stand_twice():
 
 
 def test_a_pause_at_the_same_moment_is_shared():
-    """Within 0.3 s in place and in length."""
+    """A pause is shared if place and length agree within 0.3 s."""
     one = Witness(SIGNAL, 0, 10**12, ((5 * SECOND, SECOND), (9 * SECOND, 3 * SECOND)))
     near = 300 * MS - 1
     for place, step, is_shared in (

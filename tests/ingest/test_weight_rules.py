@@ -32,7 +32,7 @@ def lost(poses, times_ms):
 
 
 def test_standard_gravity():
-    """The number of the brochure of the SI."""
+    """Standard gravity is the number of the brochure of the SI."""
     assert STANDARD_GRAVITY == 9.80665
 
 
@@ -52,7 +52,7 @@ def test_of_slow_poses_three_periods_may_lie_between(gap, is_lost):
 
 
 def test_the_first_and_the_last_gap_count_from_their_first_nanosecond():
-    """Between the first two poses and between the last two."""
+    """The gaps between the first two poses and between the last two count from their first nanosecond."""
     inside = [1e-6, 500, 900 - 1e-6]
     assert lost(tcp([0, 900, 910, 920, 930]), [0, *inside, 900]) == [False, True, True, True, False]
     assert lost(tcp([-30, -20, -10, 0, 900]), [0, *inside, 900]) == [False, True, True, True, False]
@@ -128,7 +128,7 @@ def test_poses_are_held_before_the_first_and_after_the_last_sound_one():
 
 
 def test_the_lever_is_about_the_origin_of_the_ft_frame():
-    """A sensor 0.1 m above the tcp, turned by a right angle about z: force and torque in its frame."""
+    """A sensor 0.1 m above the tcp, turned about z, has force and torque in its own frame."""
     turned = {"xyz": [0.0, 0.0, -0.1], "xyzw": [0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)]}
     robot = {"tcp_from_ft": turned, "tool": {"mass": 2.0, "centre_of_gravity": [0.2, 0.0, 0.0]}}
     weight = tool_weight(described(**robot), tcp([0, 10], turn=[0, np.pi / 2]), START + np.array([0, 10 * MS]))

@@ -184,7 +184,7 @@ def test_a_stated_jump_is_no_moved_zero():
 
 
 def test_moved_zeros_are_named():
-    """Five of them, with the farthest way."""
+    """Five moved zeros are named, with the farthest way."""
     assert moved_findings([]) == []
     found = ends((0, 1), (0, -7.25), (0, 2), (0, 1), (0, 1), (0, 1))
     [finding] = moved_findings(found[:5])

@@ -80,7 +80,7 @@ def test_noise_is_the_median_step_of_a_component():
 
 
 def test_the_threshold_of_touching():
-    """Six standard deviations of a norm, at least half a newton."""
+    """The threshold is six standard deviations of a norm, and at least half a newton."""
     assert touch_threshold(0.0) == 0.5
     assert touch_threshold(1.0) == pytest.approx(6 * np.sqrt(3), rel=1e-12)
 
@@ -123,7 +123,7 @@ def test_ten_samples_of_free_air_are_needed(count, is_free):
 
 @pytest.mark.parametrize(("begin", "is_free"), [(5.0, True), (5.01, False), (-5.01, False)])
 def test_a_start_more_than_five_newtons_off_is_in_contact(begin, is_free):
-    """Against the zero of the recording."""
+    """A start more than 5 N off the zero of the recording is in contact."""
     bias, said = zeroed([(0, 300), (begin, 50), (begin + 9, 50), (0, 300)], [(300, 400)])
     assert bias[350] == (begin if is_free else 0.0)
     assert ("no-free-air" in said) == (not is_free)

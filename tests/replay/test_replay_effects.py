@@ -120,7 +120,7 @@ def test_effects_that_this_store_cannot_have_are_refused(copied):
 
 
 def test_what_recordings_do_not_tell_is_named(tiny_folders, tmp_path):
-    """A log without the moment of power-on, and an effect that asks for it."""
+    """A log without the moment of power-on is named where an effect asks for it."""
     log, place = tmp_path / "D20001", tmp_path / "ds.zarr"
     copy_tree(tiny_folders[0], log)
     document = yaml.safe_load((log / "log.yaml").read_text())

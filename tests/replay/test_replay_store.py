@@ -80,7 +80,7 @@ def _flip(place):
 
 
 def test_the_same_replay_again_changes_nothing(replayed, tmp_path):
-    """No byte of the store, and no new frame in the report."""
+    """The same replay again changes no byte of the store, and reports no new frame."""
     place = tmp_path / "ds.zarr"
     copy_tree(replayed, place)
     before = files(place)
@@ -162,7 +162,7 @@ def _killed_at(place, moment):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_and_resumed_is_the_same(copied, seed, tmp_path, monkeypatch):
-    """Killed at random moments, then left alone: every file equals those of an uninterrupted replay."""
+    """A replay that is killed at random moments and resumed leaves every file as an uninterrupted one does."""
     monkeypatch.setattr(attach, "RUN_TOUCHES", 1)
     whole = tmp_path / "whole.zarr"
     copy_tree(copied, whole)

@@ -55,7 +55,7 @@ def test_sampling_times_increase_and_keep_their_rate(rate, jitter, seed):
 
 
 def test_a_slow_sensor_repeats_its_values():
-    """100 Hz samples of a 62.5 Hz sensor: 62.5 new values a second, runs of one or two."""
+    """A 62.5 Hz sensor sampled at 100 Hz has 62.5 new values a second, in runs of one or two."""
     seconds = np.arange(400) / 100.0
     values = imperfections.held(np.arange(400.0)[:, None], seconds, 62.5)[:, 0]
     assert len(np.unique(values)) == pytest.approx(250, abs=1)

@@ -178,7 +178,7 @@ def prints_at(*places):
 
 
 def test_pairs_are_nearest_first_and_within_the_radius():
-    """0 in one part; 0.01, 0.03 and 0.05 in another: two pairs within 0.04, the nearer first."""
+    """Of 0 in one part and 0.01, 0.03 and 0.05 in another, two pairs are within 0.04, the nearer first."""
     found = near_pairs(prints_at(0.0, 0.03, 0.05, 0.01), np.array([0, 1, 1, 1]))
     assert list(zip(found.first.tolist(), found.second.tolist(), strict=True)) == [(0, 3), (0, 1)]
     np.testing.assert_allclose(found.distance, [0.01, 0.03], rtol=1e-5)

@@ -33,7 +33,7 @@ def copied(stores, tmp_path):
 
 
 def test_the_same_draw_stands_together(copied):
-    """Split alone with one seed, fractions and nobody held out: no child away from its parent."""
+    """Stores split alone with one seed and fractions have no child away from its parent."""
     for store in copied:
         make_split(store, fractions=SHARES, hold_out="none")
     assert audit_across(*copied) == []

@@ -72,7 +72,7 @@ FILES = {
 @pytest.mark.parametrize("file", FILES)
 @pytest.mark.parametrize("damage", ["flip", "cut", "remove"])
 def test_damage_of_any_file_is_found(folder: Path, file: str, damage: str) -> None:
-    """A byte turned, a file cut or removed: a finding of the kind, never an error, and severity damage."""
+    """A byte turned, a file cut or removed gives a finding of the kind with severity damage, never an error."""
     place = folder / file
     if damage == "flip":
         flip(place, 10 if file.endswith(("heap/c.0", "zarr.json")) else None)

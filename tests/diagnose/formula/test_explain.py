@@ -114,7 +114,7 @@ def test_the_gate_is_one_of_the_locators():
 
 @pytest.mark.slow
 def test_progress_is_told():
-    """Every step, in order, up to the last."""
+    """Every step is told, in order, up to the last."""
     told = []
     explain(planted(9, 16, 8), LocateOptions(), progress=lambda done, total, what="": told.append((done, total)))
     assert told[-1] == (5, 5)

@@ -76,7 +76,7 @@ def test_other_sizes_than_the_best_cost_likelihood(resized):
 
 
 def test_errors_are_the_same_wrenches_after_their_sizes_changed(resized):
-    """Fewer deviations of a larger size, more of a smaller one."""
+    """The same wrenches are fewer deviations of a larger size, and more of a smaller one."""
     white, fit, best = resized
     model = with_errors_of(fit.model, white, best)
     before, after = (

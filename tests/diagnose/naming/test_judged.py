@@ -311,7 +311,7 @@ def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
 
 @pytest.mark.parametrize("name", [EASY, HARD])
 def test_what_can_be_seen_brings_the_evidence_of_a_claim(name):
-    """Half the square of the signal, saturated, less a typical price; more trajectories bring less each."""
+    """It is half the square of the signal, saturated, less a typical price; more trajectories bring less each."""
     for count in (10, 1000):
         expected = T.counted(count) * T.visible(name, count) ** 2 / 2 - TYPICAL_OCCAM
         assert expected == pytest.approx(T.claim(name))

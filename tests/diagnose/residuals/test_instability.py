@@ -247,7 +247,7 @@ def test_signs_are_fair():
 
 
 def test_a_slope_spans_the_quantiles():
-    """0 at the 5 % quantile, 1 at the 95 % quantile, on a logarithm where the covariate spans decades."""
+    """A slope is 0 at the 5 % quantile and 1 at the 95 % quantile, on a logarithm if the covariate spans decades."""
     values = 10 ** np.linspace(-2, 2, 1001)
     instrument, low, high = slope(values, np.ones(1001))
     np.testing.assert_allclose([low, high], [10**-1.8, 10**1.8], rtol=0.02)

@@ -88,7 +88,7 @@ def test_a_place_that_is_shifted_turns_the_force(name, way):
 
 
 def test_factors_are_shares_of_the_forces():
-    """A factor on all forces, and one on the shear with its torques about the gel's origin."""
+    """One factor acts on all forces, and one on the shear with its torques about the gel's origin."""
     np.testing.assert_allclose(fields()["factor on forces"], 0.1 * at(TIPS, FORCES))
     along = FORCES * [1.0, 1.0, 0.0]
     np.testing.assert_allclose(fields()["factor on shear"], 0.2 * at(TIPS, along), atol=1e-15)

@@ -42,7 +42,7 @@ def test_a_zero_hides_what_does_not_change(touch, play):
 
 
 def test_drift_is_there_without_contact(touch, play, moved):
-    """A bias of b (1 - exp(-t / T)) on each component, in free air."""
+    """The drift is a bias of b (1 - exp(-t / T)) on each component, in free air."""
     path = in_free_air(touch, moved, powered=np.arange(90.0) * 60)
     wrench = play("sensor_drift", on=path, fz=2.0, ty=0.05, time=1200.0).wrench
     warm = 1 - np.exp(-np.arange(90.0) * 60 / 1200.0)

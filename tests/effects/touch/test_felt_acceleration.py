@@ -102,7 +102,7 @@ def test_the_filter_of_a_mode_is_designed_once():
 
 
 def test_positions_at_the_rate_of_integration_are_answered_exactly():
-    """Straight pieces of 2 ms, with a tenth of the critical damping: the closed form, to rounding, in every mode."""
+    """Straight pieces of 2 ms give the closed form to rounding, in every mode with a tenth of critical damping."""
     seconds = np.arange(1251) / 500.0
     frames = seconds[[5, 100, 500, 501, 750, 1000, 1250]]
     felt = felt_accelerations(frames, *stream(seconds, 3e-3 * np.minimum(seconds, 1.0)))
@@ -140,6 +140,6 @@ def test_the_modes_are_a_twentieth_apart():
 
 @pytest.mark.parametrize(("asked", "column"), [(6.0, 0), (5.0, 0), (40.0, 38), (50.0, 38)])
 def test_beyond_the_modes_the_outermost_is_felt(asked, column):
-    """Below 6 Hz that of 6 Hz, above 40 Hz that of 40 Hz."""
+    """Below 6 Hz the mode of 6 Hz is felt, and above 40 Hz that of 40 Hz."""
     felt = np.random.default_rng(2).normal(size=(3, 39, 3))
     np.testing.assert_allclose(felt_at(felt, asked), felt[:, column], atol=1e-12)

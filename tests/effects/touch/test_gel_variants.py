@@ -69,7 +69,7 @@ def cells():
 
 
 def test_a_skin_stiffens_the_uppermost_cells_by_its_thickness_over_theirs():
-    """1 + skin / height on every cell under the surface, away from the pad's rounded sides; 1 below."""
+    """The factor is 1 + skin / height on cells under the surface, away from rounded sides, and 1 below."""
     middles, heights, is_upper = cells()
     inner = (np.abs(middles[:, 0]) < 6e-3) & (np.abs(middles[:, 1]) < 6e-3)
     found = _cell_factors(PAD, GelVariant(skin=2e-4))
@@ -79,7 +79,7 @@ def test_a_skin_stiffens_the_uppermost_cells_by_its_thickness_over_theirs():
 
 
 def test_spots_multiply_the_modulus_through_the_whole_thickness():
-    """1 - loss exp(-r^2 / (2 radius^2)) for each spot, whatever the depth; nothing without skin and spots."""
+    """Each spot gives the factor 1 - loss exp(-r^2 / (2 radius^2)) at any depth; without skin and spots it is 1."""
     middles, _, _ = cells()
     spots = (SoftSpot(1e-3, -2e-3, 1.5e-3, 0.4), SoftSpot(-3e-3, 0.0, 3e-3, 0.2))
     wanted = np.ones(len(middles))

@@ -73,7 +73,7 @@ def flipped(content, place, mask=0xFF):
 
 
 def test_the_recording_is_the_one_of_the_table(recordings):
-    """6,600 messages in 151 chunks, as in the published measurement."""
+    """The recording has 6,600 messages in 151 chunks, as in the published measurement."""
     assert len(chunk_places(recordings["zstd"][0])) == 151
 
 

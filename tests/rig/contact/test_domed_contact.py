@@ -57,7 +57,7 @@ def test_a_cap_falls_as_its_slope_says():
 
 @pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
 def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
-    """1 / R' = 1 / R + 1 / R_dome (Hertz): 3 % less force than on a flat gel."""
+    """The force is that of 1 / R' = 1 / R + 1 / R_dome (Hertz), 3 % less than on a flat gel."""
     domed = last([DOME], "press", (0.0, 0.0), **form)
     smaller = {"ball": {"shape": "sphere", "radius": 1 / (1 / 0.004 + 1 / RADIUS)}}
     flat = last((), "press", (0.0, 0.0), indenters=smaller, **form)

@@ -58,7 +58,7 @@ def test_a_cable_pulls_with_the_wrist_only():
 
 
 def test_inertia_is_mass_times_acceleration():
-    """Far above the motion's frequencies: -m a of the carried tool on the long way between touches; none at rest."""
+    """Above the motion's frequencies, -m a of the carried tool acts on the long way between touches, none at rest."""
     found, plain = both(stated("inertia", mass=0.6, frequency=100.0))
     more = np.linalg.norm((found.readings - plain.readings)[:, :3], axis=1)
     performance = found.performance

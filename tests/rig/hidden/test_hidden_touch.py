@@ -66,13 +66,13 @@ def test_an_indenter_stands_elsewhere_all_the_time():
 
 
 def test_stiffening_is_ogdens_in_pure_shear():
-    """A 4 mm ball 0.8 mm deep: s = 0.2 * 0.8 / 1.728 + 0.8 / 12.3 = 0.1576, e = 0.1715, factor 1.163 at exponent 6."""
+    """With s = 0.2 * 0.8 / 1.728 + 0.8 / 12.3 = 0.1576 and e = 0.1715, the factor is 1.163 at exponent 6."""
     assert factor_at_depth(stated("stiffening", exponent=6.0)) == pytest.approx(1.163, abs=0.002)
     assert factor_at_depth(stated("stiffening", exponent=6.0), "small") > 1.17
 
 
 def test_a_skin_stiffens_small_contacts_more():
-    """Gao's function by hand for t / a = 0.05 / 1.728: I = 0.0127 at nu 0.48, so 1 + 5 I."""
+    """Gao's function by hand is I = 0.0127 at t / a = 0.05 / 1.728 and nu 0.48, so that the factor is 1 + 5 I."""
     x, nu = 0.05 / 1.728, 0.48
     weight = 2 / np.pi * np.arctan(x)
     weight += ((1 - 2 * nu) * x * np.log((1 + x**2) / x**2) - x / (1 + x**2)) / (2 * np.pi * (1 - nu))
@@ -105,7 +105,7 @@ def test_wear_grows_with_touches_of_the_place():
 
 
 def test_a_warm_gel_is_softer_and_higher():
-    """After days of power 10 K: 6 % softer, 12.3 µm higher; right after power-on neither."""
+    """After days of power a gel is 10 K warmer, 6 % softer and 12.3 µm higher; right after power-on it is neither."""
     cold = played([stated("warm_up", rise=10.0)], recordings={"tare": "none", "powered": 0.0}).performance.plays[0]
     assert cold.offset[2] == pytest.approx(0.0, abs=5e-8)
     warm = played([stated("warm_up", rise=10.0)], recordings={"tare": "none", "powered": 1e6}).performance.plays[0]
@@ -125,7 +125,7 @@ def test_a_loose_region_is_softer_sideways_there_only():
 
 
 def test_a_nearer_border_softens_towards_it():
-    """Half a contact radius from it: 1 - 0.5 exp(-0.5); four radii away 1 %."""
+    """The force falls to 1 - 0.5 exp(-0.5) half a contact radius from it, and hardly at 3.5 radii."""
     half, radius = 0.0184 / 2 - 0.003, np.sqrt(0.0008 * (0.004 - 0.0008 / 3))
     for away, left in ((0.5, 1 - 0.5 * np.exp(-0.5)), (3.5, 1 - 0.5 * np.exp(-3.5))):
         trajectories = [touch(position=(half - away * radius, 0.0))]
@@ -275,7 +275,7 @@ def test_ageing_friction_peaks_at_the_onset_and_more_after_a_longer_rest():
 
 
 def test_shear_strength_limits_the_pull():
-    """A tau tanh(mu N / (A tau)), with the area of the contact by hand."""
+    """The pull is A tau tanh(mu N / (A tau)), with the area of the contact by hand."""
     ratio, (_, phases, wrench, _, _) = plateau(stated("shear_strength", softness=1 / 0.2e6), hidden_friction=0.8)
     area = np.pi * 0.0008 * (0.004 - 0.0008 / 3)
     normal = last(wrench[:, 2], phases, "shear")
@@ -363,7 +363,7 @@ def test_a_stem_is_a_spring_in_series_sideways():
 
 
 def test_backlash_is_a_play_of_the_joints():
-    """Never further than half the play from the encoder, unmoved within it; the touch misses by a lever's worth."""
+    """A joint is at most half the play from the encoder, unmoved within it; a touch misses by a lever's worth."""
     angles = np.linspace(0.0, 1e-3, 50)[:, None] * np.ones(6)
     there_and_back = np.concatenate([angles, angles[::-1]])
     out = followed(there_and_back, 2e-4)
@@ -374,7 +374,7 @@ def test_backlash_is_a_play_of_the_joints():
 
 
 def test_a_slide_of_the_layer_solver_takes_hidden_effects_too():
-    """Relaxation and yielding on the layer: the same kernel on its own forces, and balance within half a micrometre."""
+    """Relaxation and yielding act on the layer's own forces, with a balance within half a micrometre."""
     steps = [{"press": {"depth": 0.0004, "step": 0.0004, "settle": 0.0}}, {"dwell": {"time": 0.5}}]
     found = contact_of(
         [stated("arm_compliance", softness=1 / 20e3), stated("relaxation", alpha=0.05)],

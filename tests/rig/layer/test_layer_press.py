@@ -68,7 +68,7 @@ def linear_contact(indenter, depth, thickness, grid, material):
     ids=["layer", "nearly a half-space"],
 )
 def test_a_ball_obeys_hertz_and_dimitriadis(thickness, radius, depth, pitch, count, within):
-    """Linear and frictionless: Hertz's law, corrected for the thickness (by 4 % on the thick layer)."""
+    """A linear, frictionless press obeys Hertz's law, corrected for the thickness (by 4 % on the thick layer)."""
     force = linear_contact(body("sphere", radius=radius), depth, thickness, LayerGrid(pitch, (count, count)), GEL)
     assert force == pytest.approx(sphere_force(np.array([depth]), radius, thickness, GEL)[0], rel=within)
 
@@ -86,7 +86,7 @@ def sheared():
 
 
 def test_a_symmetric_press_pulls_nowhere(sheared):
-    """Head-on: no sideways force, no torque."""
+    """A press head-on has no sideways force and no torque."""
     wrench = sheared[2][4].wrench
     assert np.abs(wrench[:2]).max() < 2e-3 * wrench[2]
     assert np.abs(wrench[3:]).max() < 2e-6 * wrench[2]
@@ -139,7 +139,7 @@ def test_without_friction_nothing_pulls():
 
 @pytest.mark.slow
 def test_partial_slip_is_mindlins():
-    """A ball on a thick linear layer: pull = mu N (1 - (1 - u / u*)^(3/2)) with u* = 3 mu N (2 - nu) / (16 G a)."""
+    """A ball on a thick linear layer pulls mu N (1 - (1 - u / u*)^(3/2)) with u* = 3 mu N (2 - nu) / (16 G a)."""
     material = Material(0.9e6, 0.48, 0.3)
     thickness, depth = 12e-3, 2e-4
     shear, _ = lame_constants(material)
@@ -188,7 +188,7 @@ def reference_punch(material, depths, cells, is_linear=False, is_stuck=True):
 
 @pytest.mark.parametrize("is_linear", [True, False])
 def test_a_punch_agrees_with_the_axisymmetric_reference(is_linear):
-    """Stuck to a punch of 3 mm at 0.3 mm: within 3 % of Newton's solution on another mesh, linear and not."""
+    """A stuck punch of 3 mm at 0.3 mm is within 3 % of Newton's solution on another mesh, linear and not."""
     depths = np.arange(1, 4) * 1e-4
     expected = reference_punch(GEL, depths, 16, is_linear)
     stuck = Material(GEL.youngs_modulus, GEL.poisson_ratio, 5.0)
@@ -210,7 +210,7 @@ def test_a_fine_punch_agrees_with_a_fine_reference(poisson_ratio, within):
 
 
 def test_large_strain_stiffens_the_layer():
-    """A ball at 0.8 mm, stuck: 4.09 N by an axisymmetric solution at large strain, 3.91 N by a linear one."""
+    """A stuck ball at 0.8 mm has 4.09 N by an axisymmetric solution at large strain, and 3.91 N by a linear one."""
     stuck = Material(0.9e6, 0.48, 10.0)
     path = poses_at(down_to(8e-4, 8))
     forces = [solve_press(BALL, path, THICKNESS, stuck, COARSE, linear).wrench[-1, 2] for linear in (False, True)]

@@ -16,7 +16,7 @@ def written(folder, document, name="r.yaml"):
 
 
 def test_what_is_left_out_is_as_in_the_paper(tmp_path):
-    """Sizes, weights, rates and batches of the paper's appendix."""
+    """Sizes, weights, rates and batches are those of the paper's appendix."""
     document = {"format": "tactiledata-recipe/1", "title": "t", "data": {"store": "ds.zarr"}}
     recipe = load_recipe(written(tmp_path, document), "paper")
     models = recipe.models
@@ -65,7 +65,7 @@ def test_unknown_words_are_refused(tmp_path, change, path):
 
 
 def test_scales_and_included_recipes_are_laid_over(tmp_path):
-    """The included one below, the recipe over it, its scale on top; lists replace."""
+    """The recipe lies over the included one, and its scale on top; lists replace."""
     below = tiny_recipe("ds.zarr", "mesh")
     del below["table"]
     below["scales"] = {"small": {"seed": 7, "data": {"image_size": [80, 60]}}}

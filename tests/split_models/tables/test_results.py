@@ -15,7 +15,7 @@ def score(value, **more):
 
 
 def test_cells_say_what_is_known():
-    """A value, its interval or its deviation over seeds, and a dash for nothing."""
+    """A cell has a value, its interval or its deviation over seeds, and a dash for nothing."""
     assert cell(score(0.123456)) == "0.1235"
     assert cell(score(0.5, low=0.4, high=0.6)) == "0.5 [0.4, 0.6]"
     assert cell(score(0.5, low=None, high=None)) == "0.5"

@@ -71,7 +71,7 @@ def test_frames_are_those_of_the_store(touch_store):
 
 
 def test_pictures_of_several_sets_keep_their_places(touch_store):
-    """Any order of numbers over two sets and the backgrounds behind them."""
+    """Any order of numbers over two sets and the backgrounds behind them gives the right pictures."""
     train = TouchFrames(touch_store, "default/train", size=(40, 30))
     val = TouchFrames(touch_store, "default/val", size=(40, 30))
     items = PictureItems([train, val], background_copies=2)
@@ -86,7 +86,7 @@ def test_pictures_of_several_sets_keep_their_places(touch_store):
 
 @pytest.mark.slow
 def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsys):
-    """Every row on both parts, full frame and in contact, with intervals; the second run trains nothing."""
+    """The table has every row on both parts, full frame and in contact; the second run trains nothing."""
     path = recipe_file(out, touch_store, "digit_images")
     code, printed, err = command(monkeypatch, capsys, "run", path, "--out", out, "--json")
     assert code == 0, err

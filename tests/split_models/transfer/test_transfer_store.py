@@ -49,7 +49,7 @@ def made(source, target, tmp_path_factory):
 
 
 def test_every_touch_is_there_once(source, made):
-    """Frames of trajectories with a whole picture, in their order, with the parents' times and forces."""
+    """Frames of trajectories with a whole picture are there in order, with the parents' times and forces."""
     rows = made.frame_values("parent_row")[:, 0].astype(int)
     frames = source.frames()
     expected = [
