@@ -47,7 +47,7 @@ def with_axes(name, values, turn):
 @pytest.mark.parametrize("quarters", [1, 2])
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_turned_touch_has_a_turned_wrench(name, quarters, touch, medium):
-    """A quarter and half of a turn: force and torque turn with the touch."""
+    """After a quarter and half of a turn, force and torque turn with the touch."""
     turn = np.linalg.matrix_power(np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), quarters)
     found = []
     for way in (np.eye(3), turn):

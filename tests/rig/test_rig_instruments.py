@@ -44,7 +44,7 @@ def test_joints_travel_by_name_not_by_place():
 
 @given(st.floats(20, 500), st.floats(0, 1e-3), st.integers(0, 2**40))
 def test_sampling_times_increase_and_keep_their_rate(rate, jitter, seed):
-    """Jitter never turns time back; to the nanosecond, far from 1970."""
+    """Jitter never turns time back, to the nanosecond and far from 1970."""
     start = 1_700_000_000_000_000_000
     times = imperfections.sampling_times(start, start + 2 * 10**9, rate, jitter, np.random.default_rng(seed))
     assert times.dtype == np.int64

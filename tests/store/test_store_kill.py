@@ -110,7 +110,7 @@ def killed_at(folder: Path, moment: int) -> int:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_killed_and_resumed_is_the_same(staged: Path, uninterrupted: dict[str, str], seed: int, tmp_path: Path) -> None:
-    """Killed at random moments, then left alone: every file equals the uninterrupted store's, byte for byte."""
+    """A commit killed at random moments and resumed leaves every file as the uninterrupted one does, byte for byte."""
     rng = np.random.default_rng(seed)
     folder = tmp_path / "ds.zarr"
     copy_tree(staged, folder)

@@ -96,7 +96,7 @@ def url(folder: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterato
 @pytest.mark.slow
 @pytest.mark.parametrize("url", ["file", "memory", "zip", "http"], indirect=True)
 def test_remote_store_reads_the_same(folder: Path, url: str) -> None:
-    """Tables, payloads, pictures, signals, values, references and splits: all as from the folder."""
+    """Tables, payloads, pictures, signals, values, references and splits are all as from the folder."""
     local, remote = Store.open(folder), Store.open(url)
     rows = np.random.default_rng(0).permutation(local.n_frames)
     assert remote.digest == local.digest

@@ -21,7 +21,7 @@ def pulled(sliders, way, limit=LIMIT):
 
 @pytest.mark.parametrize("spread", [0.0, 0.3, 1.0])
 def test_the_knee_is_a_parabola(spread):
-    """Limits spread evenly over u (1 - s) to u (1 + s): P = k (u - (u (1 + s) - x)^2 / (4 s u)) there, k u beyond."""
+    """Limits spread evenly over u (1 - s) to u (1 + s) give P = k (u - (u (1 + s) - x)^2 / (4 s u)), and k u beyond."""
     way = np.linspace(0.0, 1.2e-3, FRAMES)
     slides = LIMIT[0] / SPRING[0]
     wanted = np.minimum(way, slides)
@@ -36,7 +36,7 @@ def test_the_knee_is_a_parabola(spread):
 @few(30)
 @given(st.floats(0.0, 1.0), st.floats(0.5, 2.0), st.floats(1e-4, 1e-3))
 def test_the_way_back_is_twice_the_way_there(spread, factor, turn):
-    """Masing's rule: P(turn) - P(x) = 2 P0((turn - x) / 2)."""
+    """Masing's rule P(turn) - P(x) = 2 P0((turn - x) / 2) holds."""
     there = np.linspace(0.0, turn, 101)
     back = np.linspace(turn, -turn, 101)[1:]
     sliders = Sliders(factor, spread)
