@@ -67,3 +67,21 @@ def tiny_store(tiny_mcaps, tmp_path_factory):
     ingest(tiny_mcaps, place)
     make_split(Store.open(place), hold_out="none")
     return place
+
+
+@pytest.fixture(scope="session")
+def unstated(tiny_folders, tmp_path_factory):
+    """A store of the tiny world whose logs do not state what they are; read only."""
+    import yaml
+    from copied_trees import copy_tree
+
+    from tactiledata.ingest.pipeline import ingest
+
+    place = tmp_path_factory.mktemp("unstated")
+    logs = [copy_tree(folder, place / folder.name) for folder in tiny_folders]
+    for log in logs:
+        document = yaml.safe_load((log / "log.yaml").read_text())
+        del document["recorded_by"]
+        (log / "log.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
+    ingest(logs, place / "ds.zarr")
+    return place / "ds.zarr"

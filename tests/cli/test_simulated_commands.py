@@ -3,27 +3,9 @@
 import json
 
 import pytest
-import yaml
 from command import run_command
-from copied_trees import copy_tree
-
-from tactiledata.ingest.pipeline import ingest
 
 TERM = "imulated recordings"
-
-
-@pytest.fixture(scope="module")
-def unstated(tiny_folders, tmp_path_factory):
-    """A store of the tiny world whose logs do not state what they are."""
-    place = tmp_path_factory.mktemp("unstated")
-    logs = []
-    for folder in tiny_folders:
-        logs.append(copy_tree(folder, place / folder.name))
-        document = yaml.safe_load((logs[-1] / "log.yaml").read_text())
-        del document["recorded_by"]
-        (logs[-1] / "log.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
-    ingest(logs, place / "ds.zarr")
-    return place / "ds.zarr"
 
 
 COMMANDS = {

@@ -35,15 +35,6 @@ def restated(folder, place, contact):
 
 
 @pytest.fixture(scope="module")
-def unstated(tiny_folders, tmp_path_factory):
-    """A store of the same two recordings, which do not state what they are."""
-    place = tmp_path_factory.mktemp("unstated")
-    logs = [restated(folder, place / folder.name, None) for folder in tiny_folders]
-    ingest(logs, place / "ds.zarr")
-    return place / "ds.zarr"
-
-
-@pytest.fixture(scope="module")
 def mixed(tiny_folders, tmp_path_factory):
     """A store that was merged of one simulated recording and of one that does not state it."""
     place = tmp_path_factory.mktemp("mixed")
