@@ -4,5 +4,5 @@ from hypothesis import settings
 
 
 def few(examples):
-    """Settings with so many examples where `make test` tries 100, and half as many where `make quick` tries 50."""
+    """Settings with so many examples where `make test` tries 100, and a third of them where `make quick` tries 33."""
     return settings(max_examples=max(1, examples * settings.default.max_examples // 100))
