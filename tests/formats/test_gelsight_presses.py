@@ -17,7 +17,7 @@ from tactiledata.formats.gelsight_presses import GelsightPressesFormat
 from tactiledata.formats.reading import npz_members
 from tactiledata.formats.reading.contact_radius import CODE, radius_findings
 
-PACK = Path(__file__).resolve().parents[2] / "data" / "gelsight_r15"
+PACK = Path(__file__).resolve().parents[1] / "data" / "gelsight_r15"
 FORMAT = GelsightPressesFormat()
 
 

@@ -14,7 +14,7 @@ from tactiledata.formats.reading.modality import DECISION, look_of, votes_tactil
 from tactiledata.formats.tvl import TvlFormat
 
 FORMAT = TvlFormat()
-BACKGROUNDS = Path(__file__).resolve().parents[3] / "tactiledata" / "sensors" / "digit_backgrounds"
+BACKGROUNDS = Path(__file__).resolve().parents[2] / "tactiledata" / "sensors" / "digit_backgrounds"
 
 
 def first(folder, settings=None, **faults):
