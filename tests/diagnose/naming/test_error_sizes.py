@@ -93,11 +93,7 @@ def test_errors_are_the_same_wrenches_after_their_sizes_changed(resized):
 
 
 def test_the_smallest_ratio_is_that_of_the_size_that_fell_most(resized):
-<<<<<<< HEAD
-    """The ratio is the smallest size if all sizes were 1, and one over the largest the other way round."""
-=======
     """The ratio of sizes that all were 1 is the smallest size; the other way round it is one over the largest."""
->>>>>>> main
     white, _, best = resized
     sizes = best.errors.sizes.values()
     assert smallest_ratio(white, best) == pytest.approx(min(1.0, *sizes))

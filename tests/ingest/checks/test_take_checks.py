@@ -11,8 +11,8 @@ from tactiledata.ingest.checks.checks import FT_RANGE, broken_images, check_take
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
+from tests.ingest.checks.test_spooled import image, spooled
 from tests.ingest.made_takes import frames, signal, take, told, touch
-from tests.ingest.test_spooled import image, spooled
 
 DIGIT = load_background(next(iter(bundled_backgrounds())))
 BGR = np.ascontiguousarray(DIGIT[..., ::-1])
