@@ -19,7 +19,7 @@ from tactiledata.ingest.sources.reports import SourceReport
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.store.read.reader import Store
 from tests.ingest.made_takes import take
-from tests.ingest.test_replacing_plan import Staged
+from tests.ingest.sources.test_replacing_plan import Staged
 
 
 def task(key="run"):
