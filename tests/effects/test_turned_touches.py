@@ -41,6 +41,12 @@ def with_axes(name, values, turn):
     if name == "gain_crosstalk":
         gains = turn @ np.array([[values[row + column] for column in "xyz"] for row in "xyz"]) @ turn.T
         values |= {row + column: gains[r, c] for r, row in enumerate("xyz") for c, column in enumerate("xyz")}
+        for kind in ("m{row}_{column}", "{row}_m{column}"):
+            keys = [[kind.format(row=row, column=column) for column in "xyz"] for row in "xyz"]
+            mixed = turn @ np.array([[values[key] for key in row] for row in keys]) @ turn.T
+            values |= {keys[r][c]: mixed[r, c] for r in range(3) for c in range(3)}
+        # a quarter of a turn exchanges the gains of the torques about x and y
+        values |= dict(zip(("mx", "my", "mz"), np.abs(turn) @ [values[f"m{axis}"] for axis in "xyz"], strict=True))
     return values
 
 

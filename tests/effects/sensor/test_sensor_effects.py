@@ -82,6 +82,31 @@ def test_cross_talk_names_row_and_column(play):
     np.testing.assert_array_equal(found[:, 3:], plain[:, 3:])
 
 
+def test_cross_talk_of_torques_names_row_and_column(play):
+    """What is called mx_z is the torque about x of a newton along z; x_mz is the force along x of a torque about z."""
+    plain = play().wrench
+    found = play("gain_crosstalk", mx=0.02, my_z=1e-3, z_mx=0.5).wrench
+    wanted = plain.copy()
+    wanted[:, 3] += 0.02 * plain[:, 3]
+    wanted[:, 4] += 1e-3 * plain[:, 2]
+    wanted[:, 2] += 0.5 * plain[:, 3]
+    np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+def test_cross_talk_is_that_of_the_axes_of_the_sensor(touch, play):
+    """A gain of x of a sensor that is turned by a quarter about z, far away, is a gain of y with its torque."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, [0.0, 0.0, 0.15]
+    there = dataclasses.replace(touch, gel_from_sensor=np.tile(pose, (len(touch), 1, 1)))
+    plain, found = play(on=there).wrench, play("gain_crosstalk", on=there, xx=0.02).wrench
+    np.testing.assert_allclose(found[:, 1], 1.02 * plain[:, 1], atol=1e-12)
+    np.testing.assert_allclose(found[:, [0, 2]], plain[:, [0, 2]], atol=1e-12)
+    extra = np.zeros((len(touch), 3))
+    extra[:, 1] = 0.02 * plain[:, 1]
+    np.testing.assert_allclose(found[:, 3:] - plain[:, 3:], np.cross([0.0, 0.0, 0.15], extra), atol=1e-12)
+
+
 def test_play_is_a_stop_in_a_band():
     """The follower stays within half the play, moves only at the band's ends, and loops have the play's width."""
     angle = np.concatenate([np.linspace(0, 1, 101), np.linspace(1, -1, 201)])
