@@ -224,7 +224,22 @@ def joint_fit(
 
 
 def first_fit(whitened: WhitenedTouches, start: JointModel, to_beat: float = np.inf) -> JointFit:
-    """Return the fit from a start, with the errors of the simulation about the start; see `joint_fit`."""
+    """Return the fit from a start, with the errors of the simulation about the start.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Measured trajectories.
+    start : JointModel
+        Where the fit starts.
+    to_beat : float
+        Cost of another explanation: a fit that stays far behind it ends early.
+
+    Raises
+    ------
+    UsageError
+        Gel and springs find no balance at the start.
+    """
     return joint_fit(whitened, _fields(whitened, start), start, to_beat=to_beat)
 
 
