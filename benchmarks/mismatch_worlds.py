@@ -1,11 +1,12 @@
 """Missing physics named where the simulation errs: worlds of several generators whose contact differs from the gel's.
 
     python benchmarks/mismatch_worlds.py [--generator layer|analytic] [--mismatch SIZE] [--solver SEED] [--noise FACTOR]
-                                         [--plan N] [--cases nulls ...] [--seed N] [--count K] [--out FILE.jsonl]
+                                         [--plan N] [--cases nulls ...] [--seed N] [--count K] [--estimated] [--out FILE.jsonl]
 
 The simulation is our gel at finite strain. Generators are the rig's layer solver and the rig's closed forms, either
 with errors of a solver that are drawn for each indenter (`other_solvers`): at a mismatch of 1 some per cent, at 2 twice
-that. Touches are those of `wedge_plan`. What was played and solved is kept, as in `naming_worlds`.
+that. Touches are those of `wedge_plan`. What was played and solved is kept, as in `naming_worlds`. With `--estimated`
+the answer is the first one, before the gels on which it could rest are played in full.
 """
 
 from __future__ import annotations
@@ -58,6 +59,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=[], help="of the rig's effects")
     parser.add_argument("--no-pairs", action="store_true")
     parser.add_argument("--without-variants", action="store_true", help="leave out effects that need other gels played")
+    parser.add_argument("--estimated", action="store_true", help="answer from estimated plays alone")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
@@ -65,7 +67,7 @@ def main() -> None:
     bench = Bench.of(WedgePlan(options.plan), options.bank, not options.without_variants, varied)
     solve = bench.maker.bank.contact if options.generator == "layer" else closed_form
     maker = replace(bench.maker, solve=OtherSolver(solve, options.mismatch, options.solver), noise=options.noise)
-    bench = replace(bench, maker=maker, pairs=not options.no_pairs)
+    bench = replace(bench, maker=maker, pairs=not options.no_pairs, in_full=not options.estimated)
     found = []
     for case in chosen(options.cases, options.count, options.strength, options.seed, options.only):
         kinds = ("generator", "mismatch", "solver", "noise", "plan")
