@@ -1,7 +1,8 @@
 """Missing physics named where the simulation errs: worlds of several generators whose contact differs from the gel's.
 
     python benchmarks/mismatch_worlds.py [--generator layer|analytic] [--mismatch SIZE] [--solver SEED] [--noise FACTOR]
-                                         [--plan N] [--cases nulls ...] [--seed N] [--count K] [--estimated] [--out FILE.jsonl]
+                                         [--plan N] [--cases nulls ...] [--seed N] [--count K] [--estimated]
+                                         [--out FILE.jsonl]
 
 The simulation is our gel at finite strain. Generators are the rig's layer solver and the rig's closed forms, either
 with errors of a solver that are drawn for each indenter (`other_solvers`): at a mismatch of 1 some per cent, at 2 twice
