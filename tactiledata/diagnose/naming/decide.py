@@ -135,14 +135,13 @@ def decide(
     """
     is_left = left.is_structure(thresholds)
     chances = _probabilities(singles, pairs, thresholds, is_left)
-    ranked = sorted(singles, key=lambda single: -single.evidence)
-    # the single without objections that has most evidence, unless another one that is objected to has far more beyond
-    # what errors of the simulation can bring
+    # ranked by the evidence beyond what errors of the simulation can bring
+    ranked = sorted(singles, key=lambda single: -single.beyond(thresholds))
+    # the first single without objections, unless one that is objected to has far more beyond
     best = next((single for single in ranked if not single.objections(thresholds)), None)
     if best is not None:
-        most = max(ranked, key=lambda single: single.beyond(thresholds))
-        if most.beyond(thresholds) - best.beyond(thresholds) > thresholds.tie_margin(most.evidence):
-            best = None
+        behind = ranked[0].beyond(thresholds) - best.beyond(thresholds)
+        best = None if behind > thresholds.tie_margin(ranked[0].evidence) else best
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
@@ -237,15 +236,15 @@ def _ties(
 ) -> tuple[Tie, ...]:
     """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
 
-    A plausible effect is a tie where its evidence is within ``tie_margin`` of the best one's, where it could be claimed
-    itself or changes what the best one changes (cosine above ``tie``), and where it is not needlessly wide.
+    A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's,
+    where it could be claimed itself or changes what the best one changes (cosine above ``tie``), and where it is not needlessly wide.
     """
     others = [
         other
         for other in ranked
         if other.label != best.label
         and not other.implausible
-        and best.evidence - other.evidence <= thresholds.tie_margin(best.evidence)
+        and best.beyond(thresholds) - other.beyond(thresholds) <= thresholds.tie_margin(best.evidence)
     ]
     if not others:
         return ()

@@ -124,7 +124,7 @@ class DecisionThresholds:
     gain_sigmas: float = 2.0
     certain_signature: float = 4.0
     signature_threshold: float = 3.0
-    decisive_signature: float = 8.0
+    decisive_signature: float = 7.0
     least_excess_share: float = 0.05
     main_cause_share: float = 0.5
     part_share: float = 0.15
