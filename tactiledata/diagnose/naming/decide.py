@@ -237,7 +237,8 @@ def _ties(
     """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
 
     A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's,
-    where it could be claimed itself or changes what the best one changes (cosine above ``tie``), and where it is not needlessly wide.
+    where it could be claimed itself or changes what the best one changes (cosine above ``tie``), and where it is not
+    needlessly wide.
     """
     others = [
         other

@@ -73,6 +73,20 @@ def test_far_more_of_what_cannot_be_claimed_takes_a_claim_away():
         assert decided([best, other]).verdict is verdict
 
 
+def test_what_errors_of_the_simulation_can_bring_does_not_rank_an_effect():
+    """An effect with more evidence, but less beyond its needs, takes no claim and is no tie."""
+    needs = T.claim(HARD) - T.claim(EASY)
+    hard = with_evidence(HARD, 5.0 * T.claim(HARD), change=along(0))
+    for lead, ties in ((1.3, []), (0.9, [HARD])):
+        evidence = hard.evidence - needs + lead * T.tie_margin(hard.evidence - needs)
+        easy = with_evidence(EASY, evidence, change=along(1))
+        assert hard.evidence > easy.evidence
+        assert hard.objections(T) == easy.objections(T) == ()
+        found = decided([hard, easy])
+        assert found.claimed == (EASY,)
+        assert tie_names(found) == ties
+
+
 @pytest.mark.parametrize(("name", "least"), [(HARD, T.main_cause_share), (EASY, T.part_share)])
 def test_a_name_that_explains_too_small_a_part_is_not_given(name, least):
     """Where more than noise is left, an effect must be the main cause, or a part; where nothing is left it need not."""
