@@ -335,7 +335,7 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     def unbalanced(*_, **options):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
-    monkeypatch.setattr("tactiledata.diagnose.naming.refit.joint_fit", unbalanced)
+    monkeypatch.setattr("tactiledata.diagnose.naming.joint_fit.joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
     white = SimpleNamespace(starts=[0], simulation_error_fields=lambda *of: np.zeros((1, 6, 0)))
     fits = Refits(white, plain, NamingOptions(), lambda text: None)
