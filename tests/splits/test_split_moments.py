@@ -164,6 +164,13 @@ def test_moments_of_two_recordings_are_a_warning(clock, changes, count):
     assert parted_recordings(table, codes("test_unseen", "test")) == []
 
 
+def test_places_and_sides_are_told_apart():
+    """One sensor in the first and the fifth recording, on two sides, is no matter of two sensors."""
+    rows = [{"source": 0}, {"source": 4, "start_ns": ABSOLUTE_NS}, {"sensor": "B", "start_ns": 2 * ABSOLUTE_NS}]
+    rows[0]["start_ns"] = ABSOLUTE_NS
+    assert parted_recordings(trajectories(rows), codes("val", "train", "train")) == []
+
+
 @FEW
 @given(stores())
 def test_the_warning_agrees_with_all_pairs(rows):
