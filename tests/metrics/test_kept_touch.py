@@ -110,3 +110,10 @@ def test_changes_of_other_shapes_are_refused(shape):
     for score in (strength, correlation, overlap):
         with pytest.raises(UsageError, match="changes of shape"):
             score(np.ones(shape), np.ones(shape))
+
+
+def test_where_nothing_was_touched_nothing_can_be_kept(square):
+    """A recorded change without a touch is NaN in all three, without a warning, whatever the other shows."""
+    for ours in (square, np.zeros_like(square)):
+        for score in (strength, correlation, overlap):
+            assert np.isnan(score(ours, np.zeros_like(square))).all()

@@ -109,6 +109,21 @@ def test_a_finger_between_two_moments_is_in_no_part():
     assert [after[row["uid"]] for row in [*rows, *shifted]] == before
 
 
+def test_a_finger_between_two_moments_of_one_side_goes_with_the_earlier():
+    """Where both moments are on one side, the newcomer is drawn by the first of them."""
+    rows = [{**row, "uid": f"a{k:015x}"} for k, row in enumerate(recorded())]
+    before = assign(trajectories(rows), NONE, {})["partition"].to_pylist()
+    alike = next(k for k in range(59) if before[k] == before[k + 1])
+    again = [{**rows[alike + step], "uid": letter * 16, "source": 500} for step, letter in ((0, "e"), (1, "f"))]
+    third = {**rows[alike], "uid": "d" * 16, "sensor": "C", "source": 500, "end_ns": rows[alike + 1]["end_ns"]}
+    drawn = assign(trajectories([*rows, *again, third]), NONE, {}).to_pylist()
+    assert [(row["group"], row["partition"]) for row in drawn[-3:]] == [
+        (rows[alike]["uid"], before[alike]),
+        (rows[alike + 1]["uid"], before[alike]),
+        (rows[alike]["uid"], before[alike]),
+    ]
+
+
 @pytest.mark.parametrize(
     ("one", "other", "is_leak"),
     [("train", "test", 1), ("val", "test_unseen", 1), ("train", "val", 1), ("test", "test_unseen", 0),
