@@ -186,6 +186,12 @@ def test_places_and_sides_are_told_apart():
     assert parted_recordings(trajectories(rows), codes("val", "train", "train")) == []
 
 
+def test_a_twin_hides_no_other_sensor():
+    """Beside a copy of itself on another side, a touch of another sensor is counted, and so are all three."""
+    table = trajectories([{"source": k, "sensor": sensor, "start_ns": ABSOLUTE_NS} for k, sensor in enumerate("AAB")])
+    assert [finding.count for finding in parted_recordings(table, codes("train", "val", "test"))] == [3]
+
+
 @FEW
 @given(stores())
 def test_the_warning_agrees_with_all_pairs(rows):
