@@ -165,9 +165,10 @@ def test_an_edited_split_is_reported(tmp_path):
 @pytest.mark.parametrize(
     ("clock", "changes", "count"),
     [(ABSOLUTE_NS, {}, 2), (0, {}, 0), (ABSOLUTE_NS, {"sensor": "A"}, 0), (ABSOLUTE_NS, {"source": 0}, 0),
+     (ABSOLUTE_NS, {"source": 0, "sensor": "A"}, 0),
      (ABSOLUTE_NS, {"start_ns": ABSOLUTE_NS + 5_000, "end_ns": ABSOLUTE_NS + 9_000}, 0),
      (ABSOLUTE_NS, {"parent": "p"}, 0), (ABSOLUTE_NS, {"sensor": ""}, 0), (ABSOLUTE_NS, {"end_ns": ABSOLUTE_NS}, 0)],
-    ids=["two", "boot clock", "twin", "one recording", "later", "derived", "unnamed", "empty"],
+    ids=["two", "boot clock", "twin", "one recording", "one place", "later", "derived", "unnamed", "empty"],
 )  # fmt: skip
 def test_moments_of_two_recordings_are_a_warning(clock, changes, count):
     """Sensors of two recordings at one absolute time, on two sides, are a warning: they may be two rigs."""
