@@ -6,7 +6,9 @@ import ast
 import hashlib
 import random
 import re
+import subprocess
 from collections import defaultdict
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -65,7 +67,9 @@ class Mutant:
         return f"{self.file} {hashlib.sha256(self.text.encode()).hexdigest()[:16]}"
 
 
-def sample(root: Path, files: list[str], count: int, seed: str) -> tuple[list[Mutant], int]:
+def sample(
+    root: Path, files: list[str], count: int, seed: str, only: Mapping[str, Set[int]] | None = None
+) -> tuple[list[Mutant], int]:
     """So many mutants at places drawn at random, and the number of all places; ``count`` 0 takes every place.
 
     Parameters
@@ -75,16 +79,34 @@ def sample(root: Path, files: list[str], count: int, seed: str) -> tuple[list[Mu
     files : list of str
     count : int
     seed : str
+    only : dict, file -> rows, optional
+        Lines, from 1, that are changed; all of them where not given.
     """
     places: dict[tuple[str, int, int], list[tuple[str, int]]] = defaultdict(list)
     for file in files:
         for position, name, number in _changes((root / file).read_text()):
-            places[file, *position].append((name, number))
+            if only is None or position[0] in only.get(file, ()):
+                places[file, *position].append((name, number))
     draws = random.Random(seed)
     order = sorted(places)
     draws.shuffle(order)
     chosen = order[:count] if count else order
     return [_mutant(root, place, draws.choice(places[place])) for place in chosen], len(places)
+
+
+def changed_lines(root: Path, commit: str) -> dict[str, set[int]]:
+    """Return the lines, from 1, of each module that are new or other than at a commit, by its path."""
+    command = ["git", "diff", "--unified=0", "--no-color", "--no-ext-diff", commit, "--", "*.py"]
+    printed = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    found: dict[str, set[int]] = {}
+    file = ""
+    for line in printed.splitlines():
+        if line.startswith("+++ "):
+            file = line.removeprefix("+++ ").removeprefix("b/")
+        elif hunk := re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line):
+            first, count = int(hunk[1]), int(hunk[2] or 1)
+            found.setdefault(file, set()).update(range(first, first + count))
+    return found
 
 
 @cache

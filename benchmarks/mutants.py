@@ -18,7 +18,7 @@ from pathlib import Path
 
 import yaml
 from mutant_runs import Copy, fork_tests, load_libraries
-from mutant_sites import Mutant, sample
+from mutant_sites import Mutant, changed_lines, sample
 from mutant_tests import TestMap
 from wilson import interval
 
@@ -139,6 +139,7 @@ def main() -> None:
     parser.add_argument("--sample", type=int, default=60, help="places drawn of each package; 0: every place")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tests", nargs="+", default=list(TESTS), help="folders or files below tests that are used")
+    parser.add_argument("--since", metavar="COMMIT", help="only lines that are new or other than at this commit")
     parser.add_argument("--work", type=Path, default=ROOT / ".mutants", help="folder that keeps what was measured")
     options = parser.parse_args()
     if unknown := set(options.packages) - set(PACKAGES):
@@ -149,18 +150,21 @@ def main() -> None:
     copy = Copy(ROOT, options.work / f"copy-{'-'.join(options.packages)}")
     tests = TestMap.measured(copy.place, test_files(options.tests), sources, options.work / "tests")
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    only = changed_lines(ROOT, options.since) if options.since else None
     rows, everything = [], []
     for package in options.packages:
-        mutants, places = sample(ROOT, files_of(package), options.sample, f"{options.seed} {package}")
+        mutants, count = sample(ROOT, files_of(package), options.sample, f"{options.seed} {package}", only)
         results = []
         for result in measured(mutants, tests, own_tests(package), copy, options.work / f"{package}.jsonl"):
             results.append(result)
             if result.outcome != KILLED:
                 print(f"[{len(results)}/{len(mutants)}] {describe(result)}", flush=True)
-        rows.append(summary(package, results, places))
+        rows.append(summary(package, results, count))
         print(rows[-1], file=sys.stderr, flush=True)
         everything += [(package, result) for result in results]
-    print(f"\nmutation score, commit {commit.stdout.strip()}, {options.sample} places a package, seed {options.seed}")
+    since = f", lines changed since {options.since}" if options.since else ""
+    places = f"{options.sample} places a package, seed {options.seed}" if options.sample else "every place"
+    print(f"\nmutation score, commit {commit.stdout.strip()}, {places}{since}")
     print("package    places sample equivalent killed survived  score  95 % interval")
     print("\n".join(rows))
     print(summary("all", [result for _, result in everything], 0).replace("      0", "       ", 1))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,10 @@ from typing import Any
 import typer
 
 from tactiledata.cli.documents import mapping_document
+from tactiledata.cli.next_steps import first_split, stale_split
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.contract.wording import counted
-from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.errors import UsageError
 
 
 def register(app: typer.Typer) -> None:
@@ -109,31 +109,9 @@ def _print(report: Any) -> None:
     say(f"{counted(counts['added'], 'recording')} added to {report.store}{replaced}")
     if report.simulated.sentence:
         say(report.simulated.sentence)
-    for name in report.stale_splits:
-        say(f"the split {name} is out of date; draw it again: {_split_again(report.store, name)}")
-    if report.changed and not report.stale_splits:
-        say(_next_step(report.store))
+    if report.changed:
+        from tactiledata.store.read.reader import Store
 
-
-def _next_step(location: str) -> str:
-    """Return the command that splits a store, or the reason why it cannot be split yet."""
-    from tactiledata.splits.suggest import suggest_split
-    from tactiledata.store.read.reader import Store
-
-    suggested = suggest_split(Store.open(location))
-    return f"next: {suggested.command}" if suggested.command else f"no split can be drawn yet: {suggested.reason}"
-
-
-def _split_again(location: str, name: str) -> str:
-    """Return the command that draws a split again with the options that it was drawn with."""
-    from tactiledata.splits.again import command
-    from tactiledata.splits.manifest import read_split_document
-    from tactiledata.store.read.reader import Store
-
-    try:
-        document = read_split_document(Store.open(location), name)
-    except TactileDataError:
-        document = None
-    if document is None:
-        return shlex.join(["tactiledata", "split", location, "--name", name, "--replace"])
-    return command(location, name, document["options"])
+        store = Store.open(report.store)
+        for line in [stale_split(store, name) for name in report.stale_splits] or [first_split(store)]:
+            say(line)

@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.next_steps import next_steps
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
@@ -22,7 +23,7 @@ def register(app: typer.Typer) -> None:
 
 
 def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
-    """Show what a store holds: recordings, sensors, signals, splits.
+    """Show what a store holds (recordings, sensors, signals, splits) and what comes next.
 
     Example: tactiledata info ds.zarr
     """
@@ -80,6 +81,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
     say(f"digest: {opened.digest}")
+    with damage_explains(location):
+        for line in next_steps(opened):
+            say(line)
 
 
 def check(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from tactiledata.formats.reading.corpus import (
     sensor_for,
     subfolders,
 )
+from tactiledata.formats.reading.hdf5_members import HDF5_FAULTS, Hdf5Members, UnreadableNumbers, open_hdf5
 from tactiledata.formats.reading.intake import Intake
 from tactiledata.formats.reading.natural_order import natural_key, natural_paths
 
@@ -30,8 +32,8 @@ NODES = "nodal_coords_"
 FORCE = "net_force_vecs_"
 MODELS = {"digit": "digit", "biotac": "biotac"}
 MAX_VERTICES = 200_000
-HDF5_FAULTS = (OSError, RuntimeError, KeyError, TypeError, ValueError, OverflowError, MemoryError)
-"""What h5py raises on damaged files; names of groups may come as bytes, sizes as nonsense."""
+MOST_NAMED = 3
+"""Members that are not read and are named before it is said how many more there are."""
 
 
 class AcrossHdf5Format(CorpusFormat):
@@ -79,15 +81,13 @@ class AcrossHdf5Format(CorpusFormat):
         UnsafeContent
             It takes values from another file.
         """
-        import h5py
-
         path = Path(source.path)
         refuse_lfs_pointer(path)
         try:
-            with h5py.File(path, "r") as file:
-                sensor = _sensor(path, file)
+            with open_hdf5(path) as members:
+                sensor = _sensor(path, members)
                 serial = sensor_for(sensor, f"across-{sensor}", mapping)
-                touches, signal = _walk(file, sensor, serial, intake)
+                touches, signal = _walk(members, sensor, serial, intake)
         except UnsafeContent:  # it is a ValueError, and no damage
             raise
         except HDF5_FAULTS as error:
@@ -117,127 +117,121 @@ def _results(path: Path) -> Iterator[Path]:
 
 
 def _holds_trials(path: Path) -> bool:
-    import h5py
-
     try:
-        with h5py.File(path, "r") as file:
-            trial = file.get("trial_0")
-            step = trial.get("step_0") if isinstance(trial, h5py.Group) else None
-            return isinstance(step, h5py.Group) and any(name.startswith(NODES) for name in step)
-    except HDF5_FAULTS:
+        with open_hdf5(path) as members:
+            step = members.group(members.group(members.root, "trial_0"), "step_0")
+            return any(name.startswith(NODES) for name in members.names(step))
+    except (*HDF5_FAULTS, UnsafeContent):
         return False
 
 
-def _sensor(path: Path, file: Any) -> str:
+def _sensor(path: Path, members: Hdf5Members) -> str:
     """The sensor's name: what the meshes are called, else what the file is called."""
-    for trial in _numbered(file, "trial_"):
-        for step in _numbered(_child(file, trial), "step_"):
-            for name in _child(_child(file, trial), step):
+    for trial in _numbered(members, members.root, "trial_"):
+        group = members.group(members.root, trial)
+        for step in _numbered(members, group, "step_"):
+            for name in members.names(members.group(group, step)):
                 if name.startswith(NODES):
-                    return str(name.removeprefix(NODES))
+                    return name.removeprefix(NODES)
     named = FILE_NAME.fullmatch(path.name)
     return named["sensor"] if named else "unknown"
 
 
-def _numbered(group: Any, prefix: str) -> list[str]:
-    if not hasattr(group, "keys"):
-        return []
-    return sorted((name for name in group if re.fullmatch(prefix + r"\d+", name)), key=natural_key)
+def _numbered(members: Hdf5Members, group: Any, prefix: str) -> list[str]:
+    return sorted((name for name in members.names(group) if re.fullmatch(prefix + r"\d{1,9}", name)), key=natural_key)
 
 
-def _walk(file: Any, sensor: str, serial: str, intake: Intake) -> tuple[list[Trajectory], Signal]:
+@dataclass(frozen=True)
+class _Step:
+    """The groups of one step that hold a data set for each environment; ``None`` where one is not there."""
+
+    name: str
+    nodes: Any
+    forces: Any
+
+
+def _walk(members: Hdf5Members, sensor: str, serial: str, intake: Intake) -> tuple[list[Trajectory], Signal]:
     timeline, touches = Timeline(), []
     times: list[int] = []
     forces: list[NDArray[np.float64]] = []
-    for trial in _numbered(file, "trial_"):
-        held = {step: _child(_child(file, trial), step) for step in _numbered(_child(file, trial), "step_")}
-        environments = _environments(held.values(), sensor, intake)
+    left: set[str] = set()
+    for trial in _numbered(members, members.root, "trial_"):
+        steps = _steps(members, trial, sensor, left)
+        environments = {name for step in steps for name in _numbered(members, step.nodes, "env_")}
         if not environments:
             intake.note("trajectory-empty", "warning", f"{trial} holds no mesh", trajectory=trial)
-        for environment in environments:
+        for environment in sorted(environments, key=natural_key):
             name = f"{trial}-{environment}"
             start = timeline.begin()
-            for index, (step, group) in enumerate(held.items()):
-                moment = timeline.at(index)
-                _push(group, sensor, serial, moment, f"{name}/{step}", intake)
+            for index, step in enumerate(steps):
+                moment, where = timeline.at(index), f"{name}/{step.name}"
+                vertices = _read(members, step.nodes, environment, f"{where}: {NODES}{sensor}", intake)
+                values = _vertices(vertices, where, intake)
+                intake.image(sensor, None, moment, sensor=serial, trajectory=name, name=where, values=values)
                 times.append(moment)
-                forces.append(_force(group, sensor, environment, f"{name}/{step}", intake))
+                net = _read(members, step.forces, environment, f"{where}: {FORCE}{sensor}", intake)
+                forces.append(_force(net, sensor, where, intake))
             extra = {"trial": trial, "environment": environment}
             touches.append(Trajectory(name, start, timeline.interval()[1], serial, f"across_{environment}", extra))
+    if left:
+        named = sorted(name[:60] for name in left)[:MOST_NAMED]
+        more = f" and {len(left) - MOST_NAMED} more" if len(left) > MOST_NAMED else ""
+        intake.note("not-read", "info", f"{', '.join(named)}{more} in steps: not read")
     columns, units = ("fx", "fy", "fz"), ("N", "N", "N")
     table = np.array(forces, dtype=np.float64).reshape(-1, 3)
     signal = Signal(f"net_force_{sensor}", Stamps(np.array(times, dtype=np.int64)), table, columns, "simulation", units)
     return touches, signal
 
 
-def _environments(steps: Iterable[Any], sensor: str, intake: Intake) -> list[str]:
-    """Environments with a mesh in any step, in natural order; what else steps hold is said."""
-    found: set[str] = set()
-    for step in steps:
-        found.update(_numbered(_child(step, NODES + sensor), "env_"))
-        for other in set(step) - {NODES + sensor, FORCE + sensor}:
-            intake.note("not-read", "info", f"{other} is not read", other)
-    return sorted(found, key=natural_key)
+def _steps(members: Hdf5Members, trial: str, sensor: str, left: set[str]) -> list[_Step]:
+    """The steps of a trial in natural order; what else they hold is added to ``left``."""
+    group = members.group(members.root, trial)
+    steps = []
+    for name in _numbered(members, group, "step_"):
+        held = members.group(group, name)
+        left.update(set(members.names(held)) - {NODES + sensor, FORCE + sensor})
+        steps.append(_Step(name, members.group(held, NODES + sensor), members.group(held, FORCE + sensor)))
+    return steps
 
 
-def _child(group: Any, name: str) -> Any:
-    """A member of a group, an empty dict where there is none; links are refused, they may lead to other files."""
-    import h5py
-
-    link = group.get(name, getlink=True) if isinstance(group, h5py.Group) else None
-    if link is None:
-        return {}
-    member = group[name] if isinstance(link, h5py.HardLink) else None
-    if member is None or (isinstance(member, h5py.Dataset) and (member.external or member.is_virtual)):
-        raise UnsafeContent(
-            f"{name} in {group.file.filename} is a link, or lies in another file",
-            "HDF5 files that hold their own data",
-            "Copy the data into the file (h5repack) if you trust its origin.",
-            name=name,
-        )
-    return member
-
-
-def _read(step: Any, group: str, environment: str, where: str, intake: Intake) -> NDArray[np.float64] | None:
+def _read(members: Hdf5Members, group: Any, environment: str, what: str, intake: Intake) -> NDArray[np.float64] | None:
     """The numbers of one environment at one step; ``None``, with a finding, where they are not there."""
-    dataset = _child(_child(step, group), environment)
-    if not hasattr(dataset, "shape"):
-        intake.note("value-missing", "damage", f"{where}: {group}/{environment} is not there", group)
-        return None
-    if dataset.size > 3 * MAX_VERTICES or dataset.dtype.kind not in "fiu":
-        found = f"{where}: {group} of shape {dataset.shape} and type {dataset.dtype}"
-        intake.note("value-missing", "damage", found, group)
-        return None
+    stream = what.rpartition(" ")[2]
     try:
-        return np.asarray(dataset[()], dtype=np.float64)
-    except HDF5_FAULTS as error:
-        intake.note("value-missing", "damage", f"{where}: {group} cannot be read ({str(error)[:100]})", group)
+        values = members.numbers(group, environment, 3 * MAX_VERTICES)
+    except UnreadableNumbers as error:
+        intake.note("value-missing", "damage", f"{what} {error}", stream)
         return None
+    if values is None:
+        intake.note("value-missing", "damage", f"{what}/{environment} is not there", stream)
+    elif not np.isfinite(values).all():
+        count = int(np.count_nonzero(~np.isfinite(values)))
+        intake.note(
+            "value-missing", "damage", f"{what} holds {count} of {values.size} values that are not finite", stream
+        )
+        return np.where(np.isfinite(values), values, np.nan)
+    return values
 
 
-def _push(step: Any, sensor: str, serial: str, moment: int, where: str, intake: Intake) -> None:
-    """One step as a moment without an image, the mesh's vertices as its values."""
-    name = where.rpartition("/")[0]
-    vertices = _read(step, NODES + sensor, name.rpartition("-")[2], where, intake)
-    values = {}
-    if vertices is not None and (vertices.ndim != 2 or vertices.shape[1] != 3 or not vertices.size):
+def _vertices(vertices: NDArray[np.float64] | None, where: str, intake: Intake) -> dict[str, NDArray[np.float64]]:
+    """The vertices (V, 3) of one mesh as values of its moment; none, with a finding, where they fit no mesh before."""
+    if vertices is None:
+        return {}
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or not vertices.size:
         intake.note("value-missing", "damage", f"{where}: vertices of shape {vertices.shape}", "vertices")
-    elif vertices is not None:
-        flat = vertices.reshape(-1)
-        if not intake.width("vertices"):
-            columns = tuple(f"{axis}{vertex}" for vertex in range(len(vertices)) for axis in "xyz")
-            note = "vertices of the gel, metres, x y z of each in turn; meshes without images"
-            intake.declare("vertices", columns, ("m",) * len(columns), note)
-        if len(flat) == intake.width("vertices"):
-            values["vertices"] = flat
-        else:
-            found = f"{where}: {len(vertices)} vertices where the first mesh has {intake.width('vertices') // 3}"
-            intake.note("length-mismatch", "damage", found, "vertices")
-    intake.image(sensor, None, moment, sensor=serial, trajectory=name, name=where, values=values)
+        return {}
+    if not intake.width("vertices"):
+        columns = tuple(f"{axis}{vertex}" for vertex in range(len(vertices)) for axis in "xyz")
+        note = "vertices of the gel, metres, x y z of each in turn; meshes without images"
+        intake.declare("vertices", columns, ("m",) * len(columns), note)
+    if vertices.size != intake.width("vertices"):
+        found = f"{where}: {len(vertices)} vertices where the first mesh has {intake.width('vertices') // 3}"
+        intake.note("length-mismatch", "damage", found, "vertices")
+        return {}
+    return {"vertices": vertices.reshape(-1)}
 
 
-def _force(step: Any, sensor: str, environment: str, where: str, intake: Intake) -> NDArray[np.float64]:
-    force = _read(step, FORCE + sensor, environment, where, intake)
+def _force(force: NDArray[np.float64] | None, sensor: str, where: str, intake: Intake) -> NDArray[np.float64]:
     if force is None or force.size != 3:
         if force is not None:
             intake.note("value-missing", "damage", f"{where}: a net force of shape {force.shape}", FORCE + sensor)

@@ -1,7 +1,8 @@
 """Who goes where: a draw by keyed hash that depends on nothing but the trajectory's root and the seed.
 
 So the order of a store, the day on which data arrived and what else is there move nobody; only twins, which two
-recordings hold, go by the one that came first (see `twins`).
+recordings hold, go by the one that came first (see `twins`), and what several sensors of a recording took at one moment
+goes by the first of them (see `moments`).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.splits.groups import UNIT_KINDS, Groups, group_trajectories
+from tactiledata.splits.moments import SIDES
 from tactiledata.splits.options import EXCLUDED, SHARES, SplitOptions
 
 MIN_UNITS = 4
@@ -32,7 +34,7 @@ SPLIT_SCHEMA = pa.schema(
         ("sensor", pa.string()),
         ("indenter", pa.string()),
         ("root", pa.string()),  # uid of the recorded trajectory that it goes back to
-        ("group", pa.string()),  # uid by which it was drawn
+        ("group", pa.string()),  # uid by which it was drawn: that of the first touch of its moment
         ("partition", pa.string()),  # train, val, test, test_unseen, or excluded
         ("unseen_sensor", pa.bool_()),
         ("unseen_indenter", pa.bool_()),
@@ -127,15 +129,17 @@ def assign(
         Every trajectory carries a held-out unit.
     """
     groups = group_trajectories(trajectories)
-    key = {uid: draw(uid, options.seed) for uid in set(groups.group)}
-    shares = part_of(np.array([key[uid] for uid in groups.group], float), options.fractions)
+    key = {uid: draw(uid, options.seed) for uid in set(groups.moment)}
+    shares = part_of(np.array([key[uid] for uid in groups.moment], float), options.fractions)
     own, of_group = _carried(trajectories, groups, held_out)
     any_own = np.logical_or.reduce(list(own.values()))
     any_group = np.logical_or.reduce(list(of_group.values()))
     partition = np.asarray(SHARES, object)[shares]
     partition[any_own] = EXCLUDED
     partition[any_group] = "test_unseen"
-    partition[_between_parts(trajectories["uid"].to_pylist(), groups, partition)] = EXCLUDED
+    uids = trajectories["uid"].to_pylist()
+    partition[_between_parts(uids, groups, partition)] = EXCLUDED
+    partition[_apart_from_their_moment(uids, groups, partition)] = EXCLUDED
     if len(partition) and not np.isin(partition, SHARES).any():
         raise UsageError(
             f"all {len(partition)} trajectories carry a held-out unit ({describe_held(held_out)})",
@@ -146,7 +150,7 @@ def assign(
     columns = {
         **{name: trajectories[name] for name in ("uid", "trajectory", *UNIT_KINDS)},
         "root": groups.root,
-        "group": groups.group,
+        "group": groups.moment,
         "partition": partition.tolist(),
         **{f"unseen_{kind}": own[kind] | of_group[kind] for kind in UNIT_KINDS},
         "frames": count,
@@ -167,6 +171,30 @@ def _between_parts(uids: Sequence[str], groups: Groups, partition: NDArray[np.ob
         for uid, root, group, part, founds in facts
         if uid == root and not founds  # recorded, and it joined a group that was there
         if any(part_of_group[other] != part for other in (group, *groups.rivals.get(uid, ())))
+    }
+    return np.array([root in barred for root in groups.root], bool)
+
+
+def _apart_from_their_moment(uids: Sequence[str], groups: Groups, partition: NDArray[np.object_]) -> NDArray[np.bool_]:
+    """Whether each trajectory (n,) goes back to a touch that would stand on another side than its moment.
+
+    Of a moment that is learned from, the touches of held-out units are in no part. A recording that repeats touches of
+    a moment gives way: what it holds on another side, or between two sides, is in no part.
+    """
+    recorded = [row for row, (uid, root) in enumerate(zip(uids, groups.root, strict=True)) if uid == root]
+    side = [SIDES.get(part, "") for part in partition.tolist()]
+    sides_of: dict[str, set[str]] = {}
+    for row in recorded:
+        if uids[row] not in groups.met and side[row]:
+            sides_of.setdefault(groups.moment[row], set()).add(side[row])
+    # units that are not held out are drawn together, so that a second side is that of the held-out ones
+    sides_of = {moment: sides - {"test"} or sides for moment, sides in sides_of.items()}
+    barred = {
+        uids[row]
+        for row in recorded
+        if side[row]
+        if set().union(*(sides_of.get(moment, ()) for moment in groups.met.get(uids[row], (groups.moment[row],))))
+        != {side[row]}
     }
     return np.array([root in barred for root in groups.root], bool)
 

@@ -16,7 +16,7 @@ from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import SchemaError, StoreError
-from tactiledata.splits import leaks
+from tactiledata.splits import leaks, moment_leaks
 from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
 from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
 from tactiledata.splits.groups import codes
@@ -148,6 +148,8 @@ def audit_tables(split: Split, trajectories: pa.Table, frames: pa.Table) -> list
     found += leaks.held_out_elsewhere(trajectories, part, split.held_out)
     found += leaks.parted_families(trajectories, part)
     found += leaks.parted_touches(trajectories, part)
+    found += moment_leaks.parted_moments(trajectories, part)
+    found += moment_leaks.parted_recordings(trajectories, part)
     found += leaks.parted_frames(frames, taken, part)
     found += leaks.identical_payloads(frames, taken, part)
     return [*found, *empty_parts(split, part, frames["trajectory"].to_numpy()[taken])]

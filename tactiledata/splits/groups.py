@@ -1,4 +1,4 @@
-"""Which trajectories belong together: families of derived ones, and touches that recordings hold twice."""
+"""Which trajectories belong together: families of derived ones, touches held twice, moments of several sensors."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.errors import StoreError
+from tactiledata.splits.moments import join_moments
 from tactiledata.splits.twins import UNNAMED, join_twins, tells_a_moment
 
 UNIT_KINDS = ("sensor", "indenter")
@@ -26,17 +27,24 @@ class Groups:
     root : (n,) list of str
         Uid of the recorded trajectory that each one goes back to; its own uid for recorded ones.
     group : (n,) list of str
-        Uid by which each one is drawn: the root's, or that of the first of several touches that overlap.
+        Uid of the touch of one sensor that each one is: the root's, or that of the first of several that overlap.
+    moment : (n,) list of str
+        Uid by which each one is drawn: that of its group, or, where several sensors of a recording took touches at one
+        moment, of the first of them.
     founding : (n,) bool
         Whether it is a recorded trajectory of the recording that brought its group to the store.
     rivals : dict, root -> uids
         Groups that a touch overlaps beside its own: it bridges touches that were apart when it came.
+    met : dict, root -> uids
+        Moments that were there when a recording came that repeats some of their touches.
     """
 
     root: list[str]
     group: list[str]
+    moment: list[str]
     founding: NDArray[np.bool_]
     rivals: Mapping[str, tuple[str, ...]]
+    met: Mapping[str, tuple[str, ...]]
 
 
 def family_roots(uids: Sequence[str], parents: Sequence[str]) -> list[str]:
@@ -168,16 +176,25 @@ def group_trajectories(trajectories: pa.Table) -> Groups:
     rows = np.array(sorted((row for row, parent in enumerate(parents) if not parent), key=uids.__getitem__), np.int64)
     recorded = trajectories.select(["source", "sensor", "start_ns", "end_ns"]).take(rows)
     start, end = recorded["start_ns"].to_numpy(), recorded["end_ns"].to_numpy()
+    source = recorded["source"].to_numpy().astype(np.int64)
     cluster = overlapping_touches(place_of(recorded), start, end)
     component = overlapping_touches(shared_place_of(recorded), start, end)
-    joined = join_twins(cluster, component, recorded["source"].to_numpy(), start, end)
+    joined = join_twins(cluster, component, source, start, end)
     named = [uids[row] for row in rows]
     groups = {uids[row]: joined.get(leader, (leader,)) for row, leader in zip(rows, cluster.tolist(), strict=True)}
+    founds = np.array([leader not in joined for leader in cluster.tolist()], bool)
     founding = np.zeros(len(uids), bool)
-    founding[rows] = [leader not in joined for leader in cluster.tolist()]
+    founding[rows] = founds
+    first = np.array([groups[uid][0] for uid in named], np.int64)
+    together = overlapping_touches(source, start, end)
+    # without moments of several sensors a touch is drawn by its group
+    moment, met = (first, {}) if (together == cluster).all() else join_moments(together, first, founds, source, start)
+    moment_of = {uid: named[leader] for uid, leader in zip(named, moment.tolist(), strict=True)}
     return Groups(
         roots,
         [named[groups[root][0]] if root in groups else root for root in roots],
+        [moment_of.get(root, root) for root in roots],
         founding,
         {uid: tuple(named[other] for other in those[1:]) for uid, those in groups.items() if len(those) > 1},
+        {named[row]: tuple(named[other] for other in those) for row, those in met.items()},
     )

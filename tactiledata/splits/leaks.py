@@ -64,7 +64,7 @@ def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Find
             trajectories["end_ns"].to_numpy()[rows],
         )
     ]
-    parted = _groups_in_several_parts(leader, part[rows])
+    parted = groups_in_several_parts(leader, part[rows])
     names, source = trajectories["trajectory"], trajectories["source"].to_numpy()
 
     def cases() -> Iterable[str]:
@@ -85,7 +85,7 @@ def parted_touches(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Find
     )
 
 
-def _groups_in_several_parts(group: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
+def groups_in_several_parts(group: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
     """Groups whose members are not all of one part; ``group`` and ``part`` are (n,)."""
     # sorting one number for a group and its part is many times faster than sorting pairs
     pairs = np.unique(group * len(PARTITIONS) + part)
@@ -99,7 +99,7 @@ def parted_families(trajectories: pa.Table, part: NDArray[np.int64]) -> list[Fin
     roots = np.array(family_roots(uids, trajectories["parent"].to_pylist()), object)
     rows = np.flatnonzero(part >= 0)
     names, family = np.unique(roots[rows].astype(str), return_inverse=True)
-    parted = _groups_in_several_parts(family, part[rows])
+    parted = groups_in_several_parts(family, part[rows])
 
     def cases() -> Iterable[str]:
         for number in parted:
@@ -218,7 +218,7 @@ def identical_payloads(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray
     among = np.unique(np.concatenate([order[1:][twice], order[:-1][twice]]))
     rows, where = rows[among], where[among]
     group = np.unique(word[among], return_inverse=True)[1]
-    parted = _groups_in_several_parts(group, where)
+    parted = groups_in_several_parts(group, where)
 
     def cases() -> Iterable[str]:
         for number in parted:

@@ -93,7 +93,7 @@ def split_tables(
             "at least two to split",
             "Ingest recordings first: `tactiledata ingest PATH…`.",
         )
-    groups = len(set(group_trajectories(trajectories).group))
+    groups = len(set(group_trajectories(trajectories).moment))
     if groups < 2:
         raise StoreError(
             f"all {trajectories.num_rows} trajectories of the store must stand together: one group",

@@ -165,8 +165,8 @@ def _excluded(table: pa.Table) -> list[str]:
     notes = []
     if recorded:
         notes.append(
-            f"in no part: {counted(recorded, 'recorded trajectory')} that hold the same moments of a sensor as earlier "
-            "ones, which stand in several parts or do not carry the same held-out unit"
+            f"in no part: {counted(recorded, 'recorded trajectory')} of the same moments as others, which stand in "
+            "several parts or do not carry the same held-out unit"
         )
     if derived:
         notes.append(

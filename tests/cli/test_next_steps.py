@@ -86,6 +86,27 @@ def test_every_step_that_is_printed_runs(store, capsys):
     assert ("no split can be drawn yet" in printed) != can_split
 
 
+def test_info_says_what_comes_next(store, capsys):
+    """`info` names the split where there is none, its audit where there is one, and how to draw it again where it is
+    damaged; each command runs.
+    """
+    place, printed = store
+    _, out, _ = run_command(capsys, "info", place)
+    steps = STEP.findall(out)
+    assert steps == STEP.findall(printed)
+    assert ("no split can be drawn yet" in out) == (not steps)
+    if not steps:
+        return
+    run_command(capsys, *shlex.split(steps[0])[1:])
+    _, out, _ = run_command(capsys, "info", place)
+    assert STEP.findall(out) == [shlex.join(["tactiledata", "audit", str(place), "--split", "default"])]
+    assert followed(capsys, out) == ["audit"]
+    (place / "splits" / "default.parquet").write_bytes(b"x")
+    _, out, _ = run_command(capsys, "info", place)
+    assert "the split default is damaged" in out
+    assert followed(capsys, out) == ["split", "audit"]
+
+
 @pytest.mark.slow
 def test_code_on_pages_runs(store, capsys):
     """All commands and programs on the report page and on the card run, before and after a split."""
@@ -107,6 +128,8 @@ def test_a_split_that_is_out_of_date_has_its_command_on_the_page(tmp_path, capsy
     _, printed, _ = run_command(capsys, "ingest", tmp_path / "more", "--store", place)
     text = page(Store.open(place), None, "default")
     assert "out of date" in text
+    _, shown, _ = run_command(capsys, "info", place)
+    assert STEP.findall(shown) == STEP.findall(printed)
     assert followed(capsys, printed) == ["split", "audit"]
     [command] = [html.unescape(code) for code in re.findall("<pre>(tactiledata .*?)</pre>", text)]
     assert command in printed.replace("\n", " ")

@@ -73,3 +73,47 @@ def test_what_does_not_fit_is_refused(square):
         strength(square[:, :80], square)
     with pytest.raises(UsageError, match="background"):
         change_of(np.zeros((1, 8, 8, 3), np.uint8), np.zeros((8, 9, 3), np.uint8))
+
+
+def test_a_change_is_the_difference_of_grey_levels():
+    """Pictures of 10 and 200 against a background of 50: -40 and 150, also where they are few and small."""
+    background = np.full((4, 5, 3), 50, np.uint8)
+    pictures = np.stack([np.full((4, 5, 3), level, np.uint8) for level in (10, 200)])
+    changes = change_of(pictures, background)
+    assert changes.shape == (2, 4, 5, 3)
+    assert [set(change.ravel().tolist()) for change in changes] == [{-40.0}, {150.0}]
+
+
+@pytest.mark.parametrize("shape", [(5, 3), (4, 5), (1, 4, 5, 3), (5, 4, 3)])
+def test_a_background_of_another_size_is_named_beside_the_pictures(shape):
+    """Both sizes are told, without the number of pictures."""
+    with pytest.raises(UsageError) as refused:
+        change_of(np.zeros((2, 4, 5, 3), np.uint8), np.zeros(shape, np.uint8))
+    assert f"pictures of shape (4, 5, 3) with a background of {shape};" in str(refused.value)
+
+
+def test_strength_is_of_all_three_colours(square):
+    """A change of 40 in red is as strong as one of 24 in red and 32 in green: both are 40 in magnitude."""
+    other = np.zeros_like(square)
+    other[..., 0], other[..., 1] = 0.6 * square[..., 0], 0.8 * square[..., 0]
+    assert strength(other, square) == pytest.approx([1.0])
+
+
+def test_how_many_pictures_there_are_moves_no_mask(square):
+    """Of 400 pictures, more than a picture has rows, each has the mask that it has alone."""
+    assert (touched(np.repeat(square[:, ::4, ::4], 400, axis=0)) == touched(square[:, ::4, ::4])).all()
+
+
+@pytest.mark.parametrize("shape", [(1, 8, 6, 2), (8, 6, 3), (1, 1, 8, 6, 3), (1, 8, 6, 4)])
+def test_changes_of_other_shapes_are_refused(shape):
+    """Two changes of one shape are refused where it is not (n, H, W, 3)."""
+    for score in (strength, correlation, overlap):
+        with pytest.raises(UsageError, match="changes of shape"):
+            score(np.ones(shape), np.ones(shape))
+
+
+def test_where_nothing_was_touched_nothing_can_be_kept(square):
+    """A recorded change without a touch is NaN in all three, without a warning, whatever the other shows."""
+    for ours in (square, np.zeros_like(square)):
+        for score in (strength, correlation, overlap):
+            assert np.isnan(score(ours, np.zeros_like(square))).all()

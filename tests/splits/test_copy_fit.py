@@ -139,6 +139,21 @@ def test_noise_is_what_a_blur_of_a_pixel_and_a_half_leaves():
     assert copies.noise_between(one, two) == pytest.approx(1.6 * kept * luma * 4, rel=0.015)
 
 
+@pytest.mark.parametrize(
+    ("noise", "change", "quality"), [(0.3, 0.226, 96), (0.45, 0.319, 96), (0.55, 0.383, 0), (0.8, 0.527, 0)]
+)
+def test_what_compression_hardly_changes_was_compressed(noise, change, quality):
+    """Compressed at its own quality, an image changes by less than 0.35 grey levels on average; above, it was never
+    compressed.
+    """
+    rows, columns = np.mgrid[0:192, 0:144]
+    grain = np.random.default_rng(1).normal(0, noise, (192, 144))
+    grey = np.rint(128 + 60 * np.sin(rows / 23) + 40 * np.cos(columns / 17) + grain).clip(0, 255).astype(np.uint8)
+    changes = [np.abs(copies.compress(grey, tried).astype(int) - grey).mean() for tried in copies.QUALITIES]
+    assert min(changes) == pytest.approx(change, abs=0.01)
+    assert Portrait(np.repeat(grey[..., None], 3, axis=2)).quality == quality
+
+
 @pytest.mark.parametrize(("quality", "is_found"), [(49, False), (50, True), (96, True), (97, False)])
 def test_qualities_of_50_to_96_are_recovered(quality, is_found):
     """One beyond either end is not named."""

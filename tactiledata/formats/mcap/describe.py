@@ -55,22 +55,30 @@ def description_of(
                 except ValueError as error:
                     findings.append(Finding("bad-description", "damage", str(error)))
     beside = description_file(source)
-    if beside is not None:
-        document = read_document(beside)
-        if not isinstance(document, dict):
-            raise SchemaError(f"{beside} holds no mapping", "the content of a log.yaml", path="$", file=str(beside))
-        if str(document.get("format", "")).startswith("tactiledata-mapping/"):
-            raise SchemaError(
-                f"{beside} is a mapping, and under this name it is read as the recording's description",
-                "the content of a log.yaml, or no such file",
-                "Give the mapping another name, for example mapping.yaml, and name it with --mapping.",
-                path="$.format",
-                file=str(beside),
-            )
-        description = description.merged(document, str(beside))
+    document = None if beside is None else read_document(beside)
+    if beside is not None and document is None:
+        # `inspect run.mcap --suggest-mapping > run.yaml`: the shell makes the file before the command begins
+        findings.append(Finding("description-empty", "warning", f"{beside.name} is empty: it describes nothing"))
+    elif beside is not None:
+        description = description.merged(_checked_content(document, beside), str(beside))
     if mapping and mapping.get("description"):
         description = description.merged(mapping["description"], "the mapping's description")
     return description, findings
+
+
+def _checked_content(document: Any, beside: Path) -> dict[str, Any]:
+    """Return the content of the document beside a recording, which is no list, no number and no mapping of topics."""
+    if not isinstance(document, dict):
+        raise SchemaError(f"{beside} holds no mapping", "the content of a log.yaml", path="$", file=str(beside))
+    if str(document.get("format", "")).startswith("tactiledata-mapping/"):
+        raise SchemaError(
+            f"{beside} is a mapping, and under this name it is read as the recording's description",
+            "the content of a log.yaml, or no such file",
+            "Give the mapping another name, for example mapping.yaml, and name it with --mapping.",
+            path="$.format",
+            file=str(beside),
+        )
+    return document
 
 
 def backgrounds_of(source: Path, inventories: Sequence[Survey], description: LogDescription) -> Backgrounds:

@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 import yaml
+from command import run_command
 from generators.collect import read
 from generators.mcap_files import (
     START,
@@ -256,6 +257,22 @@ def test_a_mapping_under_the_name_of_a_description_is_told_so(tmp_path):
     (tmp_path / "run.yaml").write_text(draft(tmp_path / "run.mcap"), encoding="utf-8")
     with pytest.raises(SchemaError, match=r"run.yaml is a mapping.*Give the mapping another name"):
         read(FORMAT, tmp_path / "run.mcap")
+
+
+def test_a_draft_can_be_written_beside_its_recording(tmp_path, capsys):
+    """The shell makes an empty run.yaml before `inspect run.mcap --suggest-mapping > run.yaml` begins: the draft is
+    written all the same, and an empty description is said.
+    """
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, range(6))
+    wanted = draft(tmp_path / "run.mcap")
+    (tmp_path / "run.yaml").touch()
+    code, out, _ = run_command(capsys, "inspect", tmp_path / "run.mcap", "--suggest-mapping")
+    assert code == 0
+    assert out == wanted
+    recording, _ = read(FORMAT, tmp_path / "run.mcap")[0]
+    (found,) = [finding for finding in recording.findings if finding.code == "description-empty"]
+    assert (found.severity, found.message) == ("warning", "run.yaml is empty: it describes nothing")
 
 
 NAMES = st.text("abfqtxyz", min_size=1, max_size=4)
