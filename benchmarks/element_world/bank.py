@@ -47,8 +47,9 @@ class ElementBank:
     """Solved touches in a folder; one that the folder lacks is solved and kept.
 
     Exact: Young's modulus, to which forces are proportional. Interpolated: the depth offset, by a spline through
-    solutions 0.1 mm apart, at each moment as if the whole path had that moment's offset. A constant offset along the gel
-    moves the contact without regard to the pad's sides; one that changes is solved as it is. So is another thickness.
+    solutions 0.1 mm apart, at each moment as if the whole path had that moment's offset. A constant offset along the
+    gel moves the contact without regard to the pad's sides; one that changes is solved as it is, and so is another
+    thickness.
 
     Parameters
     ----------
@@ -61,6 +62,11 @@ class ElementBank:
     folder: FilePath
     finer: float = 1.0
     _known: dict[str, Solved] = field(default_factory=dict)
+
+    @property
+    def kept(self) -> dict[str, Solved]:
+        """The solutions that were asked for so far, by their digests."""
+        return self._known
 
     def contact(
         self, gel: Gel, setup: TouchSetup, path: Path | None = None, deviation: Array | None = None
@@ -181,9 +187,7 @@ def _loaded(file: FilePath, count: int) -> Solved | None:
     """Return the solution in a file, of ``count`` moments; ``None`` where the file is missing or broken."""
     try:
         with np.load(io.BytesIO(file.read_bytes()), allow_pickle=False) as kept:
-            found = Solved(
-                kept["wrench"].astype(float), kept["slipping"], int(kept["unsettled"]), int(kept["steps"])
-            )
+            found = Solved(kept["wrench"].astype(float), kept["slipping"], int(kept["unsettled"]), int(kept["steps"]))
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
     return found if found.wrench.shape == (count, 6) else None

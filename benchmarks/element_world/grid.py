@@ -10,11 +10,11 @@ from element_world.surface import Pose
 
 ACROSS = 10
 """Spacings across the narrower side of a contact."""
-FINEST, COARSEST = 0.3, 0.45
+FINEST, COARSEST = 0.36, 0.45
 """Least and greatest spacing under a contact, mm."""
-GROWTH = 1.55
+GROWTH = 1.7
 """Ratio of neighbouring spacings beside a contact."""
-LAYERS = 6
+LAYERS = 5
 """Bricks through the thickness."""
 FLATTER = 0.8
 """Height of the uppermost bricks in spacings."""
@@ -59,7 +59,9 @@ def spacing_for(narrow: float, finer: float = 1.0) -> float:
     return float(np.clip(narrow / ACROSS, FINEST, COARSEST)) / finer
 
 
-def grid_lines(outline: tuple[float, float], thickness: float, box: Array, spacing: float) -> tuple[Array, ...]:
+def grid_lines(
+    outline: tuple[float, float], thickness: float, box: Array, spacing: float
+) -> tuple[Array, Array, Array]:
     """Return grid lines along x, y and z, mm.
 
     Parameters
@@ -73,13 +75,13 @@ def grid_lines(outline: tuple[float, float], thickness: float, box: Array, spaci
     spacing : mm
         Of the fine bricks; finer through the thickness as well.
     """
-    lines = [_along(side, *ends, spacing) for side, ends in zip(outline, box, strict=True)]
+    x, y = (_along(side, ends[0], ends[1], spacing) for side, ends in zip(outline, box, strict=True))
     layers = LAYERS if spacing >= FINEST else int(np.ceil(LAYERS * FINEST / spacing))
     first = min(FLATTER * spacing, thickness / layers)
     ratio = _ratio(thickness / first, layers)
     heights = first * ratio ** np.arange(layers)
     depths = np.concatenate([[0.0], np.cumsum(heights)]) * thickness / heights.sum()
-    return lines[0], lines[1], -depths[::-1]
+    return x, y, -depths[::-1]
 
 
 def _along(side: float, low: float, high: float, spacing: float) -> Array:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementHex1, FacetBasis, MeshHex
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 Rows = NDArray[np.intp]
 
 _SIGNS = np.zeros((3, 3, 3))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
@@ -43,7 +45,9 @@ class Slices:
         """Return the factors of a matrix that is the sum of the bricks' (e, 8, 3, 8, 3)."""
         values = np.bincount(self._entry, stiffness.ravel()[self._kept], len(self._keys)).astype(np.float32)
         size = self.size
-        pivots, overs, lowers = [], [], []
+        pivots: list[Any] = []
+        overs: list[Any] = []
+        lowers: list[Any] = []
         for at in range(self.count):
             below, diagonal, above = (self._part(values, 3 * at + place) for place in range(3))
             block = _dense(*diagonal, size)
@@ -93,7 +97,7 @@ class Factor:
         The blocks below the diagonal.
     """
 
-    def __init__(self, pivots: list, overs: list, lowers: list) -> None:
+    def __init__(self, pivots: list[Any], overs: list[Any], lowers: list[Any]) -> None:
         self._pivots, self._overs, self._lowers = pivots, overs, lowers
 
     def solve(self, right: Array) -> Array:

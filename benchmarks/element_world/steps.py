@@ -22,10 +22,10 @@ SMALLEST_VOLUME = 0.15
 """Ratio of a point's volume to that at rest below which a correction is taken in part."""
 LONGEST = 0.5
 """Greatest correction of a node, mm."""
-SHORTENED = 4
-"""How often a correction is halved."""
-WORSE = 1.2
-"""Growth of the imbalance in a correction that is let pass."""
+PARTS = (1.0, 0.5, 0.25)
+"""Parts of a correction that are tried until one is good enough; else the best is taken."""
+BETTER = 0.9
+"""Fall of the imbalance with which a correction is good enough."""
 FAST = 0.25
 """Fall of the imbalance in a correction with which the factors serve once more."""
 
@@ -109,22 +109,21 @@ class Stepper:
                 break
             if factor is None:
                 factor = self._factor(u, pressed)
-            correction, before, part = factor.solve(right), off, 1.0
-            for _ in range(SHORTENED):
+            correction, before, tries = factor.solve(right), off, []
+            for part in PARTS:
                 tried = self._corrected(u, part * correction)
                 pressed, right, size = self._balance(tried, pose, state)
-                off = float(np.linalg.norm(right)) / size
-                if off < WORSE * before:
+                tries.append((float(np.linalg.norm(right)) / size, tried, pressed, right))
+                if tries[-1][0] < BETTER * before:
                     break
-                part *= 0.5
-            u = tried
+            off, u, pressed, right = min(tries, key=lambda each: each[0])
             if off > FAST * before and off > TOLERANCE:
                 factor = None
             else:
                 self._last = (factor, pressed)
         touching = pressed.touching
         slipping = bool(touching.any() and (pressed.slipping | ~touching).all())
-        held = Held(pressed.points, pressed.gap, pressed.tangential, pose.tip)
+        held = Held(pressed.points, pressed.gap, pressed.stretch, pose.tip)
         found = State(u, held, self._surface.wrench(pressed), slipping, state.unsettled)
         return found, off < TOLERANCE
 

@@ -1,4 +1,4 @@
-"""Contact and friction at the points of a pad's outer surface: stiff springs that push, and Coulomb's law beside them."""
+"""Contact and friction at points of a pad's outer surface: stiff springs that push, and Coulomb's law beside them."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ ONSET = 2e-3
 """Distance, mm, over which the springs set in."""
 ALONG = 0.25
 """Stiffness of the springs along the surface, as a share of that of those across it."""
+FULL = 1.5
+"""Stretch, in units of Coulomb's limit over the springs' stiffness, from which a point slips."""
 NEAR = 0.3
 """Distance, mm, from the body beyond which a point's direction from it is not asked."""
 
@@ -61,15 +63,15 @@ class Held:
         Places of the points.
     gap : (f, p), mm
         Distances from the body.
-    tangential : (f, p, 3)
-        Tractions on the gel along the surface, over Young's modulus.
+    stretch : (f, p, 3)
+        Tractions on the gel along the surface that the springs would have without a limit, over Young's modulus.
     tip : (3,), mm
         Place of the body's tip.
     """
 
     points: Array
     gap: Array
-    tangential: Array
+    stretch: Array
     tip: Array
 
 
@@ -81,8 +83,8 @@ class Pressed:
     ----------
     traction : (f, p, 3)
         On the gel, by area at rest.
-    tangential : (f, p, 3)
-        The part along the surface.
+    stretch : (f, p, 3)
+        See `Held`, at most `FULL` times the limit.
     yields : (f, p, 3, 3), 1/mm
         By how much the traction falls as a point moves.
     gap : (f, p), mm
@@ -94,7 +96,7 @@ class Pressed:
     """
 
     traction: Array
-    tangential: Array
+    stretch: Array
     yields: Array
     gap: Array
     points: Array
@@ -153,19 +155,25 @@ class Surface:
         # a point is held from where the step that brings it into touch ends
         share = ALONG * (held.gap[rows] < ONSET)
         across = np.eye(3) - n[:, :, None] * n[:, None, :]
-        moved = (points[rows] - held.points[rows] - (pose.tip - held.tip))
-        trial = np.einsum("nij,nj->ni", across, held.tangential[rows] - (self._spring * share)[:, None] * moved)
-        size = np.linalg.norm(trial, axis=1)
-        slips = (size > limit) & (share > 0.0)
-        along = trial / np.maximum(size, 1e-15)[:, None]
-        pull = np.where(slips[:, None], limit[:, None] * along, trial)
-        rate = self._spring * share * np.where(slips, limit / np.maximum(size, 1e-15), 1.0)
-        beside = across - np.where(slips, 1.0, 0.0)[:, None, None] * along[:, :, None] * along[:, None, :]
-        push = n + np.where(slips, self._friction, 0.0)[:, None] * along
-        yields = rate[:, None, None] * beside
+        moved = points[rows] - held.points[rows] - (pose.tip - held.tip)
+        stretch = np.einsum("nij,nj->ni", across, held.stretch[rows] - (self._spring * share)[:, None] * moved)
+        size = np.maximum(np.linalg.norm(stretch, axis=1), 1e-15)
+        along = stretch / size[:, None]
+        slips = (size >= FULL * limit) & (share > 0.0)
+        part = np.minimum(size / np.maximum(limit, 1e-15), FULL)
+        kept = np.minimum(size, FULL * limit)[:, None] * along
+        # the pull bends smoothly from the springs' to Coulomb's limit, which it has at FULL
+        pull = part - 4.0 / 27.0 * part**3
+        steep = 1.0 - 4.0 / 9.0 * part**2
+        rate = self._spring * share
+        beside = (rate * limit * pull / size)[:, None, None] * (across - along[:, :, None] * along[:, None, :])
+        ahead = (rate * steep)[:, None, None] * (along[:, :, None] * along[:, None, :])
+        push = n + (self._friction * (pull - part * steep))[:, None] * along
+        yields = beside + ahead
         yields += (self._spring * slope)[:, None, None] * push[:, :, None] * n[:, None, :]
+        pull = (limit * pull)[:, None] * along
         out = [np.zeros((*points.shape[:2], *part.shape[1:])) for part in (n, n, yields)]
-        out[0][rows], out[1][rows], out[2][rows] = pressure[:, None] * n + pull, pull, yields
+        out[0][rows], out[1][rows], out[2][rows] = pressure[:, None] * n + pull, kept, yields
         is_slipping = np.zeros_like(touching)
         is_slipping[rows] = slips
         return Pressed(out[0], out[1], out[2], gap, points, touching, is_slipping)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ INTO, ALONG, OUT = 0.13, 0.2, 0.22
 """Longest step, mm: into the gel, along it and out of it."""
 FIRST = 0.4
 """Share of a step after which the first one along a new direction is solved."""
+LEAST_DEPTH = 1e-3
+"""Depth, mm, from which a body touches."""
 STILL = 1e-4
 """Move, mm, that changes nothing."""
 
@@ -112,7 +115,7 @@ def solve_touch(gel: GelPad, travel: Travel, finer: float = 1.0) -> Solved:
     """
     count = len(travel.positions)
     wrench, slipping = np.zeros((count, 6)), np.zeros(count, dtype=bool)
-    deep = np.flatnonzero(travel.positions[:, 2] > 0.0)
+    deep = np.flatnonzero(travel.positions[:, 2] > LEAST_DEPTH)
     if not len(deep):
         return Solved(wrench, slipping, 0, 0)
     moments = solved_moments(travel, finer)
@@ -124,13 +127,13 @@ def solve_touch(gel: GelPad, travel: Travel, finer: float = 1.0) -> Solved:
     unsettled, steps, found = 0, 0, np.zeros((len(moments), 6))
     slips = np.zeros(len(moments), dtype=bool)
     for place, row in enumerate(moments):
-        if travel.positions[row, 2] <= 0.0:
+        if travel.positions[row, 2] <= LEAST_DEPTH:
             unsettled, state = unsettled + (state.unsettled if state else 0), None
             continue
         pose = travel.pose(row)
         if state is None:
             # the body comes from where it just touches
-            above = Pose(pose.distance, pose.rotation, pose.tip + [0.0, 0.0, travel.positions[row, 2]])
+            above = Pose(pose.distance, pose.rotation, pose.tip + np.array([0.0, 0.0, travel.positions[row, 2]]))
             state = stepper.rest(above)
         if np.linalg.norm(pose.tip - state.held.tip) > STILL:
             state, steps = stepper.move(state, pose), steps + 1
@@ -151,11 +154,11 @@ def solved_moments(travel: Travel, finer: float = 1.0) -> Rows:
     """
     positions = travel.positions
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
-    touching = positions[:, 2] > 0.0
+    touching = positions[:, 2] > LEAST_DEPTH
     edges = np.flatnonzero(np.diff(touching.astype(int)))
     corners = np.unique(np.concatenate([[0, len(positions) - 1], travel.corners, edges, edges + 1]))
     chosen, before = [corners], np.zeros(3)
-    for start, end in zip(corners[:-1], corners[1:], strict=True):
+    for start, end in pairwise(corners):
         if not touching[start] or not touching[end] or end - start < 2:
             continue
         move = positions[end] - positions[start]
@@ -185,11 +188,11 @@ def _between(travel: Travel, moments: Rows, values: Array) -> Array:
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
     out = np.zeros((len(positions), values.shape[1]))
     ends = np.unique(np.concatenate([[0, len(positions) - 1], travel.corners]))
-    touching = positions[:, 2] > 0.0
+    touching = positions[:, 2] > LEAST_DEPTH
     edges = np.flatnonzero(np.diff(touching.astype(int)))
     # forces begin and end at the last row in the air
     ends = np.unique(np.concatenate([ends, edges[touching[edges + 1]], edges[touching[edges]] + 1]))
-    for start, end in zip(ends[:-1], ends[1:], strict=True):
+    for start, end in pairwise(ends):
         mine = np.flatnonzero((moments >= start) & (moments <= end))
         at, first = np.unique(length[moments[mine]], return_index=True)
         rows = np.arange(start, end + 1)
