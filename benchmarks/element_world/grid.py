@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from element_world.bodies import Distance
+from element_world.bodies import Body
 from element_world.pad import Array
 from element_world.surface import Pose
 
@@ -20,13 +20,13 @@ FLATTER = 0.8
 """Height of the uppermost bricks in spacings."""
 
 
-def contact_box(distance: Distance, rotation: Array, tips: Array) -> tuple[Array, float]:
+def contact_box(body: Body, rotation: Array, tips: Array) -> tuple[Array, float]:
     """Return the sides ((x, x), (y, y)), mm, of what a body covers on its way, and the narrowest cover, mm.
 
     Parameters
     ----------
-    distance : callable
-        From the body.
+    body : Body
+        What presses.
     rotation : (3, 3)
         Of the body.
     tips : (k, 3), mm
@@ -37,7 +37,7 @@ def contact_box(distance: Distance, rotation: Array, tips: Array) -> tuple[Array
     low, high, narrow = np.full(2, np.inf), np.full(2, -np.inf), 0.0
     for tip in tips:
         points = np.column_stack([x + tip[0], y + tip[1], np.zeros_like(x)])
-        inside = points[Pose(distance, rotation, tip).gaps(points)[0] < 0.0, :2]
+        inside = points[Pose(body, rotation, tip).gaps(points) < 0.0, :2]
         if len(inside):
             low, high = np.minimum(low, inside.min(axis=0)), np.maximum(high, inside.max(axis=0))
             # as wide as a disc or a strip of that area and length

@@ -68,7 +68,7 @@ class Pad:
         self.is_bonded = self.places[:, 2] < lines[2][0] + 1e-9
         # points of contact on the outer surface: shares (f, p, 4) of the corners of each facet
         top = mesh.facets_satisfying(lambda x: np.abs(x[2] - lines[2][-1]) < 1e-9, boundaries_only=True)
-        surface = FacetBasis(mesh, ElementHex1(), facets=top, intorder=5)
+        surface = FacetBasis(mesh, ElementHex1(), facets=top, intorder=7)
         values = np.stack([np.broadcast_to(np.asarray(field[0]), surface.dx.shape) for field in surface.basis], axis=2)
         self.brick_of_facet: Rows = np.asarray(surface.tind, dtype=np.intp)
         inside = values.max(axis=1) > 1e-9

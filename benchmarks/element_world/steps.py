@@ -14,7 +14,7 @@ ROUNDS = 14
 """Largest number of corrections in a step."""
 TOLERANCE = 2e-3
 """Greatest imbalance of a step, as a share of the contact's force."""
-LEAST_FORCE = 1e-4
+LEAST_FORCE = 2e-3
 """Force over Young's modulus, mm², of which that share is taken at least."""
 HALVINGS = 4
 """How often a step is halved before its best answer is taken."""
@@ -95,7 +95,7 @@ class Stepper:
         if halvings == 0:
             return State(found.displacements, found.held, found.wrench, found.is_slipping, state.unsettled + 1)
         self._last = None
-        middle = Pose(pose.distance, pose.rotation, 0.5 * (state.held.tip + pose.tip))
+        middle = Pose(pose.body, pose.rotation, 0.5 * (state.held.tip + pose.tip))
         return self.move(self.move(state, middle, halvings - 1), pose, halvings - 1)
 
     def _newton(self, state: State, pose: Pose) -> tuple[State, bool]:

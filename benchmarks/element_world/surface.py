@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from element_world.bodies import Distance, directions
+from element_world.bodies import Body
 from element_world.pad import Array, Pad
 
 SPRING = 60.0
@@ -16,10 +16,10 @@ ONSET = 2e-3
 """Distance, mm, over which the springs set in."""
 ALONG = 0.25
 """Stiffness of the springs along the surface, as a share of that of those across it."""
+NEW = 0.5
+"""Share of a step for which the points that it brings into touch are carried along."""
 FULL = 1.5
 """Stretch, in units of Coulomb's limit over the springs' stiffness, from which a point slips."""
-NEAR = 0.3
-"""Distance, mm, from the body beyond which a point's direction from it is not asked."""
 
 
 @dataclass(frozen=True)
@@ -28,29 +28,26 @@ class Pose:
 
     Parameters
     ----------
-    distance : callable
-        From the body, in its own frame.
+    body : Body
+        What is pressed on the pad.
     rotation : (3, 3)
         Of the body, gel_from_indenter.
     tip : (3,), mm
         Place of its tip, gel frame.
     """
 
-    distance: Distance
+    body: Body
     rotation: Array
     tip: Array
 
-    def gaps(self, points: Array) -> tuple[Array, Array]:
-        """Return distances (n,), mm, and directions (n, 3) away from the body, of points (n, 3), all in the gel frame.
+    def gaps(self, points: Array) -> Array:
+        """Return the distances (n,), mm, from the body of points (n, 3), gel frame."""
+        return self.body.distance((points - self.tip) @ self.rotation)
 
-        Directions far from the body are zero.
-        """
-        own = (points - self.tip) @ self.rotation
-        gap = self.distance(own)
-        near = np.flatnonzero(gap < NEAR)
-        normal = np.zeros_like(points)
-        normal[near] = directions(self.distance, own[near], gap[near]) @ self.rotation.T
-        return gap, normal
+    def directions(self, points: Array, gaps: Array) -> tuple[Array, Array]:
+        """Return how distances grow (n, 3), and the directions (n, 3) in which points (n, 3) are pressed."""
+        growth, push = self.body.directions((points - self.tip) @ self.rotation, gaps)
+        return growth @ self.rotation.T, push @ self.rotation.T
 
 
 @dataclass(frozen=True)
@@ -127,7 +124,7 @@ class Surface:
     def at_rest(self, pose: Pose) -> Held:
         """Return the memory of a surface that nothing has touched."""
         points = self.points(np.zeros_like(self._pad.places))
-        gap, _ = pose.gaps(points.reshape(-1, 3))
+        gap = pose.gaps(points.reshape(-1, 3))
         return Held(points, gap.reshape(points.shape[:2]), np.zeros_like(points), pose.tip)
 
     def press(self, displacements: Array, pose: Pose, held: Held) -> Pressed:
@@ -143,17 +140,17 @@ class Surface:
             The step before.
         """
         points = self.points(displacements)
-        gap, normal = (part.reshape(*points.shape[:2], -1) for part in pose.gaps(points.reshape(-1, 3)))
-        gap = gap[..., 0]
+        gap = pose.gaps(points.reshape(-1, 3)).reshape(points.shape[:2])
         touching = gap < ONSET
         rows = np.nonzero(touching)
-        g, n = gap[rows], normal[rows]
+        g = gap[rows]
+        growth, n = pose.directions(points[rows], g)
         overlap = np.where(g < -ONSET, -g, (ONSET - g) ** 2 / (4.0 * ONSET))
         slope = np.where(g < -ONSET, 1.0, (ONSET - g) / (2.0 * ONSET))
         pressure = self._spring * overlap
         limit = self._friction * pressure
-        # a point is held from where the step that brings it into touch ends
-        share = ALONG * (held.gap[rows] < ONSET)
+        # a point that a step brings into touch is carried along for half of the step
+        share = ALONG * np.where(held.gap[rows] < ONSET, 1.0, NEW)
         across = np.eye(3) - n[:, :, None] * n[:, None, :]
         moved = points[rows] - held.points[rows] - (pose.tip - held.tip)
         stretch = np.einsum("nij,nj->ni", across, held.stretch[rows] - (self._spring * share)[:, None] * moved)
@@ -170,7 +167,7 @@ class Surface:
         ahead = (rate * steep)[:, None, None] * (along[:, :, None] * along[:, None, :])
         push = n + (self._friction * (pull - part * steep))[:, None] * along
         yields = beside + ahead
-        yields += (self._spring * slope)[:, None, None] * push[:, :, None] * n[:, None, :]
+        yields += (self._spring * slope)[:, None, None] * push[:, :, None] * growth[:, None, :]
         pull = (limit * pull)[:, None] * along
         out = [np.zeros((*points.shape[:2], *part.shape[1:])) for part in (n, n, yields)]
         out[0][rows], out[1][rows], out[2][rows] = pressure[:, None] * n + pull, kept, yields

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from element_world.bodies import Distance
+from element_world.bodies import Body
 from element_world.grid import contact_box, grid_lines, spacing_for
 from element_world.pad import Array, Pad, Rows
 from element_world.steps import State, Stepper
@@ -51,8 +51,8 @@ class Travel:
 
     Parameters
     ----------
-    distance : callable
-        From the body, see `bodies`.
+    body : Body
+        What moves.
     rotation : (3, 3)
         Of the body, gel_from_indenter.
     lowest : mm
@@ -63,7 +63,7 @@ class Travel:
         Rows at which straight moves end.
     """
 
-    distance: Distance
+    body: Body
     rotation: Array
     lowest: float
     positions: Array
@@ -76,7 +76,7 @@ class Travel:
 
     def pose(self, row: int) -> Pose:
         """Return the pose of the body at a row."""
-        return Pose(self.distance, self.rotation, self.tip(row))
+        return Pose(self.body, self.rotation, self.tip(row))
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def solve_touch(gel: GelPad, travel: Travel, finer: float = 1.0) -> Solved:
     if not len(deep):
         return Solved(wrench, slipping, 0, 0)
     moments = solved_moments(travel, finer)
-    box, narrow = contact_box(travel.distance, travel.rotation, np.array([travel.tip(row) for row in moments]))
+    box, narrow = contact_box(travel.body, travel.rotation, np.array([travel.tip(row) for row in moments]))
     spacing = spacing_for(narrow, finer)
     pad = Pad(grid_lines(gel.outline, gel.thickness, box, spacing), gel.poisson_ratio)
     stepper = Stepper(pad, Surface(pad, gel.friction, spacing))
@@ -133,7 +133,7 @@ def solve_touch(gel: GelPad, travel: Travel, finer: float = 1.0) -> Solved:
         pose = travel.pose(row)
         if state is None:
             # the body comes from where it just touches
-            above = Pose(pose.distance, pose.rotation, pose.tip + np.array([0.0, 0.0, travel.positions[row, 2]]))
+            above = Pose(pose.body, pose.rotation, pose.tip + np.array([0.0, 0.0, travel.positions[row, 2]]))
             state = stepper.rest(above)
         if np.linalg.norm(pose.tip - state.held.tip) > STILL:
             state, steps = stepper.move(state, pose), steps + 1
