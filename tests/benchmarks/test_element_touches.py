@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,7 @@ def pressed(shape, sizes, tips, friction, spacing, thickness=4.0, outline=(14.0,
 def test_bodies_are_those_that_scenarios_state(shape):
     """Near the tip, distances are those of the package's indenter of that shape, found by other formulas."""
     chance = np.random.default_rng(3)
-    points = chance.uniform([-6, -6, -2], [6, 6, 3], (4000, 3))
+    points = chance.uniform([-6, -6, -2], [6, 6, 3], (12000, 3))
     told = 1e3 * make_indenter({"shape": shape, **SIZES[shape]}, Path(), shape).signed_distance(1e-3 * points)
     body = body_of(shape, SIZES[shape])
     found = body.distance(points)
@@ -137,7 +138,7 @@ def travel_of(corners, shape="sphere", sizes=None, rotation=None):
     """A way through corners (x, y, depth), mm, in 60 even moments each, with a rest of 20 at each."""
     corners = np.asarray(corners, dtype=float)
     rows, ends = [corners[:1]], [0]
-    for here, there in zip(corners[:-1], corners[1:], strict=True):
+    for here, there in pairwise(corners):
         rows.append(here + np.linspace(0, 1, 61)[1:, None] * (there - here))
         rows.append(np.repeat(there[None], 20, axis=0))
         ends += [ends[-1] + 60, ends[-1] + 80]
