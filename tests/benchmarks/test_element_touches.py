@@ -70,6 +70,7 @@ def test_bodies_are_those_that_scenarios_state(shape):
     assert np.linalg.norm(push, axis=1) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_ball_on_a_thick_pad_presses_as_hertz_says():
     """Without friction and with what Dimitriadis (2002) adds for a bonded layer's thickness: within 4 %."""
     radius, depth, nu, thickness = 4.0, 0.15, 0.48, 8.0
@@ -253,12 +254,12 @@ def test_an_unknown_shape_is_refused():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "sizes", "depth", "bound"),
-    [("sphere", {"radius": 3e-3}, 0.6, 0.03), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.06)],
+    [("sphere", {"radius": 3e-3}, 0.6, 0.02), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.04)],
 )
 def test_forces_are_converged(shape, sizes, depth, bound):
-    """On a grid twice as fine in each direction a ball's force falls by at most 3 %, a punch's by at most 6 %."""
+    """On a grid 1.4 times as fine a ball's forces differ by at most 2 %, a punch's by at most 4 %."""
     travel = travel_of([(0, 0, -0.2), (0, 0, depth), (0.2, 0, depth)], shape, sizes)
     gel = GelPad((12.0, 12.0), 4.1, 0.476, 0.62)
-    usual, fine = (solve_touch(gel, travel, finer).wrench for finer in (1.0, 1.8))
+    usual, fine = (solve_touch(gel, travel, finer).wrench for finer in (1.0, 1.4))
     for row, column in ((140, 2), (-1, 2), (-1, 0)):
         assert usual[row, column] == pytest.approx(fine[row, column], rel=bound)
