@@ -1,12 +1,13 @@
 """Missing physics named where the simulation errs: worlds of several generators whose contact differs from the gel's.
 
-    python benchmarks/mismatch_worlds.py [--generator layer|analytic] [--mismatch SIZE] [--solver SEED] [--noise FACTOR]
-                                         [--plan N] [--cases nulls ...] [--seed N] [--count K] [--estimated]
-                                         [--out FILE.jsonl]
+    python benchmarks/mismatch_worlds.py [--generator layer|analytic|element] [--mismatch SIZE] [--solver SEED]
+                                         [--noise FACTOR] [--plan N] [--cases nulls ...] [--seed N] [--count K]
+                                         [--estimated] [--out FILE.jsonl] [--bank FOLDER]
 
-The simulation is our gel at finite strain. Generators are the rig's layer solver and the rig's closed forms, either
-with errors of a solver that are drawn for each indenter (`other_solvers`): at a mismatch of 1 some per cent, at 2 twice
-that. Touches are those of `wedge_plan`. What was played and solved is kept, as in `naming_worlds`. With `--estimated`
+The simulation is our gel at finite strain. Generators are the rig's layer solver, the rig's closed forms and finite
+elements of scikit-fem (`element_world`), each with errors of a solver that are drawn for each indenter
+(`other_solvers`): at a mismatch of 1 some per cent, at 2 twice that. Touches are those of `wedge_plan`. What was played
+and solved is kept, as in `naming_worlds`; `element_plan` solves what nulls by finite elements need. With `--estimated`
 the answer is the first one, before the gels on which it could rest are played in full.
 """
 
@@ -19,6 +20,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from element_world.bank import ElementBank
 from naming_asked import KINDS, Asked, asked_cases
 from naming_summary import summary
 from naming_worlds import Bench, keep_and_tell
@@ -30,7 +32,7 @@ from tactiledata.rig.contact.analytic import touch_analytic
 from tactiledata.rig.contact.contact import TouchSetup
 
 SLOW = ("thickness", "dome", "indenter_mount")
-"""Effects for which the layer solver must solve every touch anew."""
+"""Effects for which a solver must solve every touch anew."""
 
 
 def closed_form(_: Any, setup: TouchSetup, path: Any = None, deviation: Any = None) -> Any:
@@ -48,7 +50,7 @@ def chosen(kinds: Sequence[str], count: int, strength: str, seed: int, only: Seq
 def main() -> None:
     """Run what is not in the file yet; print a line a case, then the summary."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--generator", choices=("layer", "analytic"), default="layer")
+    parser.add_argument("--generator", choices=("layer", "analytic", "element"), default="layer")
     parser.add_argument("--mismatch", type=float, default=0.0)
     parser.add_argument("--solver", type=int, default=0, help="seed of the solver's errors")
     parser.add_argument("--noise", type=float, default=1.0)
@@ -66,7 +68,8 @@ def main() -> None:
     options = parser.parse_args()
     varied = () if options.without_variants else tuple(EFFECTS)
     bench = Bench.of(WedgePlan(options.plan), options.bank, not options.without_variants, varied)
-    solve = bench.maker.bank.contact if options.generator == "layer" else closed_form
+    solves = {"layer": bench.maker.bank.contact, "analytic": closed_form, "element": ElementBank(options.bank).contact}
+    solve = solves[options.generator]
     maker = replace(bench.maker, solve=OtherSolver(solve, options.mismatch, options.solver), noise=options.noise)
     bench = replace(bench, maker=maker, pairs=not options.no_pairs, in_full=not options.estimated)
     found = []
